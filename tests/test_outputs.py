@@ -40,7 +40,7 @@ def test_a_command_may_repeat_itself_and_nothing_else_is_lost(words: tuple[str, 
 
 
 def command(*typed: str, told: list[str] | None = None) -> Command:
-    return command_of(typed, ["rig"], (told if told is not None else []).append)
+    return command_of(typed, ["arm", "rig"], (told if told is not None else []).append)
 
 
 def test_other_words_of_a_quick_command_say_what_they_replace(tmp_path: Path) -> None:
@@ -69,6 +69,17 @@ def test_where_results_go_is_no_input(tmp_path: Path) -> None:
         with running(command("pack", "--picks", "2", *place)):
             check_folder(tmp_path, "results.json", costly=True)
             write_text(tmp_path / "results.json", "1")
+
+
+def test_what_is_there_already_may_be_written_again_and_stays_whose_it_is(tmp_path: Path) -> None:
+    with running(command("arm", "import", "a.urdf")):
+        write_text(tmp_path / "link.stl", "solid")
+    with running(command("arm", "export", "a.toml")):
+        write_text(tmp_path / "link.stl", "solid")
+        with pytest.raises(OutputError, match=r"holds what `layflat arm import a\.urdf` wrote"):
+            write_text(tmp_path / "link.stl", "other")
+    assert (tmp_path / "link.stl").read_text(encoding="utf-8") == "solid"
+    assert [path.name for path in tmp_path.iterdir()] == ["link.stl"]
 
 
 @pytest.mark.parametrize("change", ["edited", "protected", "somebody's", "moved here"])
@@ -122,7 +133,7 @@ def test_without_a_place_for_records_all_is_somebodys(tmp_path: Path, monkeypatc
     with running(command("size")):
         write_text(tmp_path / "a", "1")
         with pytest.raises(OutputError, match="not from this command"):
-            write_text(tmp_path / "a", "1")
+            write_text(tmp_path / "a", "2")
 
 
 def test_force_replaces_another_study_and_nothing_foreign(tmp_path: Path) -> None:

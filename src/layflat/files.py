@@ -5,6 +5,7 @@ import os
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from filecmp import cmp
 from pathlib import Path
 
 from layflat.errors import LayflatError, OutputError
@@ -25,17 +26,28 @@ def whole_file(path: Path, *, owned: bool = False) -> Iterator[Path]:
         owned: whether the caller knows that what is there may be replaced, and leaves no record (see outputs.py).
 
     Raises:
-        OutputError: the folder can't be made or written, the disk is full, or what is there may not be replaced.
+        OutputError: the folder can't be made or written, the disk is full, or what is there may not be replaced and
+            has another content.
     """
     temporary: Path | None = None
+    refused: OutputError | None = None
     if not owned:
-        check_replaceable(path)
+        try:
+            check_replaceable(path)
+        except OutputError as error:
+            if not path.is_file():
+                raise
+            refused = error  # unless what is there is what will be written
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         handle, name = tempfile.mkstemp(prefix=f".{path.stem}-", suffix=path.suffix, dir=path.parent)
         temporary = Path(name)
         os.close(handle)
         yield temporary
+        if refused is not None:
+            if cmp(temporary, path, shallow=False):
+                return  # what is there already
+            raise refused
         temporary.chmod(0o666 & ~_umask())
         replaced = None if owned else replaced_record(path)
         temporary.replace(path)
@@ -44,10 +56,10 @@ def whole_file(path: Path, *, owned: bool = False) -> Iterator[Path]:
     except LayflatError:
         raise
     except Exception as error:
-        refused = _refusal(error, path, temporary)
-        if refused is None:
+        failure = _refusal(error, path, temporary)
+        if failure is None:
             raise
-        raise refused from error
+        raise failure from error
     finally:
         if temporary is not None:
             temporary.unlink(missing_ok=True)

@@ -2,8 +2,9 @@
 
 What a command writes is recorded: a digest of the content, and the words of the command. The same command may replace
 it as long as nobody has changed it. So may the same command with other words, where its results are made anew in
-seconds, and it says so. All else stays, unless the user gives --force. The records stand in the user's state folder,
-not beside the results, so that folders hold results alone; a file without a record is somebody else's.
+seconds, and it says so. All else stays, unless it is what would be written, or the user gives --force. The records
+stand in the user's state folder, not beside the results, so that folders hold results alone; a file without a record
+is somebody else's.
 
 Where no command runs, in Python, a function writes to the path that it is given, as those of other libraries do.
 """

@@ -131,8 +131,9 @@ def test_shapes_are_drawn_where_they_are_described(tmp_path: Path) -> None:
 @pytest.mark.parametrize("name", ["arm.xml", "arm.urdf"])
 def test_files_have_their_meshes_beside_them(name: str, tmp_path: Path) -> None:
     written = save_arm(with_shapes(tmp_path / "from"), tmp_path / "to" / name)
+    folder = f"to/arm-{Path(name).suffix[1:]}-meshes"
     assert [path.relative_to(tmp_path).as_posix() for path in written] == [
-        f"to/{name}", "to/arm-meshes/wedge.stl", "to/arm-meshes/wedge.obj"
+        f"to/{name}", f"{folder}/wedge.stl", f"{folder}/wedge.obj"
     ]  # fmt: skip
     model = mujoco.MjModel.from_xml_path(str(written[0]))
     assert model.nmesh == 2

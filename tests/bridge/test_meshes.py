@@ -78,7 +78,7 @@ def test_a_dae_is_as_large_as_its_unit_says(unit: str, metres: float, tmp_path: 
     save_arm(load(saved[0]), tmp_path / "out.urdf")
     text = (tmp_path / "out.urdf").read_text()
     assert f'scale="{2.0 * metres!r} {3.0 * metres!r} {4.0 * metres!r}"' in text
-    assert unit == "" or b'"1"' in (tmp_path / "out-meshes" / "wedge.dae").read_bytes().replace(b"'", b'"')
+    assert unit == "" or b'"1"' in (tmp_path / "out-urdf-meshes" / "wedge.dae").read_bytes().replace(b"'", b'"')
     assert import_arm(tmp_path / "out.urdf").machine.arm.link["shoulder"].shapes[1].scale == pytest.approx(
         (2.0 * metres, 3.0 * metres, 4.0 * metres)
     )

@@ -2,7 +2,7 @@ from pathlib import Path
 
 import pytest
 from commands import layflat, refused
-from robot_files import urdf, written
+from robot_files import UPPER, urdf, written
 
 from layflat.machine import load
 
@@ -15,6 +15,20 @@ def test_an_arm_is_exported_and_imported(tmp_path: Path) -> None:
     assert "tip at tool, 1.5 kg there" in " ".join(done.stdout.split())
     assert done.stdout.endswith(f"wrote {tmp_path / 'to' / 'back.toml'}\n")
     assert load(tmp_path / "to" / "back.toml").arm.kind == "chain"
+
+
+def test_an_export_beside_its_description_leaves_the_meshes_of_that_alone(tmp_path: Path) -> None:
+    facet = "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n"
+    (tmp_path / "plate.stl").write_text(f"solid\n{facet}endsolid\n", encoding="utf-8")
+    mesh = '<visual><geometry><mesh filename="plate.stl"/></geometry></visual></link>'
+    file = written(tmp_path, urdf(upper=UPPER.replace("</link>", mesh)))
+    assert layflat("arm", "import", str(file), "--name", "plate", "--out", str(tmp_path)).returncode == 0
+    mesh_of_description = tmp_path / "plate-meshes" / "plate.stl"
+    before = mesh_of_description.read_bytes()
+    for suffix in ("xml", "urdf"):
+        done = layflat("arm", "export", str(tmp_path / "plate.toml"), "--out", str(tmp_path / f"plate.{suffix}"))
+        assert done.returncode == 0, done.stderr
+    assert mesh_of_description.read_bytes() == before
 
 
 def test_options_of_an_import_are_taken(tmp_path: Path) -> None:

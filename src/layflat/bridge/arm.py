@@ -105,7 +105,7 @@ def save_arm(machine: Machine, path: Path) -> list[Path]:
         raise InputError(
             f"{path.name!r} has an unknown format", where="path", right="give a name such as arm.xml or arm.urdf"
         )
-    folder = f"{path.stem}-meshes"
+    folder = f"{path.stem}-{path.suffix.removeprefix('.')}-meshes"  # not those that the description names
     text = FORMATS[path.suffix](machine, folder)
     meshes = Meshes((piece for own in link_pieces(machine) for piece in own), folder, engine=path.suffix == ".xml")
     written = []
