@@ -7,7 +7,6 @@ from typing import Annotated
 import typer
 
 from layflat.cli.app import app, print_table
-from layflat.description.hints import did_you_mean
 from layflat.errors import InputError
 
 
@@ -16,6 +15,8 @@ def docs(
     page: Annotated[str, typer.Argument(metavar="[PAGE]", help="page to print; default: a list of all")] = "",
 ) -> None:
     """List the pages of the documentation, or print one of them."""
+    from layflat.description.hints import did_you_mean  # noqa: PLC0415
+
     folder = docs_folder()
     pages = {path.relative_to(folder).with_suffix("").as_posix(): path for path in sorted(folder.rglob("*.md"))}
     if not page:
