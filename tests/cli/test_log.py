@@ -40,9 +40,12 @@ def test_a_guess_is_written_looked_through_and_used(rig: Path) -> None:
     assert done.returncode == 0, done.stderr
     assert "wrote rig-mapping.toml: a guess, correct it before you use it" in done.stdout
     assert max(map(len, done.stdout.splitlines())) <= 100
+    place = rig / "rig-mapping.toml"
+    place.write_text(place.read_text() + "# looked through\n")
     again = layflat("log", "map", "rig.csv", cwd=rig)
     assert again.returncode == 2
-    assert again.stderr.startswith("layflat: rig-mapping.toml: is there already")
+    assert again.stderr.startswith("layflat: rig-mapping.toml: ")
+    assert place.read_text().endswith("# looked through\n")
     words = ("log", "check", "rig.csv", "--mapping", "rig-mapping.toml", "--machine", "paper-small-joint")
     checked = layflat(*words, "--cycle", "10 ms", cwd=rig)
     assert checked.returncode == 0, checked.stderr

@@ -174,3 +174,28 @@ def test_a_clock_in_days_is_told_with_the_right_factor(tmp_path: Path) -> None:
         {"from": "angle [deg]", "signal": "angle", "unit": "deg", "joint": "small"}]}  # fmt: skip
     issues = check(read_log(path, mapping_of(plain), joints=["small"]), load("paper-small-joint-fast"))
     assert any("a factor of 86400 would fit" in issue.right for issue in issues)
+
+
+def test_what_an_own_name_can_not_be_is_no_dead_end(tmp_path: Path) -> None:
+    guess = guess_mapping(text_log(tmp_path, "t,brake [%],angle [%]", "i / 100", "i", "i"), ["small"])
+    assert [entry.signal for entry in guess.mapping.column] == ["brake"]
+    assert "'%' is not a unit of it" in guess.left["angle [%]"]
+    falling = text_log(tmp_path, "time [s],angle [deg]", "-i / 100", "sin(i)")
+    with pytest.raises(InputError, match=r"column 'time \[s\]' falls 59 times, first at sample 2"):
+        guess_mapping(falling, ["small"])
+
+
+def test_set_points_beside_what_was_measured(tmp_path: Path) -> None:
+    header = "t [s],p_set_A [bar(g)],p_ist_A [bar(g)],Sollwinkel [deg],Istwinkel [deg]"
+    guess = guess_mapping(text_log(tmp_path, header, "i / 100", "2", "sin(i)", "10", "sin(i)"), ["small"])
+    assert [entry.signal for entry in guess.mapping.column] == ["setpoint_a", "pressure_a", "demand", "angle"]
+
+
+def test_points_that_may_be_thousands_are_said(tmp_path: Path) -> None:
+    path = tmp_path / "log.csv"
+    path.write_text("t [s];p_a [mbar]\n" + "".join(f"{i};{2 + i % 3}.{500 + i}\n" for i in range(40)))
+    guess = guess_mapping(path, ["small"])
+    assert (
+        "the point in '2.500' is taken for the decimal sign, which nothing proves: check it"
+        in guess.notes["p_a [mbar]"]
+    )

@@ -116,7 +116,7 @@ def _score(column: Column) -> tuple[float, str] | None:
     words = words_of(header.stem)
     meant = meanings(words)
     timed = bool(header.unit) and kind_of_unit(header.unit) == TIME
-    if (header.unit and not timed) or header.unknown or not _rises(values):
+    if (header.unit and not timed) or header.unknown or not rises(values):
         return None
     named = "clock" in meant and (timed or not meant & {"pressure", "angle", "torque", "force", "rate", "temperature"})
     coarse = 0.5 if np.median(np.diff(values[np.isfinite(values)])) <= 0.0 else 0.0
@@ -137,7 +137,14 @@ def _counts(values: Array) -> bool:
     return bool(known.size > 1 and np.all(known == np.arange(known.size) + known[0]))
 
 
-def _rises(values: Array) -> bool:
+def usual_step(values: Array) -> float:
+    """Return the median of the steps forward of a column; 0 where there are none."""
+    steps = np.diff(values[np.isfinite(values)])
+    return float(np.median(steps[steps > 0.0])) if (steps > 0.0).any() else 0.0
+
+
+def rises(values: Array) -> bool:
+    """Return whether a column rises as a clock does: it may be set back once."""
     steps = np.diff(values[np.isfinite(values)])
     return bool(steps.size and np.any(steps > 0.0) and np.sum(steps < 0.0) <= max(1.0, MAX_FALLS * steps.size))
 
@@ -151,8 +158,7 @@ def _unit(column: Column) -> tuple[str, str]:
         if found is not None and kind_of_unit(found[0]) == TIME:
             return found[0], f"unit by the word {word!r}"
     known = column.values[np.isfinite(column.values)]
-    steps = np.diff(known)
-    step, first, last = float(np.median(steps[steps > 0.0])), float(known[0]), float(known[-1])
+    step, first, last = usual_step(known), float(known[0]), float(known[-1])
     for low, high, unit in EPOCHS:
         if low < first < high and low < last < high:
             return unit, f"unit by its values of {first:.4g}, which are dates in {unit}: check it"

@@ -5,6 +5,7 @@ It is a proposal with reasons, for a person to look through; nothing applies it 
 
 from collections.abc import Mapping as Map
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -13,7 +14,7 @@ import numpy as np
 
 from layflat.description import units as u
 from layflat.errors import InputError
-from layflat.identify.logs.clocks import ClockChoice, choose_clock
+from layflat.identify.logs.clocks import ClockChoice, choose_clock, rises, usual_step
 from layflat.identify.logs.evidence import Candidate, find_candidate
 from layflat.identify.logs.mapping import Mapping, mapping_of
 from layflat.identify.logs.own import own_mapping
@@ -61,7 +62,9 @@ def guess_mapping(
         InputError: there is no clock, or no column looks like a signal.
     """
     table = table if isinstance(table, Table) else read_table(table)
-    own = own_mapping(table) if period is None else None
+    own = None
+    with suppress(InputError):  # a stated unit that an own name can't have
+        own = own_mapping(table) if period is None else None
     if own is not None and _is_whole(own, table):
         return Guess(own, _own_notes(own, table), dict(table.words))
     known = list(joints or ())
@@ -115,14 +118,10 @@ def _is_whole(own: Mapping, table: Table) -> bool:
     simulated = any(name.startswith("measured_angle") for name in used if name)
     if not simulated and table.clock is None and any(name not in used for name in table.columns):
         return False
-    time = own.time
-    if time is not None and time.column is not None and not table.columns[time.column].header.unit:
-        steps = np.diff(table.columns[time.column].values)
-        if (
-            not USUAL_STEPS[0]
-            < float(np.median(steps[steps > 0.0], axis=None) if (steps > 0.0).any() else 0.0)
-            < USUAL_STEPS[1]
-        ):
+    if own.time is not None and own.time.column is not None:
+        clock = table.columns[own.time.column]
+        step = usual_step(clock.values)
+        if not rises(clock.values) or not (clock.header.unit or USUAL_STEPS[0] < step < USUAL_STEPS[1]):
             return False
     for entry in own.column:
         column, signal = table.columns[entry.columns[0]], SIGNALS[entry.signal]

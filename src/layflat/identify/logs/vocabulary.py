@@ -13,7 +13,7 @@ ROLES = {
     "a": "a pa rpa ca",
     "b": "b pb rpb cb",
     "asked": (
-        "des dem demand desired ref reference target setpoint sp cmd command goal soll qdes ca cb pset pdes "
+        "des dem set demand desired ref reference target setpoint sp cmd command goal soll qdes ca cb pset pdes "
         "pref sollwert sollwinkel solldruck consigne wanted"
     ),
     "difference": "dp pdiff diff difference differential delta differenz differenzdruck druckdifferenz",

@@ -152,7 +152,7 @@ def _read_columns(
     """
     frames, notes = _frames(path, encoding, layout, progress, decimal=usual, na_values=["", "nan", "NaN", "NAN"])
     cells: dict[int, Cells] = {}
-    odd = [i for i in range(layout.width) if any(frame[i].dtype.kind not in "iufb" for frame in frames)]
+    odd = [i for i in range(layout.width) if any(_is_odd(frame[i], proven) for frame in frames)]
     for i in set(range(layout.width)) - set(odd):
         cells[i] = Cells(np.concatenate([frame[i].to_numpy(dtype=np.float64) for frame in frames]), proven=None)
     whole = {i for i in cells if all(frame[i].dtype.kind in "iub" for frame in frames)}
@@ -165,6 +165,16 @@ def _read_columns(
         cells |= _read_odd(read, fractions, path, layout)
         words = {i: column for i, column in read.items() if cells[i].values is None}
     return cells, words, notes
+
+
+def _is_odd(column: Any, proven: Decimal | None) -> bool:
+    """Return whether a column is to be read by cells: no numbers, or fractions whose sign nothing proves."""
+    if column.dtype.kind not in "iufb":
+        return True
+    if proven is not None or column.dtype.kind != "f":
+        return False
+    values = np.abs(column.to_numpy(dtype=np.float64))
+    return bool(np.any(values % 1.0 != 0.0))
 
 
 def _read_odd(columns: dict[int, list[str]], usual: Decimal | None, path: Path, layout: Layout) -> dict[int, Cells]:
