@@ -80,7 +80,7 @@ def test_json_with_nested_names_and_what_is_no_number(tmp_path: Path) -> None:
 
 def test_what_can_not_be_decoded_is_left_out_or_refused(tmp_path: Path) -> None:
     path = write_json(tmp_path / "x.mcap", [("/a", 0.0, 1.0)], encoding="protobuf")
-    with pytest.raises(InputError, match="holds no messages with numbers; give messages of ROS 2"):
+    with pytest.raises(InputError, match=r"no messages with numbers \(a: its messages are in protobuf"):
         read_table(path)
 
 
@@ -88,7 +88,7 @@ def test_what_can_not_be_decoded_is_left_out_or_refused(tmp_path: Path) -> None:
 def test_a_broken_bag_is_refused_in_one_line(tmp_path: Path, content: bytes) -> None:
     path = tmp_path / "broken.mcap"
     path.write_bytes(content)
-    with pytest.raises(InputError, match=r"as MCAP|no messages") as caught:
+    with pytest.raises(InputError, match=r"MCAP|no messages") as caught:
         read_table(path)
     assert "\n" not in str(caught.value)
 

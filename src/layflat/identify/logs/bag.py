@@ -1,69 +1,116 @@
-"""MCAP files: messages of ROS 2 or in JSON, flattened to columns, each with the log time of its messages."""
+"""MCAP files: messages of ROS 2, of ROS 1 or in JSON as columns, each with the log time of its messages."""
 
 import json
-from array import array
-from collections.abc import Iterator
+from io import BytesIO
 from pathlib import Path
-from types import SimpleNamespace
-from typing import Any
-
-import numpy as np
+from typing import TYPE_CHECKING, Any
 
 from layflat import extras
-from layflat.errors import InputError, LayflatError
-from layflat.identify.logs.headers import Header, header_of
-from layflat.identify.logs.table import Column
+from layflat.errors import InputError
+from layflat.identify.logs.headers import Header
+from layflat.identify.logs.messages import Decode, MessageColumns, TopicNames, reason_of
+from layflat.identify.logs.rosbag import attempted, ros1_decoder, ros2_idl_decoder, unsigned
+from layflat.identify.logs.table import Column, Content
 
-LARGEST = 64  # items of an array that become columns; longer ones are images and scans
+if TYPE_CHECKING:
+    from mcap.records import Channel, Schema
+
 CYCLE = "layflat_msgs/msg/Cycle"  # type of the messages of a rig's recorder
+SCHEMA, CHANNEL, MESSAGE = 3, 4, 5  # kinds of records
+TIME_TYPES = ("Time", "Duration")
 
 
-def read_bag(path: Path) -> tuple[dict[str, Column], Header | None]:
-    """Columns "topic.field" of an MCAP file; times are seconds since the first message.
+def read_bag(path: Path) -> Content:
+    """Read an MCAP file; times are seconds since the first message.
 
-    Arrays become "topic.field.0" and so on, or go by name where `name` or `names` stands beside them, as in
-    sensor_msgs/JointState. Topics in other encodings are left out. A log of `layflat rig` has our own names, without
-    topics: its cycles alone are read, over their own time. Raise InputError if it is none, nothing in it can be
+    What can't be decoded is left out with its reason. A log of `layflat rig` has our own names, without topics: its
+    cycles alone are read, over their own time. Raise InputError if it is none, is not whole, nothing in it can be
     decoded, or the packages are not installed.
     """
+    from layflat.rig.recorder.repair import PART, Kept, check_magic, records  # noqa: PLC0415
+
     extras.require("logs", "mcap", "mcap_ros2", where=str(path))
-    samples: dict[str, tuple[list[int], list[float]]] = {}
-    try:
-        if _is_of_a_rig(path):
-            return _rig_columns(path), Header("time", "s", None, "time")
-        for topic, stamp, message in _messages(path):
-            for field, value in flattened(message):
-                stamps, values = samples.setdefault(f"{topic}.{field}" if field else topic, ([], []))
-                stamps.append(stamp)
-                values.append(value)
-    except LayflatError:
-        raise
-    except Exception as error:  # a damaged file can make the decoders raise nearly anything
-        what = " ".join(str(error).split()) or type(error).__name__
+    check_magic(path)
+    bag, kept = _Bag(), Kept()
+    for kind, body in records(path, kept):
+        bag.add(kind, body)
+        if bag.of_rig:
+            return Content(_rig_columns(path), Header("time", "s", None, "time"))
+    if not kept.ended or kept.lost or path.name.endswith(PART):
+        what = f"{kept.lost} bytes make no whole record" if kept.lost else "it was not finished"
         right = "give a whole MCAP file; `layflat log repair` keeps what is whole of this one"
-        raise InputError(f"can't be read as MCAP ({what})", where=str(path), right=right) from None
-    if not samples:
-        right = "give messages of ROS 2 (CDR) or in JSON"
-        raise InputError("holds no messages with numbers", where=str(path), right=right)
-    first = min(stamps[0] for stamps, _ in samples.values())
-    columns = {}
-    for name, (stamps, values) in samples.items():
-        since = (np.array(stamps, dtype=np.int64) - first).astype(np.float64) * 1e-9
-        columns[name] = Column(np.array(values, dtype=np.float64), header_of(name), since)
-    return columns, Header("log_time", "s", None, "log_time")
+        raise InputError(f"can't be read as MCAP ({what})", where=str(path), right=right)
+    return bag.columns.content(str(path))
 
 
-def _is_of_a_rig(path: Path) -> bool:
-    """Whether the recorder of a rig has written a file."""
-    from mcap.reader import make_reader  # noqa: PLC0415
+class _Bag:
+    """Schemas, channels and messages of a file, as they come."""
 
-    with path.open("rb") as file:
-        summary = make_reader(file).get_summary()
-    return summary is not None and any(schema.name == CYCLE for schema in summary.schemas.values())
+    def __init__(self) -> None:
+        self.columns = MessageColumns()
+        self.of_rig = False  # the recorder of a rig has written it
+        self._names = TopicNames()
+        self._schemas: dict[int, Schema] = {}
+        self._channels: dict[int, tuple[str, Decode | str]] = {}
+
+    def add(self, kind: int, body: bytes) -> None:
+        """Take in a record; one that makes no sense is left out with its reason."""
+        if kind not in {SCHEMA, CHANNEL, MESSAGE}:
+            return
+        try:
+            self._add(kind, body)
+        except Exception as error:  # bytes that make no sense can make readers raise nearly anything
+            self.columns.add("records", 0, body, f"some can't be read ({reason_of(error)})")
+
+    def _add(self, kind: int, body: bytes) -> None:
+        from mcap import records  # noqa: PLC0415
+        from mcap.data_stream import ReadDataStream  # noqa: PLC0415
+
+        stream = ReadDataStream(BytesIO(body))
+        if kind == MESSAGE:
+            message = records.Message.read(stream, len(body))
+            topic, decode = self._channels[message.channel_id]
+            self.columns.add(topic, message.log_time, message.data, decode)
+        elif kind == SCHEMA:
+            schema = records.Schema.read(stream)
+            self._schemas[schema.id] = schema
+            self.of_rig = self.of_rig or schema.name == CYCLE
+        else:
+            channel = records.Channel.read(stream)
+            self._channels[channel.id] = self._names[channel.topic], attempted(self._decoder, channel)
+
+    def _decoder(self, channel: "Channel") -> Decode | str:
+        """Return a channel's decoder, or why there is none."""
+        encoding, schema = channel.message_encoding, self._schemas.get(channel.schema_id)
+        kind = schema.encoding if schema is not None else ""
+        if encoding == "json":
+            return json.loads
+        if schema is not None and (encoding, kind) == ("cdr", "ros2msg"):
+            return _ros2_decoder(schema)
+        make = {("cdr", "ros2idl"): ros2_idl_decoder, ("ros1", "ros1msg"): ros1_decoder}.get((encoding, kind))
+        if schema is not None and make is not None:
+            extras.require("logs", "rosbags")
+            return make(schema.name, schema.data.decode())
+        named = " with schemas in ".join(filter(None, (encoding, kind))) or "an encoding that it does not name"
+        return f"its messages are in {named}, which is not read here"
+
+
+def _ros2_decoder(schema: "Schema") -> Decode:
+    """Return a decoder of messages in CDR; times without a definition of their own have signed seconds, as ROS says."""
+    from mcap_ros2.decoder import DecoderFactory  # noqa: PLC0415
+
+    text = unsigned(schema.data.decode())
+    for name in TIME_TYPES:
+        if f"builtin_interfaces/{name}\nint32" not in text.replace("/msg/", "/"):
+            text = f"{text.rstrip()}\n{'=' * 80}\nMSG: builtin_interfaces/{name}\nint32 sec\nuint32 nanosec\n"
+    signed: Any = type(schema)(id=schema.id, data=text.encode(), encoding=schema.encoding, name=schema.name)
+    decode = DecoderFactory().decoder_for("cdr", signed)
+    assert decode is not None  # it is in CDR, and defined as .msg
+    return decode
 
 
 def _rig_columns(path: Path) -> dict[str, Column]:
-    """Columns "voltage.large", "supply" and so on."""
+    """Return columns "voltage.large", "supply" and so on."""
     from layflat.rig.recorder.run import read_recording  # noqa: PLC0415
 
     log = read_recording(path)
@@ -74,50 +121,3 @@ def _rig_columns(path: Path) -> dict[str, Column]:
         for name, column in zip(names, values.reshape(len(time), -1).T, strict=True):
             columns[name] = Column(column, Header(name, "", None, name), time)
     return columns
-
-
-def _messages(path: Path) -> Iterator[tuple[str, int, Any]]:
-    """Topic, log time (ns) and content of each message, in the order of their log times; None if not decoded."""
-    from mcap.decoder import DecoderFactory  # noqa: PLC0415
-    from mcap.reader import make_reader  # noqa: PLC0415
-    from mcap_ros2.decoder import DecoderFactory as Ros2  # noqa: PLC0415
-
-    class Others(DecoderFactory):
-        def decoder_for(self, message_encoding: str, schema: Any) -> Any:  # noqa: ARG002
-            return json.loads if message_encoding == "json" else lambda _: None
-
-    with path.open("rb") as file:
-        reader = make_reader(file, decoder_factories=[Ros2(), Others()])
-        for _, channel, message, content in reader.iter_decoded_messages():
-            yield channel.topic.lstrip("/"), message.log_time, content
-
-
-def flattened(message: Any, prefix: str = "") -> Iterator[tuple[str, float]]:
-    """Dotted names and values of all numbers in a message; a time of seconds and nanoseconds is one number."""
-    fields = _fields(message)
-    if fields is None:
-        if isinstance(message, (bool, int, float)):
-            yield prefix, float(message)
-        return
-    if set(fields) == {"sec", "nanosec"}:
-        yield prefix, fields["sec"] + 1e-9 * fields["nanosec"]
-        return
-    names: Any = fields.get("name", fields.get("names"))
-    for key, value in fields.items():
-        place = f"{prefix}.{key}" if prefix else key
-        if not isinstance(value, (list, tuple, array)):
-            yield from flattened(value, place)
-        elif len(value) <= LARGEST:
-            named = isinstance(names, list) and len(names) == len(value) and all(isinstance(one, str) for one in names)
-            for label, item in zip(names if named else range(len(value)), value, strict=True):
-                yield from flattened(item, f"{place}.{label}")
-
-
-def _fields(message: Any) -> dict[str, Any] | None:
-    """Fields of a message; None for what is not a message."""
-    if isinstance(message, dict):
-        return message
-    if isinstance(message, SimpleNamespace) or hasattr(message, "__slots__"):
-        slots = getattr(message, "__slots__", None) or vars(message)
-        return {name: getattr(message, name) for name in slots if not name.startswith("_")}
-    return None

@@ -17,6 +17,7 @@ GAP = 4.5  # periods between two samples that are a gap: more than three samples
 EVEN = 1e-6  # deviation from an even clock, in periods, that is rounding
 NANOSECONDS = 2e-9  # the same in s, for stamps that are whole nanoseconds
 MAX_INSTANTS = 50_000_000  # of a grid; more would be a wrong unit of time
+MAX_VALUES = 400_000_000  # of all signals on a grid: 3.2 GB, and what is made of them takes as much again
 MAX_FILLED = 3_000_000  # instants of a grid that is much finer than its samples
 MUCH_FINER = 4.0  # instants for each sample
 
@@ -148,6 +149,9 @@ def grid_over(clocks: Sequence[Clock], cycle: float | None, where: str) -> Grid:
     if size > MAX_INSTANTS:
         what = f"{end - start:g} s at {period:g} s a sample are too many"
         raise InputError(what, where=where, right="check the unit of time")
+    if size * len(clocks) > MAX_VALUES:
+        what = f"{len(clocks)} signals at {size} instants are {8e-9 * size * len(clocks):.2g} GB"
+        raise InputError(what, where=where, right="cut the log, map fewer columns, or give a longer cycle")
     if size < 2:
         raise InputError(f"{end - start:g} s are less than a period of {period:g} s", where=where, right="give less")
     return Grid(start, period, start + period * np.arange(size, dtype=np.float64))

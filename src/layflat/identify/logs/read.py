@@ -19,6 +19,7 @@ from layflat.identify.logs.signals import SIGNALS, channel_name, conversion
 from layflat.identify.logs.table import Column, Table, read_table
 
 LISTED = 8  # names in a message
+NAMED = 3  # things without columns that are named with their reason
 
 
 def read_log(
@@ -73,6 +74,10 @@ def _notes(table: Table, plan: Mapping, by_name: bool) -> list[str]:
         notes += [f"{clock}: {note}" for note in table.columns[clock].notes]
         anew = unwrap_counter(table.columns[clock].values)[1]
         notes += [f"{clock}: a counter that starts anew at sample {anew[0]} is read as going on"] if anew else []
+    if table.clock is not None and table.words:
+        first = ", ".join(f"{name} ({why})" for name, why in list(table.words.items())[:NAMED])
+        more = f" and {len(table.words) - NAMED} more" if len(table.words) > NAMED else ""
+        notes.append(f"what makes no column is left out: {first}{more}")
     simulated = any(name.startswith("measured_angle") for name in table.columns)  # true values stay out of a fit
     if by_name and not simulated and table.clock is None:
         used = {column for entry in plan.column for column in entry.columns} | {clock}
@@ -84,7 +89,7 @@ def _notes(table: Table, plan: Mapping, by_name: bool) -> list[str]:
 
 def _series(table: Table, plan: Mapping, joints: list[str] | None, where: str) -> list[Series]:
     """All mapped columns in SI over their clocks; columns with the same stamps share theirs."""
-    seconds, common = _clock(table, plan, where)
+    seconds, common, carried = _clock(table, plan, where)
     clocks: dict[bytes, Clock] = {}
     series: list[Series] = []
     taken: dict[str, MappedColumn] = {}
@@ -101,6 +106,8 @@ def _series(table: Table, plan: Mapping, joints: list[str] | None, where: str) -
         joint = _joint(entry, plan, joints, where)
         for column in (table.columns[name] for name in entry.columns):
             stamps = common if column.stamps is None else column.stamps
+            if carried is not None:
+                stamps = _carried(table, column, carried, where)
             key = stamps.tobytes()
             if key not in clocks:
                 clocks[key] = clock_of(stamps * seconds, str(table.path))
@@ -118,24 +125,46 @@ def _no_column(name: str, table: Table, where: str) -> InputError:
     return InputError(f"no column {name!r} in {table.path.name}", where=where, right=did_you_mean(name, table.columns))
 
 
-def _clock(table: Table, plan: Mapping, where: str) -> tuple[float, Array]:
-    """Unit of the stamps, s, and the stamps of columns that have none of their own."""
+def _clock(table: Table, plan: Mapping, where: str) -> tuple[float, Array, str | None]:
+    """Return the unit of the stamps, s, those of columns that have none of their own, and a clock in the messages."""
     time = plan.time
     if table.clock is not None:
-        if time is not None and time.column not in {None, table.clock.name}:
+        seconds = time.seconds if time is not None else u.TIME.convert(f"1 {table.clock.unit or 's'}")
+        if time is None or time.column in {None, table.clock.name}:
+            return seconds, np.empty(0), None
+        units = {u.TIME.convert(f"1 {c.header.unit}") for c in _clocks_in(table, str(time.column)) if c.header.unit}
+        if not _clocks_in(table, str(time.column)):
             what, right = f"no clock {time.column!r} in {table.path.name}", f"its samples have {table.clock.name!r}"
             raise InputError(what, where=f"{where}: time.column", right=right)
-        seconds = time.seconds if time is not None else u.TIME.convert(f"1 {table.clock.unit or 's'}")
-        return seconds, np.empty(0)
+        if units - {seconds}:
+            raise InputError(f"{time.column!r} is in s", where=f"{where}: time.unit", right='give unit = "s"')
+        return seconds, np.empty(0), time.column
     if time is not None and time.period is not None:
         samples = max((column.values.size for column in table.columns.values()), default=0)
-        return 1.0, time.period * np.arange(samples, dtype=np.float64)
+        return 1.0, time.period * np.arange(samples, dtype=np.float64), None
     if time is None or time.column is None:
         right = 'give [time] with column = "t", unit = "s"; or period = "5 ms" for a log without a clock'
         raise InputError("does not say which column is the clock", where=where, right=right)
     if time.column not in table.columns:
         raise _no_column(time.column, table, f"{where}: time.column")
-    return time.seconds, unwrap_counter(table.columns[time.column].values)[0]
+    return time.seconds, unwrap_counter(table.columns[time.column].values)[0], None
+
+
+def _clocks_in(table: Table, name: str) -> list[Column]:
+    """Return the columns that are a clock of this name: one of a topic, or that of each."""
+    return [c for c in table.columns.values() if c.topic and c.header.name in {name, f"{c.topic}.{name}"}]
+
+
+def _carried(table: Table, column: Column, clock: str, where: str) -> Array:
+    """Return the stamps of a column by a clock in its messages."""
+    stamps = table.stamps_of(column, clock)
+    if stamps is None:
+        what = f"the messages of {column.header.name!r} carry no {clock!r}"
+        right = f"leave that column out, or go by {table.clock.name!r}, which all have" if table.clock else ""
+        if any(clock.startswith(f"{other.topic}.") for other in table.columns.values()):
+            right = 'name the field alone, as "header.stamp", where each topic goes by its own; else ' + right
+        raise InputError(what, where=f"{where}: time.column", right=right)
+    return stamps
 
 
 def _joint(entry: MappedColumn, plan: Mapping, joints: list[str] | None, where: str) -> str | None:

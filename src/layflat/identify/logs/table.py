@@ -4,8 +4,10 @@ import hashlib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from layflat.arrays import Array
 from layflat.description.text import check_regular
@@ -26,6 +28,17 @@ class Column:
     header: Header
     stamps: Array | None = None  # times of its own, (samples,); None where a column of the table is the clock
     notes: tuple[str, ...] = ()  # what had to be decided to read it, and cells that hold no number
+    topic: str = ""  # of the messages that it is from
+    messages: NDArray[np.intp] | None = None  # number of each sample's message among those of its topic
+
+
+class Content(NamedTuple):
+    """Content of a file, as its reader hands it over."""
+
+    columns: dict[str, Column]
+    clock: Header | None = None  # of the stamps where columns have their own; None where a column is the clock
+    words: Mapping[str, str] = {}  # what the file holds besides, by name, and why it makes no column
+    notes: tuple[str, ...] = ()  # on the file
 
 
 @dataclass(frozen=True)
@@ -37,11 +50,26 @@ class Table:
     columns: dict[str, Column]
     clock: Header | None = None  # of the stamps where columns have their own; None where a column is the clock
     notes: tuple[str, ...] = ()  # on the file
-    words: dict[str, str] = field(default_factory=dict)  # columns without numbers, and why
+    words: dict[str, str] = field(default_factory=dict)  # what makes no column of numbers, and why
+
+    def stamps_of(self, column: Column, clock: str) -> Array | None:
+        """Return the times of a column by a clock that its messages carry, such as "header.stamp"; None without one.
+
+        Args:
+            column: one of a bag.
+            clock: a field of its messages, or of those of one topic, with the topic's name before it.
+        """
+        name = clock if clock.startswith(f"{column.topic}.") else f"{column.topic}.{clock}"
+        carried = self.columns.get(name)
+        if carried is None or carried.messages is None or column.messages is None:
+            return None
+        by_message = np.full(max(carried.messages.max(), column.messages.max()) + 1, np.nan)
+        by_message[carried.messages] = carried.values
+        return by_message[column.messages]
 
 
 def read_table(path: str | Path, progress: Callable[[float], None] | None = None) -> Table:
-    """Read a log's file: .parquet, .nc, .mcap, and text for all else.
+    """Read a log's file, of the kind that it begins as, or is named.
 
     Args:
         path: of the file.
@@ -50,35 +78,27 @@ def read_table(path: str | Path, progress: Callable[[float], None] | None = None
     Raises:
         InputError: it can't be read, or holds no numbers.
     """
-    from layflat.identify.logs import arrays, bag  # noqa: PLC0415  # they make tables of what they read
-    from layflat.identify.logs.text import read_text  # noqa: PLC0415
+    from layflat.identify.logs.clocks import join_stamps  # noqa: PLC0415  # it joins columns of tables
+    from layflat.identify.logs.formats import read_content  # noqa: PLC0415  # readers make tables of what they read
 
     path, right = Path(path), "give a CSV, Parquet, NetCDF or MCAP file"
+    if path.is_dir():
+        inside = sorted(file for file in path.iterdir() if file.suffix in {".mcap", ".db3"})
+        right = f"give the recording inside: {inside[0]}" if inside else right
     check_regular(path, str(path), right)
     try:
         with path.open("rb") as file:
             sha256 = hashlib.file_digest(file, "sha256").hexdigest()
+            file.seek(0)
+            start = file.read(16)
     except OSError as error:
         raise InputError(f"can't be read ({error.strerror})", where=str(path), right=right) from None
-    suffix = path.suffix.lower()
-    notes: Mapping[str, list[str]] = {}
-    if suffix == ".mcap" or path.name.endswith(".mcap.part"):
-        columns, clock = bag.read_bag(path)
-        words: dict[str, str] = {}
-    elif suffix in {".parquet", ".pq", ".nc", ".nc4", ".h5"}:
-        cells, units = (arrays.read_parquet if suffix in {".parquet", ".pq"} else arrays.read_netcdf)(path)
-        columns, clock, words = arranged(cells, units)
-    else:
-        text = read_text(path, progress)
-        notes = text.notes
-        columns, clock, words = arranged(text.columns, text.units, notes)
+    columns, clock, words, notes = read_content(path, start, progress)
     if not any(np.isfinite(column.values).any() for column in columns.values()):
         first = next((f": column {name!r} {why}" for name, why in words.items()), "")
         raise InputError(f"holds no numbers{first}", where=str(path), right="give a table of samples")
-    from layflat.identify.logs.clocks import join_stamps  # noqa: PLC0415  # it joins columns of tables
-
     columns = join_stamps(columns) if clock is None else columns
-    return Table(path, sha256, columns, clock, tuple(notes.get("", ())), words)
+    return Table(path, sha256, columns, clock, notes, dict(words))
 
 
 def arranged(

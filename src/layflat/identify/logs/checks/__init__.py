@@ -1,12 +1,13 @@
 """Checks of a log before it is fitted: each module asks one kind of question."""
 
 from layflat.arrays import Dataset
-from layflat.identify.logs.checks import alive, gauges, missing, signs, stops, units
+from layflat.identify.logs.checks import alive, gauges, lags, levels, missing, signs, stops, units
 from layflat.identify.logs.checks.channels import checked_log
 from layflat.identify.logs.issue import Issue, ordered
 
 QUESTIONS = (
-    missing.issues, alive.issues, missing.clocks, units.issues, gauges.issues, signs.issues, stops.issues, alive.still
+    missing.issues, alive.issues, missing.clocks, units.issues, gauges.issues, levels.issues, signs.issues,
+    lags.issues, stops.issues, alive.still,
 )  # fmt: skip
 
 
