@@ -97,11 +97,17 @@ class Capabilities(NamedTuple):
 
 
 class LinkError(LayflatError):
-    """A transaction failed ("lost", "crc" or "sequence"); the loop counts these and goes on."""
+    """A transaction failed; the loop counts these and goes on.
 
-    def __init__(self, kind: str) -> None:
-        self.kind = kind
-        super().__init__(f"the device's reply: {kind}")
+    Args:
+        kind: "lost", "crc", "sequence" or "refused".
+        reason: what came in place of a good reply, where that is known.
+        right: what would help.
+    """
+
+    def __init__(self, kind: str, reason: str = "", right: str = "") -> None:
+        self.kind, self.reason, self.right = kind, reason, right
+        super().__init__(f"the device's reply: {kind}" + (f" ({reason})" if reason else ""))
 
 
 class DriverError(InputError):
@@ -115,6 +121,7 @@ class Driver(ABC):
 
     def __init__(self) -> None:
         self.state = Lifecycle.UNCONFIGURED
+        self.remark = ""  # what is to be known of the link, once it is
 
     def configure(self) -> Capabilities:
         """Connect, and ask what is there; raise DriverError if nothing fit is there."""

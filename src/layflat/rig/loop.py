@@ -19,6 +19,7 @@ from layflat.rig.safety.faults import Fault
 from layflat.rig.safety.supervisor import HostRequest, Supervisor
 
 HEAD = Struct(f"{len(SHARED)}d")  # of a row: what there is once
+MAX_REASONS = 10  # kinds of trouble with the link that are told
 ALIVE_EVERY = 20  # cycles between two looks whether the recorder is alive
 
 
@@ -75,6 +76,7 @@ class Loop:
         self._seen_at: int | None = None
         self._cycles, self._compute = 0, 0.0
         self._recording = True
+        self._told: set[str] = set()  # what was wrong with the link, each kind once
 
     def begin(self, reading: Reading) -> None:
         """Start with air that is there already, as a simulated run does, with controllers woken by this reading."""
@@ -95,8 +97,9 @@ class Loop:
         begun = perf_counter_ns()
         try:
             reading: Reading | None = self.driver.read()
-        except LinkError:
+        except LinkError as error:
             reading = None
+            self._tell_once(error.reason)
         answered, seen = perf_counter_ns(), self.clock.now()
         supervisor, deadlines = self.supervisor, self.deadlines
         elapsed = deadlines.cycle if self._seen_at is None else (seen - self._seen_at) / SECOND
@@ -116,6 +119,13 @@ class Loop:
         self._record(now, (answered - begun) / SECOND)
         self._compute = (perf_counter_ns() - answered) / SECOND
         deadlines.took(self._compute)
+
+    def _tell_once(self, reason: str) -> None:
+        """Note what is wrong with the link as an event, once for each reason: numbers in it do not make it another."""
+        kind = "".join(letter for letter in reason if not letter.isdigit())
+        if reason and kind not in self._told and len(self._told) < MAX_REASONS:
+            self._told.add(kind)
+            self.supervisor.ledger.events.append(f"link: {reason}")
 
     def _record(self, now: int, link: float) -> None:
         """Fill the row, hand it on, and tell what has to be told."""

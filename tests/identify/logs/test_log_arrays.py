@@ -92,15 +92,15 @@ def classic(path: Path, version: int = 1, time: str = "time") -> Path:
     file.createDimension(time, None)
     file.createDimension("joint", 2)
     file.createDimension("letters", 8)
-    clock = file.createVariable(time, "d", (time,))
+    clock: Any = file.createVariable(time, "d", (time,))
     clock[:] = 0.1 * np.arange(5)
     clock.units = b"s"
     names = file.createVariable("joint", "c", ("joint", "letters"))
     names[:] = np.array([list("shoulder"), list("elbow   ")], dtype="S1")
-    angle = file.createVariable("angle", "f", (time, "joint"))
+    angle: Any = file.createVariable("angle", "f", (time, "joint"))
     angle[:] = np.arange(10.0).reshape(5, 2)
     angle.units = b"deg"
-    packed = file.createVariable("force", "h", (time,))
+    packed: Any = file.createVariable("force", "h", (time,))
     packed[:] = np.arange(5)
     packed.scale_factor, packed.add_offset = 0.5, 10.0
     unwritten = file.createVariable("torque.elbow", "d", (time,))

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from recordings import ENTRIES, Array, changed, entry, mapping, recorded, run, write_csv
+from recordings import ENTRIES, Array, changed, entry, mapping, recorded, run, ticks, write_csv
 
 from layflat.errors import InputError
 from layflat.identify.logs import check, read_log
@@ -88,7 +88,7 @@ def late(by: float) -> Callable[[Array], Array]:
 
     def change(values: Array) -> Array:
         time = 0.005 * np.arange(len(values))
-        return np.interp(time - by, time, values)
+        return np.asarray(np.interp(time - by, time, values))
 
     return change
 
@@ -136,7 +136,7 @@ def test_a_lag_is_found_beside_gaps() -> None:
 
 
 def test_a_cycle_that_makes_no_sense_is_refused_before_work(tmp_path: Path) -> None:
-    time = 0.005 * np.arange(12000)
+    time = ticks(0.005, 12000)
     path = write_csv(tmp_path / "x.csv", {"time": time, "force": np.sin(time)})
     for cycle, expected in (
         ("1 us", "59.995 s at 1e-06 s a sample are too many; give a cycle of 0.005 s, as the samples have"),

@@ -4,67 +4,21 @@ from __future__ import annotations
 
 import socket
 import struct
-import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import suppress
 
 import numpy as np
 import pytest
-from devices import ARM, WIRE, patient
+from devices import ARM, WIRE
 from hypothesis import given
 from hypothesis import strategies as st
+from stations import HASTY, Reply, Server, good
 
 from layflat import changed
 from layflat.rig.driver import Command, DriverError, LinkError
 from layflat.rig.drivers.address import driver_of
 from layflat.rig.drivers.modbus import ModbusDriver
-from layflat.rig.wire.identity import Identity
-
-HASTY = patient(ARM, 0.03)
-READING = [0x0004, 1638, 2048, 2048, 1000, 3000]
-"""E-stop pressed, supply, both joints' angle and pressure."""
-
-Reply = Callable[[bytes], bytes]
-
-
-def good(request: bytes) -> bytes:
-    """The right reply to function 3 and 23."""
-    number, _, _, unit, function = struct.unpack_from(">HHHBB", request)
-    words = Identity.of(ARM).words() if function == 3 else [*struct.unpack_from(">H", request, 17), *READING]
-    body = struct.pack(f">BBB{len(words)}H", unit, function, 2 * len(words), *words)
-    return struct.pack(">HHH", number, 0, len(body)) + body
-
-
-class Server:
-    """Answers each request with what `reply` makes of it."""
-
-    def __init__(self) -> None:
-        self.reply: Reply = good
-        self.first = 1000
-        """Bytes that are sent at once; the others follow."""
-        self.requests: list[bytes] = []
-        self._listener = socket.create_server(("127.0.0.1", 0))
-        self.port = self._listener.getsockname()[1]
-        threading.Thread(target=self._serve, daemon=True).start()
-
-    def _serve(self) -> None:
-        with suppress(OSError):
-            while True:
-                connection, _ = self._listener.accept()
-                connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-                with connection, suppress(OSError):
-                    while request := connection.recv(1000):
-                        self.requests.append(request)
-                        reply = self.reply(request)
-                        connection.sendall(reply[: self.first])
-                        if reply[self.first :]:
-                            time.sleep(2e-3)
-                            connection.sendall(reply[self.first :])
-
-    def close(self) -> None:
-        self._listener.shutdown(socket.SHUT_RDWR)
-        self._listener.close()
 
 
 @pytest.fixture(scope="module")
@@ -199,7 +153,10 @@ def test_a_trickle_does_not_hold_up_the_cycle(server: Server, driver: ModbusDriv
     [
         (lambda _: b"", "does not answer as a Modbus station"),
         (lambda _: b"HTTP/1.1 400 Bad Request\r\n\r\n", "does not answer as a Modbus station"),
-        (lambda request: request[:4] + b"\0\3\1\x83\2", "unit 1 has no registers 256 to 269 (exception 2)"),
+        (
+            lambda request: request[:4] + b"\0\3\1\x83\2",
+            "unit 1 does not tell registers 256 to 269: function 3 is refused: exception 2, illegal data address; make",
+        ),
         (lambda request: request[:4] + b"\0\3\1\x83\6", "is driven by another master"),
         (lambda request: good(request)[:9] + b"\0" + good(request)[10:], "what answers is not a rig of layflat's"),
     ],

@@ -1,5 +1,6 @@
 """The whole check of a rig: link, timing, device, e-stop, supply and every sensor without air, then signs with air."""
 
+from collections import Counter
 from collections.abc import Callable
 
 import numpy as np
@@ -55,10 +56,8 @@ def check_rig(
 def _look(bench: OpenLoopRig) -> list[CheckResult]:
     """Look at a rig that is not moved."""
     found = [reading for _ in range(bench.cycles(SECONDS)) if (reading := bench.look()) is not None]
-    late, asked = bench.deadlines, len(found) + bench.lost
-    median = 1e6 * float(np.median(bench.transactions))
-    right = "look at cable and load of the device, and at `timeout` in [interface]" if bench.lost > FEW * asked else ""
-    findings = [CheckResult("link", f"{len(found)} of {asked} replies came, {median:.0f} us at the median", right)]
+    late, asked = bench.deadlines, len(found) + len(bench.failures)
+    findings = [_link(bench, len(found), asked)]
     told = (
         f"{1e6 * late.lateness_at(0.5):.0f} us late at the median, {1e6 * late.lateness_at(0.99):.0f} us at 99 %, "
         f"{late.missed} cycles missed"
@@ -78,6 +77,21 @@ def _look(bench: OpenLoopRig) -> list[CheckResult]:
         findings.append(_angle(bench, j, name, np.array([reading.angles[j] for reading in found])))
         findings.append(_pressure(bench, j, name, np.array([reading.pressures[j] for reading in found])))
     return findings
+
+
+def _link(bench: OpenLoopRig, came: int, asked: int) -> CheckResult:
+    """Tell how many replies came, and of those that did not the usual reason."""
+    median = 1e6 * float(np.median(bench.transactions))
+    found = f"{came} of {asked} good replies came, {median:.0f} us at the median"
+    if bench.driver.remark:
+        found += f", {bench.driver.remark}"
+    if not bench.failures:
+        return CheckResult("link", found)
+    (usual, right), count = Counter((one.reason, one.right) for one in bench.failures).most_common(1)[0]
+    if usual:
+        found += f"; {usual}" + (f" ({count} times)" if count < asked else "")
+    right = right or "look at cable and load of the device, and at `timeout` in [interface]"
+    return CheckResult("link", found, right if len(bench.failures) > FEW * asked else "")
 
 
 def _angle(bench: OpenLoopRig, j: int, name: str, samples: Array) -> CheckResult:

@@ -49,7 +49,7 @@ class OpenLoopRig:
         self.sinking = sinks(machine)  # joints that gravity moves, (joints,)
         self.deadlines = Deadlines(clock, self.cycle)
         self.transactions: list[float] = []  # time that each took, s
-        self.lost = 0  # transactions without a good reply
+        self.failures: list[LinkError] = []  # transactions without a good reply
         self._core = Core(machine)
         self._obeyed = False
 
@@ -63,8 +63,8 @@ class OpenLoopRig:
         begun = self.clock.now()
         try:
             reading = self.driver.read()
-        except LinkError:
-            self.lost += 1
+        except LinkError as error:
+            self.failures.append(error)
             reading = None
         self.transactions.append((self.clock.now() - begun) / SECOND)
         return reading

@@ -60,7 +60,7 @@ class Identity(NamedTuple):
     def from_words(cls, words: Sequence[int]) -> Self:
         """What was told; raise WireError if it is not a rig that tells, or one of another version."""
         if len(words) != IDENTITY_SIZE or words[0] != MAGIC:
-            raise WireError("what answers is not a rig of layflat's")
+            raise WireError(f"what answers is not a rig of layflat's{_slip(words)}")
         if words[1] != VERSION:
             raise WireError(f"what answers speaks version {words[1]} of the protocol; this is version {VERSION}")
         return cls(*struct.unpack("=7H3h4H", struct.pack("=14H", *words)))
@@ -93,6 +93,16 @@ class Identity(NamedTuple):
 
 
 IDENTITY_SIZE = len(Identity._fields)
+
+
+def _slip(words: Sequence[int]) -> str:
+    """Return what would make words an identity, where something does."""
+    if words and words[0] == int.from_bytes(MAGIC.to_bytes(2, "big"), "little"):
+        return ": the bytes of its words are swapped"
+    if MAGIC in words:
+        return f": its identity begins {words.index(MAGIC)} registers later: interface.modbus.identity is too low"
+    return ": its registers are all 0" if words and not any(words) else ""
+
 
 _EXPECTED = {
     "joints": "{} joint(s)",

@@ -8,6 +8,7 @@ better than at the same, one of both came through a filter, or by another clock.
 from collections.abc import Iterator
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.signal import savgol_filter
 
 from layflat.arrays import Array
@@ -63,12 +64,11 @@ def lag_of(angle: Array, difference: Array, period: float) -> float | None:
     fast = np.abs(basis[:, 4]) > MOVING  # column 4 is the speed over a fast one
     rows = np.arange(reach, len(pressure) - reach)
     rows = rows[:: max(1, len(rows) // MAX_ROWS)]
-    lags = np.arange(-reach, reach + 1)
-    fits = np.array([_unexplained(pressure, basis, fast, rows, lag) for lag in lags])
+    fits = np.array([_unexplained(pressure, basis, rows[fast[rows + lag]], lag) for lag in range(-reach, reach + 1)])
     best = int(np.argmin(fits))
-    if best in {0, len(lags) - 1} or not fits[best] < 1.0 - EXPLAINED:
+    if best in {0, len(fits) - 1} or not fits[best] < 1.0 - EXPLAINED:
         return None
-    lag = float(lags[best] * period * every)
+    lag = (best - reach) * period * every
     ratio = fits[reach] / max(fits[best], 1e-12)
     clear = any(abs(lag) >= max(least, 1.5 * period) and ratio >= times for least, times in CLEAR)
     return lag if clear else None
@@ -84,10 +84,9 @@ def _basis(angle: Array, window: int, period: float) -> Array:
     return np.stack([np.ones_like(x), x, x**2, x**3, v, np.tanh(v / SLIDING), a], axis=1)
 
 
-def _unexplained(pressure: Array, basis: Array, fast: Array, rows: Array, lag: int) -> float:
+def _unexplained(pressure: Array, basis: Array, rows: NDArray[np.intp], lag: int) -> float:
     """Return the share of the pressure's variance that angle and speed some samples later do not explain."""
-    at = rows[fast[rows + lag]]
-    x, y = basis[at + lag], pressure[at]
+    x, y = basis[rows + lag], pressure[rows]
     known = np.isfinite(x).all(axis=1) & np.isfinite(y)
     x, y = x[known], y[known]
     if len(y) < MIN_ROWS or np.ptp(y) == 0.0:
