@@ -6,6 +6,7 @@ A frame is COBS(version, kind, sequence number, payload, CRC-32) between two zer
 import struct
 
 VERSION = 1
+MAX_PAYLOAD = 240
 HEAD = ">BBH"
 HEAD_SIZE = 4
 CHECK = ">I"
@@ -41,9 +42,21 @@ except ImportError:  # some builds leave it out
     crc32 = own_crc32
 
 
+def whole(value, low, high, name):
+    """Return a whole number that is within its range; raise ValueError if it is not.
+
+    MicroPython's struct, array and bytearray take the lowest bits of what does not fit, without a word: 70000 would go
+    out as 4464.
+    """
+    if not isinstance(value, int) or not low <= value <= high:
+        raise ValueError(f"{name} is {value}; it goes from {low} to {high}")
+    return value
+
+
 def encode(kind, sequence, payload):
-    """A frame with its zeros; the payload has up to 240 bytes."""
-    body = struct.pack(HEAD, VERSION, kind, sequence) + payload
+    """Return a frame with its zeros; raise ValueError if a number or the payload does not fit into one."""
+    whole(len(payload), 0, MAX_PAYLOAD, "payload's length")
+    body = struct.pack(HEAD, VERSION, whole(kind, 0, 0xFF, "kind"), whole(sequence, 0, 0xFFFF, "number")) + payload
     return b"\0" + stuffed(body + struct.pack(CHECK, crc32(body))) + b"\0"
 
 

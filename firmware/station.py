@@ -17,7 +17,7 @@ All of its input and output is an object with
 import struct
 from math import pi, sin
 
-from frames import IDENTIFY, COMMAND, READING, IDENTITY, Decoder, encode
+from frames import IDENTIFY, COMMAND, READING, IDENTITY, Decoder, encode, whole
 
 RUNNING, CENTRED, DUMPED = 0, 1, 2
 STOPPED = 4
@@ -29,10 +29,40 @@ STEPS = 32
 """Of the dither's sine."""
 
 
+MAX_JOINTS = 7
+RANGES = (
+    ("JOINTS", 1, MAX_JOINTS),
+    ("VOLTAGE_BITS", 8, 16),
+    ("ANGLE_BITS", 4, 24),
+    ("PRESSURE_BITS", 4, 24),
+    ("SUPPLY_BITS", 4, 16),
+    ("VOLTAGE_LOW", -32000, 32000),
+    ("VOLTAGE_HIGH", -32000, 32000),
+    ("SHORTEST_CYCLE", 1, 0xFFFF),
+    ("CENTRES_AFTER", 1000, 65535999),
+    ("DUMPS_AFTER", 1000, 65535999),
+    ("EMPTIES_AFTER", 0, 65535999),
+    ("DITHER_PERIOD", STEPS, 65535999),
+)
+"""Settings that are whole numbers, with their ranges: what a word of the identity carries, and what ticks can tell."""
+
+
+def check(settings):
+    """Raise ValueError if a setting can't be, or does not fit into the word that tells it to the host."""
+    for name, low, high in RANGES:
+        whole(getattr(settings, name), low, high, name)
+    whole(settings.VOLTAGE_HIGH - settings.VOLTAGE_LOW, 1, 64000, "VOLTAGE_HIGH less VOLTAGE_LOW")
+    whole(settings.CENTRE_VOLTAGE, settings.VOLTAGE_LOW, settings.VOLTAGE_HIGH, "CENTRE_VOLTAGE")
+    whole(len(settings.OUTPUT_PINS), 0, 8, "number of OUTPUT_PINS")
+    if not 0 <= settings.DITHER_AMPLITUDE <= 1:
+        raise ValueError(f"DITHER_AMPLITUDE is {settings.DITHER_AMPLITUDE}; it goes from 0 to 1")
+
+
 class Station:
     """A rig's device; call `step` again and again."""
 
     def __init__(self, io, settings):
+        check(settings)
         self.io = io
         self.settings = settings
         counts = 1 << settings.VOLTAGE_BITS
@@ -146,5 +176,5 @@ class Station:
 
 
 def packed(count, bits):
-    """A converter's count."""
-    return struct.pack(">I" if bits >= 16 else ">H", count)
+    """Return a converter's count as bytes; one beyond its ends is the nearer end, which the host takes for a rail."""
+    return struct.pack(">I" if bits >= 16 else ">H", min(max(count, 0), 1 << bits))

@@ -93,9 +93,7 @@ def late(by: float) -> Callable[[Array], Array]:
     return change
 
 
-@pytest.mark.parametrize(
-    ("by", "words"), [(0.1, "comes 100 ms after"), (0.05, "comes 50 ms after"), (-0.08, "80 ms before")]
-)
+@pytest.mark.parametrize("by", [0.1, 0.05, -0.08])
 @pytest.mark.parametrize("known", [True, False])
 def test_an_angle_that_comes_late_is_told(tmp_path: Path, by: float, known: bool) -> None:
     (issue,) = checked(tmp_path, changed(recorded(), "theta", late(by)), mapping(), known=known)

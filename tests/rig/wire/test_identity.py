@@ -113,3 +113,21 @@ def test_maps_that_can_not_be(path: str, value: int, what: str) -> None:
     with pytest.raises(MachineError, match=what) as error:
         Registers.of(changed(ARM, path, value))
     assert path in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("path", "value", "expected"),
+    [
+        ("controller.cycle", 0.07, "its shortest cycle is too long for a rig's wire; rigs have cycles up to 65 ms"),
+        ("interface.dump_after", 70.0, "its time until it dumps is too long for a rig's wire; up to 65 s"),
+    ],
+)
+def test_times_that_no_word_carries_are_told(path: str, value: float, expected: str) -> None:
+    with pytest.raises(MachineError, match=expected):
+        Identity.of(changed(ARM, path, value))
+
+
+@pytest.mark.parametrize(("name", "value"), [("shortest_cycle", 70000), ("joints", -1), ("voltage_low", -40000)])
+def test_no_number_goes_out_as_another(name: str, value: int) -> None:
+    with pytest.raises(WireError, match=f"{name} is {value}, which does not fit into a word"):
+        Identity.of(ARM, ABLE)._replace(**{name: value}).words()

@@ -12,6 +12,7 @@ from layflat.rig.wire.content import Wire, WireError
 
 MAGIC = 0x4C46  # nothing else that answers is taken for a rig
 VERSION = 1
+WORD = 0xFFFF  # the most that a word carries
 DITHERS, LETS_DOWN, OUTPUTS = 1, 2, 8  # of the flags: two bits, and where the number of digital outputs begins
 
 
@@ -37,7 +38,8 @@ class Identity(NamedTuple):
     def of(cls, machine: Machine, able: Capabilities | None = None) -> Self:
         """What the device of a machine says; of what it is able to do where that is told.
 
-        Raise MachineError if the machine has no valve, sensors or controller, or a voltage beyond +-32 V.
+        Raise MachineError if the machine has no valve, sensors or controller, or a voltage or time that is too long for
+        the wire.
         """
         _, angle_sensor, pressure_sensor = drive_parts(machine)
         if machine.controller is None:
@@ -49,12 +51,21 @@ class Identity(NamedTuple):
         bits = own.voltage_bits, angle_sensor.bits, pressure_sensor.bits, own.supply_bits
         voltages = (round(1e3 * voltage) for voltage in (low, high, centre))
         times = (1e6 * cycle, 1e3 * own.watchdog_cycles * machine.cycle, 1e3 * own.dump_after)
+        for (name, right), time in zip(_TIMES.items(), times, strict=True):
+            if not 0.0 < time < WORD + 0.5:
+                raise MachineError(f"its {name} is too long for a rig's wire", where=machine.origin, right=right)
         flags = DITHERS * dithers | LETS_DOWN * lets_down | outputs << OUTPUTS
         return cls._make((MAGIC, VERSION, joints, *bits, *voltages, flags, *map(round, times)))
 
     def words(self) -> list[int]:
-        """As it goes over the wire; negative numbers are those of two's complement."""
-        return [number & 0xFFFF for number in self]
+        """As it goes over the wire; negative numbers are those of two's complement.
+
+        Raise WireError if a number does not fit into a word, which would go out as another.
+        """
+        for name, number in self._asdict().items():
+            if not -WORD // 2 <= number <= WORD or (number < 0 and not name.endswith(("low", "high", "voltage"))):
+                raise WireError(f"{name} is {number}, which does not fit into a word")
+        return [number & WORD for number in self]
 
     @classmethod
     def from_words(cls, words: Sequence[int]) -> Self:
@@ -103,6 +114,13 @@ def _slip(words: Sequence[int]) -> str:
         return f": its identity begins {words.index(MAGIC)} registers later: interface.modbus.identity is too low"
     return ": its registers are all 0" if words and not any(words) else ""
 
+
+_TIMES = {
+    "shortest cycle": "rigs have cycles up to 65 ms: make controller.cycle shorter",
+    "watchdog": "up to 65 s: make interface.watchdog_cycles or controller.cycle smaller",
+    "time until it dumps": "up to 65 s: make interface.dump_after smaller",
+}
+"""Times of a machine that go over the wire, with what would be right."""
 
 _EXPECTED = {
     "joints": "{} joint(s)",
