@@ -1,3 +1,4 @@
+import re
 import subprocess
 import sys
 import tomllib
@@ -11,15 +12,19 @@ from layflat.errors import InputError, MissingExtraError
 PROJECT = tomllib.loads((Path(__file__).parents[1] / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 
 
+NAME = re.compile(r"[A-Za-z0-9._-]+")
+BASE = {found[0].lower() for line in PROJECT["dependencies"] if (found := NAME.match(line))}
+
+
 def packages(extra: str) -> set[str]:
-    """What an extra installs, other extras of ours included, as pip knows it."""
+    """What an extra installs besides what is there anyway, other extras of ours included, as pip knows it."""
     found = set()
     for line in PROJECT["optional-dependencies"][extra]:
         if line.startswith("layflat["):
             found |= packages(line.removeprefix("layflat[").removesuffix("]"))
         else:
-            found.add(line.partition(">")[0].partition("[")[0].lower())
-    return found
+            found |= {name[0].lower() for name in [NAME.match(line)] if name}
+    return found - BASE
 
 
 @pytest.mark.parametrize("extra", extras.EXTRAS)

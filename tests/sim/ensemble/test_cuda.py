@@ -173,6 +173,26 @@ def test_no_device_is_one_line() -> None:
     assert "\n" not in str(caught.value)
 
 
+@pytest.mark.parametrize(
+    ("error", "expected"),
+    [
+        (
+            AttributeError("module 'numpy' has no attribute 'row_stack'"),
+            ("do not fit together (", "numpy ", "row_stack"),
+        ),
+        (ImportError("cannot import name 'x' from 'cuda.bindings'"), ("do not fit together (", "cuda.bindings")),
+        (RuntimeError("CUDA_ERROR_NO_DEVICE"), ("no CUDA device can be used (CUDA_ERROR_NO_DEVICE); see nvidia-smi",)),
+    ],
+)
+def test_a_broken_package_is_not_taken_for_a_missing_device(error: Exception, expected: tuple[str, ...]) -> None:
+    """numba-cuda 0.30.4 asks NumPy for row_stack, which NumPy 2.5 does not have."""
+    from layflat.sim.ensemble.cuda import _no_device
+
+    line = str(_no_device(error))
+    assert all(word in line for word in expected), line
+    assert ("pip install 'layflat[gpu]'" in line) == (not isinstance(error, RuntimeError))
+
+
 def test_the_simulator_alone_is_not_enough(monkeypatch: pytest.MonkeyPatch) -> None:
     from layflat.sim.ensemble import cuda
 

@@ -7,6 +7,8 @@ import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import cache
+from importlib.metadata import version
+from importlib.util import find_spec
 from math import ceil
 from pathlib import Path
 from typing import Any, cast
@@ -107,12 +109,25 @@ def check_device() -> None:
         _start(cuda.jit(_try), 1, tried)
         works = tried.copy_to_host()[0] == 1.0
     except Exception as error:  # the compiler's and the driver's have no class in common
-        reason = str(error).strip().partition("\n")[0]
-        raise InputError(
-            f"no CUDA device can be used ({reason})", where="device", right='see nvidia-smi, or use "cpu"'
-        ) from error
+        raise _no_device(error) from error
     if not works:
         raise InputError("the CUDA device computes nothing", where="device", right='use "cpu"')
+
+
+def _no_device(error: Exception) -> InputError:
+    """Return what to say of an error: packages that do not fit together are no fault of the device."""
+    reason = str(error).strip().partition("\n")[0]
+    missing_library = type(error).__module__.startswith("cuda.pathfinder")
+    of_packages = isinstance(error, (AttributeError, TypeError, ImportError)) or missing_library
+    if not of_packages or isinstance(error, cuda.cudadrv.error.CudaSupportError):
+        return InputError(
+            f"no CUDA device can be used ({reason})", where="device", right='see nvidia-smi, or use "cpu"'
+        )
+    there = [
+        f"{name} {version(name)}" for name in ("numba-cuda", "numba", "numpy") if find_spec(name.replace("-", "_"))
+    ]
+    what = f"the packages for CUDA devices are not whole, or do not fit together ({', '.join(there)}: {reason})"
+    return InputError(what, where="device", right="install those that do: pip install 'layflat[gpu]'; or use \"cpu\"")
 
 
 def _try(number: Any) -> None:
