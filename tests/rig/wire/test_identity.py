@@ -115,16 +115,9 @@ def test_maps_that_can_not_be(path: str, value: int, what: str) -> None:
     assert path in str(error.value)
 
 
-@pytest.mark.parametrize(
-    ("path", "value", "expected"),
-    [
-        ("controller.cycle", 0.07, "its shortest cycle is too long for a rig's wire; rigs have cycles up to 65 ms"),
-        ("interface.dump_after", 70.0, "its time until it dumps is too long for a rig's wire; up to 65 s"),
-    ],
-)
-def test_times_that_no_word_carries_are_told(path: str, value: float, expected: str) -> None:
-    with pytest.raises(MachineError, match=expected):
-        Identity.of(changed(ARM, path, value))
+def test_a_cycle_that_no_word_carries_is_told() -> None:
+    with pytest.raises(MachineError, match="shortest cycle is too long for a rig's wire; rigs have cycles up to 65 ms"):
+        Identity.of(changed(ARM, "controller.cycle", 0.07))
 
 
 @pytest.mark.parametrize(("name", "value"), [("shortest_cycle", 70000), ("joints", -1), ("voltage_low", -40000)])
