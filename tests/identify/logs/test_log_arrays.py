@@ -71,12 +71,12 @@ def test_what_parquet_holds_besides_is_named(tmp_path: Path) -> None:
         scan=pyarrow.array([[0.0] * 100] * 3),
         pairs=pyarrow.array([[("a", 1)]] * 3, pyarrow.map_(pyarrow.string(), pyarrow.int64())),
     )
-    assert read_table(path).left_out == {
+    assert read_table(path).words == {
         "raw": "is of type binary, which is no number",
         "scan": "has 100 items a row, and an array of more than 64 is no signal",
         "pairs": "is of type map<string, int64 ('pairs')>, which is no number",
     }
-    assert "binary" in guess_mapping(path).notes["raw"]
+    assert "binary" in guess_mapping(path).left["raw"]
 
 
 def test_two_columns_of_one_name_in_parquet(tmp_path: Path) -> None:
@@ -144,11 +144,11 @@ def test_what_netcdf_holds_besides_is_named(tmp_path: Path) -> None:
         file.create_group("second")["v"] = [1.0]
     table = read_table(path)
     assert set(table.columns) == {"time", "force"}
-    assert table.left_out["image"] == "has 3 dimensions"
-    assert table.left_out["pressure"] == "goes along 'time_p', and the clock along 'time'"
-    assert "which is no number" in table.left_out["word"]
-    assert "groups are not read" in table.left_out["group second"]
-    assert "constant" not in table.left_out
+    assert table.words["image"] == "has 3 dimensions"
+    assert table.words["pressure"] == "goes along 'time_p', and the clock along 'time'"
+    assert "which is no number" in table.words["word"]
+    assert "groups are not read" in table.words["group second"]
+    assert "constant" not in table.words
 
 
 @pytest.mark.parametrize(

@@ -109,12 +109,12 @@ def test_what_can_not_be_decoded_hides_nothing(tmp_path: Path) -> None:
     assert {name: column.values.tolist() for name, column in table.columns.items()} == {
         "good.v": [0.0, 1.0, 2.0, 3.0, 4.0], "bad.v": [1.0, 2.0], "image.width": [10.0],
     }  # fmt: skip
-    assert set(table.left_out) == {"bad", "words", "proto", "nothing", "odd", "text", "image.data"}
-    assert table.left_out["bad"].startswith("1 of 3 messages can't be decoded (")
-    assert table.left_out["words"].startswith("1 of 1 messages can't be decoded (wstring")
-    assert table.left_out["proto"] == "its messages are in protobuf with schemas in protobuf, which is not read here"
-    assert table.left_out["text"] == "its messages hold no numbers"
-    assert table.left_out["image.data"] == "100 items, and an array of more than 64 is no signal"
+    assert set(table.words) == {"bad", "words", "proto", "nothing", "odd", "text", "image.data"}
+    assert table.words["bad"].startswith("1 of 3 messages can't be decoded (")
+    assert table.words["words"].startswith("1 of 1 messages can't be decoded (wstring")
+    assert table.words["proto"] == "its messages are in protobuf with schemas in protobuf, which is not read here"
+    assert table.words["text"] == "its messages hold no numbers"
+    assert table.words["image.data"] == "100 items, and an array of more than 64 is no signal"
     good_alone = {"column": [{"from": "good.v", "signal": "force", "unit": "N"}]}
     notes = [issue for issue in check(read_log(path, mapping_of(good_alone))) if "makes no column" in issue.text]
     assert len(notes) == 1
@@ -155,7 +155,7 @@ def test_what_log_repair_calls_whole_is_never_sent_there(tmp_path: Path) -> None
         except InputError as error:
             sent.append((damaged, str(error)))
             continue
-        assert table.left_out or set(table.columns["x.v"].values) <= set(np.arange(40.0)), i
+        assert table.words or set(table.columns["x.v"].values) <= set(np.arange(40.0)), i
     mended = [repair(damaged) is not None for damaged, line in sent if "log repair" in line]
     assert len(mended) > 10
     assert all(mended)
@@ -214,7 +214,7 @@ def test_a_guess_tells_what_of_a_bag_it_leaves_out(tmp_path: Path) -> None:
         "/camera": ("protobuf", "protobuf", "", [b""]),
     }
     guess = guess_mapping(bag_of(tmp_path / "x.mcap", topics))
-    assert "protobuf" in guess.notes["camera"]
+    assert "protobuf" in guess.left["camera"]
 
 
 def sqlite_bag(path: Path, kind: str, messages: list[bytes], definition: str = "") -> Path:

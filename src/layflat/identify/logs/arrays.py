@@ -54,8 +54,8 @@ def read_parquet(path: Path) -> Content:
             cells[name] = found
             if unit or stated is not None:
                 units[name] = unit or str(stated)
-    columns, clock, words = arranged(cells, units)
-    return Content(columns, clock, words | left_out)
+    arranged_columns, clock, words = arranged(cells, units)
+    return Content(arranged_columns, clock, words | left_out)
 
 
 def _listed_columns(name: str, column: Any) -> list[tuple[str, Any, str | None]]:
@@ -167,8 +167,8 @@ def read_netcdf(path: Path) -> Content:
         cells.update(columns)
         stated = str(variable.attrs.get("units", "")).partition(" since ")[0]
         units.update(dict.fromkeys(columns, stated))
-    columns, clock, words = arranged(cells, {name: unit for name, unit in units.items() if unit})
-    return Content(columns, clock, words | left_out)
+    arranged_columns, clock, words = arranged(cells, {name: unit for name, unit in units.items() if unit})
+    return Content(arranged_columns, clock, words | left_out)
 
 
 def _opened(path: Path, *, classic: bool) -> "tuple[xarray.Dataset, list[str]]":

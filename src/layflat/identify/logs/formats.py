@@ -27,8 +27,8 @@ def read_content(path: Path, start: bytes, progress: Callable[[float], None] | N
             return reader(path)
     if path.suffix.lower() == ".mcap" or path.name.endswith(".mcap.part"):
         return bag.read_bag(path)
-    if reader := BY_SUFFIX.get(path.suffix.lower()):
-        return reader(path)
+    if path.suffix.lower() in BY_SUFFIX:
+        return BY_SUFFIX[path.suffix.lower()](path)
     text = read_text(path, progress)
     return Content(*arranged(text.columns, text.units, text.notes), tuple(text.notes.get("", ())))
 

@@ -42,7 +42,7 @@ class _Samples:
         order = np.argsort(stamps, kind="stable")
         since = (stamps[order] - first).astype(np.float64) * 1e-9
         values = np.array(self.values, dtype=np.float64)[order]
-        return Column(values, header_of(name, self.unit), since, self.topic, np.array(self.numbers)[order])
+        return Column(values, header_of(name, self.unit), since, (), self.topic, np.array(self.numbers)[order])
 
 
 class MessageColumns:
