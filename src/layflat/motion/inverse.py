@@ -18,7 +18,7 @@ A posture is singular if one of the directions in which the tip can move is lost
 """
 
 from functools import cached_property
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,6 +32,8 @@ from layflat.motion.path import half_strokes
 STEPS = 120
 LONGEST = 0.3  # step of a joint, rad
 SHORTEST = 1e-8  # step at which it is over, rad
+# Steps within which a tip that is further than `FAR` (m) from its place has to come nearer by a share of that.
+PATIENCE, FAR, PROGRESS = 10, 1e-3, 1e-4
 TOWARDS = 0.5  # share of the way to p that a step goes
 DAMPED = 0.25  # d^2 over the way that is left and the arm's size
 LEAST = 1e-7  # d over the arm's size
@@ -42,7 +44,11 @@ BESIDE = 2.0  # the same of a place that is offered beside a singular one, over 
 LOST = 1e-9  # the same where the direction is one that the arm never has
 KNOWN = 2000  # postures whose tips are known
 STARTS = 8, 40  # of these, from which a search begins in turn
-NEARBY = 1e-4 * 1.4 ** np.arange(25.0)  # distances at which a place beside a singular one is looked for, m
+BESIDE_STARTS = 6  # postures from which a place beside a singular one is searched
+BESIDE_STEPS = 60  # of such a search
+INSIDE = 1.0 - 1e-9  # of the strokes, where a fit may begin
+EASE = 0.02  # by which a search keeps further from what is singular than it has to
+DIFFERENCE = 1e-6  # of angles, for slopes of mobility, rad
 
 
 class Found(NamedTuple):
@@ -115,7 +121,8 @@ class Inverse:
         half, count = self._half, len(places)
         usual = np.clip(np.broadcast_to(angles, (count, len(half))), -half, half)
         best, left, q = Found(usual.copy(), np.full(count, np.inf)), np.arange(count), usual
-        for _ in range(STEPS):
+        before = best.missing.copy()
+        for turn in range(STEPS):
             tip, J = self._kinematics.tip_and_jacobian(q)
             e = places[left] - tip
             missing = np.linalg.norm(e, axis=1)
@@ -125,6 +132,10 @@ class Inverse:
             step = _step(J, e, TOWARDS * (usual[left] - q), d, np.where(np.abs(q) >= half, np.sign(q), 0.0))
             size = np.abs(step).max(axis=1, keepdims=True)
             going = size[:, 0] > SHORTEST
+            if turn % PATIENCE == PATIENCE - 1:
+                now = best.missing[left]
+                going &= (now < FAR) | (now < (1.0 - PROGRESS) * before[left])
+                before[left] = now
             if not going.any():
                 break
             left = left[going]
@@ -171,12 +182,12 @@ class Inverse:
         """
         axes = len(place)
         target = np.append(place, np.zeros(3 - axes))
-        found = self.anywhere(target[None], angles)
+        found = self._polished(target, self.anywhere(target[None], angles))
         missing, singular = float(found.missing[0]), bool(self.mobility(found.angles)[0] < SINGULAR)
         if missing < ASKED and not singular:
             posture: Array = found.angles[0]
             return posture
-        instead = (self._beside(target, found.angles) if singular else self._kinematics.tip(found.angles)[0])[:axes]
+        instead = (self._beside(target, found.angles[0]) if singular else self._kinematics.tip(found.angles)[0])[:axes]
         if missing >= ASKED:
             what = f"{told(place)} is {1e3 * missing:.1f} mm out of the arm's reach"
             raise InputError(what, where=where, right=f"the nearest place that it reaches is {told(instead)}")
@@ -184,16 +195,59 @@ class Inverse:
         right = f"the nearest place beside it is {told(instead)}, {1e3 * np.linalg.norm(instead - place):.1f} mm away"
         raise InputError(what, where=where, right=right)
 
+    def _polished(self, place: Array, found: Found) -> Found:
+        """Return a posture that does not reach its place, exactly as near to it as those beside it can be."""
+        if found.missing[0] < ASKED:
+            return found
+        from scipy.optimize import least_squares  # noqa: PLC0415  # takes long to import
+
+        def way(q: Any) -> Any:
+            return self.tip(q) - place
+
+        def slope(q: Any) -> Any:
+            return self._kinematics.tip_and_jacobian(q[None])[1][0]
+
+        fit = least_squares(
+            way,
+            np.clip(found.angles[0], -INSIDE * self._half, INSIDE * self._half),
+            jac=slope,
+            bounds=(-self._half, self._half), xtol=1e-12, ftol=1e-14, gtol=1e-14, max_nfev=200,
+        )  # fmt: skip
+        missing = float(np.linalg.norm(fit.fun))
+        return Found(fit.x[None], np.array([missing])) if missing < found.missing[0] else found
+
     def _beside(self, place: Array, angles: Array) -> Array:
-        """Return the nearest tip to a place that postures bring about which are not singular."""
-        tip, J = self._kinematics.tip_and_jacobian(angles)
-        ways = np.linalg.svd(J[0])[0].T[: self.directions]
-        around = tip + (NEARBY[:, None, None] * np.concatenate([ways, -ways])).reshape(-1, 3)
-        found = self.anywhere(around, angles[0])
-        fit = found.there & (self.mobility(found.angles) > BESIDE * SINGULAR)
-        tips = self._kinematics.tip(found.angles) if fit.any() else self.tips
-        apart = np.where(fit if fit.any() else True, np.linalg.norm(tips - place, axis=1), np.inf)
-        nearest: Array = tips[apart.argmin()]
+        """Return the nearest tip to a place that postures bring about which are not singular, by a search from some."""
+        from scipy.optimize import NonlinearConstraint, minimize  # noqa: PLC0415
+
+        least, known = BESIDE * SINGULAR, self._known[self.mobility(self._known) > BESIDE * SINGULAR]
+        apart = np.linalg.norm(self._kinematics.tip(known) - place, axis=1)
+        order = np.argsort(apart, kind="stable")[:BESIDE_STARTS]
+        best, nearest = apart[order[0]], self.tip(known[order[0]])
+
+        def way(q: Any) -> tuple[float, Array]:
+            tip, J = self._kinematics.tip_and_jacobian(q[None])
+            e = (tip[0] - place) / self.size
+            return float(e @ e), 2.0 * J[0].T @ e / self.size
+
+        def mobile(q: Any) -> Any:
+            return self.mobility(q[None])[0]
+
+        def slope(q: Any) -> Array:
+            steps = DIFFERENCE * np.eye(len(q))
+            change: Array = self.mobility(q + steps) - self.mobility(q - steps)
+            return change / (2.0 * DIFFERENCE)
+
+        inside = NonlinearConstraint(mobile, (1.0 + EASE) * least, 1.0, jac=slope)
+        for start in [angles, *known[order]]:
+            fit = minimize(
+                way, start, jac=True, method="SLSQP", bounds=list(zip(-self._half, self._half, strict=True)),
+                constraints=[inside], options={"ftol": 1e-12, "maxiter": BESIDE_STEPS},
+            )  # fmt: skip
+            q = np.clip(fit.x, -self._half, self._half)
+            tip, missing = self.tip(q), float(np.linalg.norm(self.tip(q) - place))
+            if missing < best and mobile(q) > least:
+                best, nearest = missing, tip
         return nearest
 
 
