@@ -10,6 +10,7 @@ import argparse
 import json
 import sys
 import time
+from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
@@ -19,10 +20,12 @@ from rich.table import Table
 
 from layflat.errors import InputError, LayflatError
 from layflat.files import whole_file
-from layflat.identify import Fit, fit
+from layflat.identify import Fit
 from layflat.identify.benches.loader import load_bench
 from layflat.identify.benches.regulated.model import RegulatedModel
+from layflat.identify.fit import fit_selected
 from layflat.identify.logs import read_log
+from layflat.identify.report_text import expected
 from layflat.plot.fits import Compared, measured_and_simulated
 from layflat.plot.style import save
 
@@ -90,13 +93,14 @@ def main() -> None:
     began = time.perf_counter()
     with Progress(console=Console(stderr=True), transient=True, disable=not sys.stderr.isatty()) as bar:
         task = bar.add_task("fitting", total=1.0)
-        found = fit(model, progress=lambda share, text: bar.update(task, completed=share, description=text))
+        found = fit_selected(model, progress=lambda share, text: bar.update(task, completed=share, description=text))
     seconds = time.perf_counter() - began
     by_log = errors(found, rig.stroke.reading)
     console = Console(width=100)
     for table in tables(by_log, found):
         console.print(table)
-    drawn = [compared(model, found, name, name not in validation) for name in validation or list(logs)[:2]]
+    print(*found.remarks, expected(found), sep="\n")
+    drawn = [compared(found.model, found, name, name not in validation) for name in validation or list(logs)[:2]]
     picture = measured_and_simulated([signal for signals in drawn for signal in signals])
     print(f"wrote {save(picture, given.out / 'identify_affetto.png')}")
     values = {
@@ -105,7 +109,13 @@ def main() -> None:
     }
     out = given.out / "identify_affetto.json"
     with whole_file(out) as temporary:
-        report = {"logs": by_log, "values": values, "converged": found.converged, "seconds": round(seconds, 1)}
+        report = {
+            "logs": by_log,
+            "values": values,
+            "converged": found.converged,
+            "expected": [asdict(one) for one in found.expected],
+            "seconds": round(seconds, 1),
+        }
         temporary.write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")
     print(f"wrote {out} after a fit of {seconds:.0f} s")
 

@@ -108,5 +108,5 @@ def _print(session: "Identification", found: "Fit") -> str | None:
             typer.echo()
     for remark in found.remarks:
         typer.echo(remark)
-    typer.echo(f"{told.prediction(found)} {told.count_identified(values)}")
+    typer.echo(" ".join(filter(None, (told.expected(found), told.prediction(found), told.count_identified(values)))))
     return told.untrusted(found, values)

@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from functools import cached_property
 from math import isfinite
 from pathlib import Path
@@ -18,6 +18,7 @@ from layflat.identify.benches.contract import BenchDescription, Logs
 from layflat.identify.benches.loader import bench_of, chosen_blocks, described_tables, load_described
 from layflat.identify.fit import Estimate, Fit, fit
 from layflat.identify.fit.search import STARTS, Progress
+from layflat.identify.fit.selection import fit_selected
 from layflat.identify.identified_file import Written, identified_path, write_identified, written_values
 from layflat.identify.kinds import Candidate, compared
 from layflat.identify.logs import check, read_log, read_table, refuse
@@ -58,13 +59,14 @@ class Identification:
                 if progress is not None:
                     progress((number + share) / count, f"{candidate.name}: {text}" if count > 1 else text)
 
-            return fit(candidate.model, starts=starts, seed=seed, progress=tell)
+            chosen = fit_selected if candidate.model.cross_validated else fit
+            return chosen(candidate.model, starts=starts, seed=seed, progress=tell)
 
         return compared(self.candidates, one)
 
     def taken(self, found: Fit) -> Candidate:
-        """The candidate that a fit is of."""
-        return next(one for one in self.candidates if one.model is found.model)
+        """The candidate that a fit is of; the only one where its unknowns were chosen."""
+        return next((one for one in self.candidates if one.model is found.model), self.candidates[0])
 
     @cached_property
     def checksums(self) -> dict[str, str]:
@@ -135,6 +137,7 @@ class Identification:
                 for one in found.estimates
             },
             "errors": [vars(quality) for quality in found.qualities()],
+            "expected": [asdict(one) for one in found.expected],
         }
 
 
@@ -232,7 +235,7 @@ def _finite(figures: Any) -> Any:
     """Figures as JSON holds them: what is no finite number is null."""
     if isinstance(figures, dict):
         return {key: _finite(value) for key, value in figures.items()}
-    if isinstance(figures, list):
+    if isinstance(figures, (list, tuple)):
         return [_finite(value) for value in figures]
     return None if isinstance(figures, float) and not isfinite(figures) else figures
 

@@ -8,11 +8,9 @@ import numpy as np
 
 from layflat.identify.benches.contract import BenchDescription
 from layflat.identify.fit import Fit
+from layflat.identify.fit.result import choose
 from layflat.identify.model import Model
 from layflat.machine import Machine
-
-ALIKE = 1.1  # a simpler law is taken if it misses by no more than so many times what the best does
-FINE = 1e-3  # or by so little more, share of the range
 
 
 @dataclass(frozen=True)
@@ -39,7 +37,7 @@ def compared(candidates: Sequence[Candidate], fitted: Callable[[int, Candidate],
     if len(found) == 1:
         return found[0]
     errors = [_missed(one) for one in found]
-    taken = next(i for i, error in enumerate(errors) if error <= max(ALIKE * min(errors), min(errors) + FINE))
+    taken = choose(errors)
     found[taken].model.remarks = (*found[taken].model.remarks, _said([one.name for one in candidates], errors, taken))
     return found[taken]
 

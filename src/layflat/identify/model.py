@@ -1,9 +1,11 @@
 """What is fitted: measured signals, the unknowns, and a simulation of the one from the other."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Collection, Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,6 +39,7 @@ class Model(ABC):
     unknowns: tuple[Unknown, ...]  # as the outputs fixed once it is made
     outputs: tuple[Output, ...]
     remarks: tuple[str, ...] = ()  # what the logs say of the model's structure, in sentences for the report
+    cross_validated: bool = False  # whether its unknowns are chosen, and its error estimated, by leaving logs out
 
     @abstractmethod
     def simulate(self, values: Array) -> Array:
@@ -76,6 +79,18 @@ class Model(ABC):
         Default: None, as most do not.
         """
         return None
+
+    def simpler(self) -> "Mapping[str, Model]":
+        """Return models of the same logs with fewer unknowns, by name, the simplest first; default: none."""
+        return {}
+
+    def held(self, paths: Collection[str]) -> Self:
+        """Return a copy in which some unknowns keep the values of the description."""
+        other = copy(self)
+        other.unknowns = tuple(one for one in self.unknowns if one.path not in paths)
+        for name in ("guess", "shares"):
+            other.__dict__.pop(name, None)
+        return other
 
     def written(self, values: Array) -> dict[str, float]:
         """What values of the unknowns (SI) make of the description, by its paths; items of lists by their number."""

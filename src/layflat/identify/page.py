@@ -8,7 +8,15 @@ import layflat
 from layflat.files import write_text
 from layflat.identify.fit import Fit
 from layflat.identify.identification import Identification
-from layflat.identify.report_text import count_identified, issue_section, prediction, sections, shown, untrusted
+from layflat.identify.report_text import (
+    count_identified,
+    expected,
+    issue_section,
+    prediction,
+    sections,
+    shown,
+    untrusted,
+)
 from layflat.plot.fits import Compared, measured_and_simulated
 from layflat.plot.page import Drawn, page
 from layflat.plot.style import to_svg
@@ -28,7 +36,9 @@ def write_page(session: Identification, found: Fit, path: Path) -> Path:
         found=found,
         given=Path(session.given).stem,
         untrusted=untrusted(found, values),
-        summary=" ".join([prediction(found), count_identified(values), *found.remarks]),
+        summary=" ".join(
+            [*filter(None, [expected(found)]), prediction(found), count_identified(values), *found.remarks]
+        ),
         sections=sections(found, values),
         issues=issue_section(session.issues),
         left=max(len({output.log for output in found.model.outputs}) - MOST, 0),

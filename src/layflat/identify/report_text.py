@@ -69,6 +69,20 @@ def prediction(found: Fit) -> str:
     return f"Validation: what was not fitted is predicted, {'; '.join(parts)}."
 
 
+def expected(found: Fit) -> str:
+    """Return the error to expect of a new log as a sentence, empty where it was not estimated."""
+    if not found.expected:
+        return ""
+    parts = []
+    for one in found.expected:
+        unit, size = shown(one.unit)
+        between = f"{one.low / size:.2g} to {one.high / size:.2g}"
+        value = f"{one.output} {one.rms / size:.2g} {unit}".rstrip()
+        parts.append(f"{value} rms, {percent(one.share)} % of its range (eight of ten between {between})")
+    count = len(found.expected[0].left_out)
+    return f"Expected of a new log of the same kind: {'; '.join(parts)}; from {count} logs or parts, left out in turn."
+
+
 def count_identified(values: Sequence[Written]) -> str:
     """How many parameters are identified, in one sentence."""
     sure = sum(value.identified for value in values)

@@ -154,3 +154,27 @@ class Led(Model):
             drawn = self.lead * (measured[k] - x)
             found[:, k + 1] = x + TIME[1] * (rate * x + push * self.pushes[k] + drawn)
         return found
+
+
+class Polynomial(Model):
+    """y = a + b x + c x^2 + d x^3 in several logs with errors of their own; simpler ones leave out c, d."""
+
+    cross_validated = True
+
+    def __init__(self, truth: Sequence[float], logs: int, noise: float, seed: int = 0) -> None:
+        self.unknowns = tuple(Unknown(name, "V", 0.0, -10.0, 10.0, log=False) for name in "abcd")
+        random = np.random.default_rng(seed)
+        self.places = [np.sort(random.uniform(-1.0, 1.0, 40)) for _ in range(logs)]
+        outputs = []
+        for number, x in enumerate(self.places):
+            measured = np.polynomial.polynomial.polyval(x, truth) + noise * random.standard_normal(len(x))
+            outputs.append(Output("y", "V", f"log {number}", np.arange(40.0), measured, np.ones(40, bool), noise))
+        self.outputs = tuple(outputs)
+
+    def simpler(self) -> dict[str, Model]:
+        return {"line": self.held("cd"), "parabola": self.held("d")}
+
+    def simulate(self, values: Array) -> Array:
+        columns = self.columns(values)
+        powers = [columns.get(name, np.zeros(len(values))) for name in "abcd"]
+        return np.concatenate([sum(one[:, None] * x**i for i, one in enumerate(powers)) for x in self.places], axis=1)

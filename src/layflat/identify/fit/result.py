@@ -1,5 +1,6 @@
 """What a fit found, how sure it is, and how well it predicts."""
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -14,6 +15,9 @@ ALIKE = 0.95  # correlation from which on two parameters are identified only tog
 MISPREDICTED = 0.25  # a prediction that misses by more (rms over range) is none: the search ended in a wrong minimum
 LED_ASTRAY = 0.05  # the same of a run that is drawn to its log
 LAGS = 25  # lags at which errors are compared with themselves, and with the input
+ALIKE_ERRORS = 1.1  # a simpler model is taken if it misses by no more than so many times what the best does
+FINE = 1e-3  # or by so little more, share of the range
+IN_TEN = 0.9  # share of new logs that are predicted better than the upper end of what is expected
 BAND = 1.959964  # what stays within so many over the root of the number of samples is chance, in 95 of 100 lags
 
 
@@ -61,6 +65,19 @@ class Quality:
 
 
 @dataclass(frozen=True)
+class Expected:
+    """Error to expect of a signal in a new log: from logs that were left out in turn."""
+
+    output: str
+    unit: str  # SI
+    rms: float  # mean of the left-out logs' rms errors
+    low: float  # one new log in ten is predicted better
+    high: float  # one in ten is predicted worse
+    share: float  # rms over the range of the signal in all fitted logs
+    left_out: tuple[float, ...]  # rms of each left-out log
+
+
+@dataclass(frozen=True)
 class Fit:
     """A fitted model."""
 
@@ -71,6 +88,7 @@ class Fit:
     simulations: int  # runs that it took
     partial: bool = False  # whether the user stopped it
     led: Model | None = None  # what simulated the outputs in place of the model, drawn to the logs
+    expected: tuple[Expected, ...] = ()  # errors to expect of a new log, where that was estimated
 
     @property
     def remarks(self) -> tuple[str, ...]:
@@ -114,6 +132,46 @@ class Fit:
                 if chosen.any():
                     found.append(quality(output, chosen, self.simulated[place], validation=validation))
         return found
+
+
+def choose(errors: Sequence[float]) -> int:
+    """Return which of several models is taken: the first, the simplest, that misses by no more than the best does.
+
+    Args:
+        errors: shares of the range, the simplest model first.
+    """
+    most = max(ALIKE_ERRORS * min(errors), min(errors) + FINE)
+    return next(i for i, error in enumerate(errors) if error <= most)
+
+
+def expected_errors(left_out: Mapping[str, Array], model: Model) -> tuple[Expected, ...]:
+    """Return the error to expect of each signal in a new log.
+
+    Args:
+        left_out: rms error (SI) of each left-out part, by signal.
+        model: whose logs these are.
+    """
+    found = []
+    for name, errors in left_out.items():
+        mine = [one for one in model.outputs if one.name == name and one.fitted.any()]
+        reach = np.concatenate([one.measured[one.fitted & np.isfinite(one.measured)] for one in mine])
+        low, high = _new_one(errors)
+        rms = float(errors.mean())
+        share = rms / float(np.ptp(reach)) if np.ptp(reach) > 0.0 else np.inf
+        found.append(Expected(name, mine[0].unit, rms, low, high, share, tuple(map(float, errors))))
+    return tuple(found)
+
+
+def _new_one(errors: Array) -> tuple[float, float]:
+    """Return between which rms errors eight of ten new logs lie: logarithms of errors are taken for normal."""
+    from scipy.stats import t  # noqa: PLC0415  # scipy.stats takes long to import
+
+    n = len(errors)
+    if n < 2 or not (np.isfinite(errors).all() and (errors > 0.0).all()):  # a spread needs two
+        return 0.0, np.inf
+    logs = np.log(errors)
+    half = float(t.ppf(IN_TEN, n - 1) * logs.std(ddof=1) * np.sqrt(1.0 + 1.0 / n))
+    return float(np.exp(logs.mean() - half)), float(np.exp(logs.mean() + half))
 
 
 def quality(output: Output, chosen: Flags, simulated: Array, *, validation: bool) -> Quality:

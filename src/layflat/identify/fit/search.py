@@ -17,6 +17,7 @@ STARTS, REFINED = 32, 3  # starts that are drawn, and how many of them are refin
 
 SPREAD = 0.25  # every other start is this near to the guess, as a share of the way between the bounds; others anywhere
 SHORT, LONG = 6, 60  # steps of a start's refinement, and of the last one
+NEAR = 8  # steps from values of all logs to those of all but one
 ROUNDS = 2  # refinements of the last model; the outputs are weighed after each
 
 EXPLAINED = 3.0  # a continuation is good enough where the mean square of the residuals, in their scale, is below this
@@ -54,6 +55,28 @@ def fit(model: Model, *, starts: int = STARTS, seed: int = 0, progress: Progress
     return search.result(shares, converged, seed)
 
 
+def fit_near(model: Model, values: Array, *, seed: int = 0) -> Fit:
+    """Find the unknowns of a model from its fitted samples, begun near the best values.
+
+    Args:
+        model: what is fitted.
+        values: of its unknowns, where the search begins.
+        seed: of the bootstrap.
+    """
+    search = _Search(model, None)
+    shares, converged = search.converge(model, search.shares_of(values), robust=True, rounds=1)
+    return search.result(shares, converged, seed)
+
+
+def search_near(model: Model, values: Array) -> Array:
+    """Return values that a few steps from others lead to, (unknowns,): near the best, without their intervals."""
+    search = _Search(model, None)
+    begun = search.shares_of(values)
+    search.weigh(begun)
+    shares, _ = search.refine(begun, NEAR, "fitting")
+    return search.residuals.scaled.values(shares)
+
+
 class _Search:
     def __init__(self, model: Model, progress: Progress | None) -> None:
         self.free = model
@@ -79,6 +102,10 @@ class _Search:
         """Go on with a model of the same unknowns."""
         self.model, self.residuals = model, Residuals(model)
         self.best, self.least = self.residuals.begun, np.inf
+
+    def shares_of(self, values: Array) -> Array:
+        """Return values as shares that lie within the bounds."""
+        return np.asarray(np.clip(self.residuals.scaled.of(values), 0.0, 1.0))
 
     def tell(self, share: float, text: str) -> None:
         self.done = max(self.done, share)

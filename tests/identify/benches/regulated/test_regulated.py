@@ -134,6 +134,31 @@ def test_files_go_in_and_a_description_comes_out(tmp_path: Path) -> None:
     assert kept.valve == described.valve
 
 
+def test_simpler_frictions_have_fewer_unknowns_and_say_all_that_they_are() -> None:
+    described = rig()
+    model = RegulatedModel(described, {"one": log(described, 3.0)})
+    coulomb, sticking = model.simpler().values()
+    assert [len(model.unknowns) - len(one.unknowns) for one in (coulomb, sticking)] == [5, 4]
+    for one, ratio in ((coulomb, 1.0), (sticking, TRUTH["friction.static_ratio"])):
+        values = np.array([TRUTH.get(unknown.path, unknown.guess) for unknown in one.unknowns])
+        found = one.written(values)
+        assert found["friction.upper_end"] == found["friction.lower_end"] == TRUTH["friction.lower_end"]
+        assert found["friction.static_ratio"] == ratio
+        full = {unknown.path: found.get(unknown.path, unknown.guess) for unknown in model.unknowns}
+        alike = model.simulate(np.array([list(full.values())]))
+        assert np.array_equal(one.simulate(values[None]), alike, equal_nan=True)
+    assert RegulatedModel(described, {"one": log(described, 3.0)}, blocks=["valve"]).simpler() == {}
+
+
+def test_held_unknowns_keep_what_is_described() -> None:
+    described = rig()
+    model = RegulatedModel(described, {"one": log(described, 3.0)})
+    held = model.held(["chamber.wall_conductance", "valve.lag"])
+    assert len(held.unknowns) == len(model.unknowns) - 2
+    assert np.array_equal(held.simulate(held.guess[None]), model.simulate(model.guess[None]), equal_nan=True)
+    assert not {"chamber.wall_conductance", "valve.lag"} & held.written(held.guess).keys()
+
+
 def test_a_log_of_several_joints_is_refused() -> None:
     described = rig()
     both = xarray.concat([log(described, 2.0)] * 2, dim="joint")

@@ -13,6 +13,7 @@ from layflat.identify.benches.hysteresis.model import rounded, shares_of, split_
 from layflat.identify.benches.loader import load_bench
 from layflat.identify.benches.rod.description import RodBench
 from layflat.identify.benches.rod.model import RodModel
+from layflat.identify.fit.search import search_near
 
 RIG = cast(RodBench, load_bench("friction-rig"))
 DATA = Path(__file__).parents[4].parent / "shared" / "data" / "zillen"
@@ -107,6 +108,30 @@ def test_a_change_of_shape_is_found_and_predicts_another_pressure() -> None:
         errors.append(loop_errors(model, model.simulate(start[None])[0])[-1].raw)
     assert errors[1] < 0.03
     assert errors[0] > 1.5 * errors[1]
+
+
+BENT = REAL.model_copy(
+    update={"friction": REAL.friction.model_copy(update={"base": 2.0, "slope": 3e-5, "exponent": 2.5})}
+)
+"""Friction that hardly grows at low pressures and fast at high ones: no line through it has a base above zero."""
+
+
+def test_friction_that_bends_with_pressure_is_told_from_one_that_differs_by_chance() -> None:
+    for seed in range(3):
+        logs = of_their_own(BENT, (1, 3, 5, 7), seed)
+        validation = {"5 bar": logs.pop("5 bar")}
+        model = RodModel(RIG, logs, validation)
+        assert "friction.exponent" in [one.path for one in model.unknowns]
+        assert any(said.startswith("The logs show that friction grows otherwise") for said in model.remarks)
+        straight = model.held(["friction.exponent"])
+        errors = [
+            loop_errors(one, one.simulate(search_near(one, one.starts()[0])[None])[0])[-1].friction
+            for one in (model, straight)
+        ]
+        assert errors[0] < 0.05
+        assert errors[1] > 1.5 * errors[0]
+        steady = RodModel(RIG, of_their_own(REAL, (1, 3, 7), seed))
+        assert "friction.exponent" not in [one.path for one in steady.unknowns]
 
 
 def test_two_pressures_can_not_show_a_change_of_shape() -> None:

@@ -9,13 +9,14 @@ differences of a random walk); and it goes by continuation, from easy to hard:
 3. nothing is given but the set-points.
 """
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from copy import copy
 from typing import NamedTuple, Self
 
 import numpy as np
 
 from layflat.arrays import Array, Dataset
+from layflat.description.change import changed
 from layflat.errors import InputError
 from layflat.identify.benches.contract import Bench, Logs, chosen, fitted_share_of, simulated, with_columns
 from layflat.identify.benches.regulated import run
@@ -29,6 +30,9 @@ ROTATION_TIME = 1.0  # the rotation compared is that in so much time, s
 SCALES = {"angle": 0.1, "rotation": 0.02}  # an error of this share of the reading matters
 PRESSURE_SCALE = 4e3  # pa
 AT_END = 1e-3  # a reading within this share of its range from an end is at that end
+
+LEVELS = ("friction.upper_end", "friction.change_angle", "friction.change_width", "friction.lag")
+"""Unknowns of a friction whose level changes."""
 
 SIGNALS = ("setpoint_a", "setpoint_b", "angle", "pressure_a", "pressure_b")
 
@@ -48,6 +52,9 @@ class RegulatedModel(Model):
     validation. Default: all, or two thirds where there is no other log for validation.
     """
 
+    cross_validated = True
+    one_level = False  # whether the friction at high angles is that at low ones
+
     def __init__(
         self,
         bench: RegulatedJointBench,
@@ -61,6 +68,7 @@ class RegulatedModel(Model):
         share = fitted_share_of(logs, validation, fitted_share)
         every = {name: _of_one_joint(name, log) for name, log in (*logs.items(), *(validation or {}).items())}
         self.bench, self.given, self.blocks = bench, run.NOTHING, set(blocks)
+        self.described_ratio = bench.friction.static_ratio
         self.logs = tuple(_read(bench, name, log) for name, log in every.items())
         angles = np.concatenate([log.course.angle for log in self.logs[: len(logs)]])
         near = (0.5 - AT_END) * bench.stroke.reading
@@ -76,6 +84,28 @@ class RegulatedModel(Model):
         """The joint as measured, the pressures as measured, then neither."""
         easier = ((run.MOTION, {"valve", "gas"}), (run.PRESSURES, {"motion"}))
         return [[*(self._as_measured(given) for given, fitted in easier if fitted & self.blocks), self]]
+
+    def simpler(self) -> Mapping[str, Model]:
+        """Return a joint with Coulomb friction, and one with static friction beside it."""
+        if "motion" not in self.blocks:
+            return {}
+        sticking = self.held(LEVELS)
+        sticking.one_level = True
+        sliding = copy(sticking)
+        sliding.bench = changed(self.bench, "friction.static_ratio", 1.0)
+        return {"Coulomb friction": sliding.held(["friction.static_ratio"]), "static friction": sticking}
+
+    def columns(self, values: Array) -> dict[str, Array]:
+        """See `Model.columns`."""
+        found = super().columns(values)
+        return found | {"friction.upper_end": found["friction.lower_end"]} if self.one_level else found
+
+    def written(self, values: Array) -> dict[str, float]:
+        """See `Model.written`; also what follows from a simpler law."""
+        level = {"friction.upper_end": float(self.columns(values)["friction.upper_end"])} if self.one_level else {}
+        ratio = self.bench.friction.static_ratio
+        static = {"friction.static_ratio": ratio} if ratio != self.described_ratio else {}
+        return super().written(values) | level | static
 
     def simulate(self, values: Array) -> Array:
         """All outputs of candidates, one after the other, (candidates, samples)."""

@@ -30,7 +30,12 @@ class Friction(Part):
 
     base: u.ForceOrZero = Field(description="friction without pressure")
     slope: u.ForcePerPressure = Field(description="friction added per gauge pressure")
-    reference_pressure_gauge: u.PositivePressure = Field(description="where the deflections hold")
+    exponent: Annotated[u.Ratio, Ge(0.2), Le(5.0)] = Field(
+        default=1.0, description="of the pressure in what it adds: above 1 the friction grows faster and faster"
+    )
+    reference_pressure_gauge: u.PositivePressure = Field(
+        description="where the deflections hold, and what is added is the slope times it whatever the exponent"
+    )
     deflections: Annotated[tuple[u.Length, ...], Field(min_length=1)] = Field(
         description="travel after which each element slips, at reference pressure"
     )

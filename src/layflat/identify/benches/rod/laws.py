@@ -8,7 +8,8 @@
 | A, A' | area at x = 0, and its growth with position | m2, m |
 | A_p, A'_p | growth of both with pressure | m2/Pa, m/Pa |
 | c, F_0 | spring, and force at x = 0 without pressure | N/m, N |
-| Y | friction of a rod that slips, Y = (Y_0 + Y_1 p_g) (1 + b(x)) | N |
+| Y | friction of a rod that slips, Y = (Y_0 + Y_1 p_r (p_g/p_r)^n) (1 + b(x)) | N |
+| n, p_r | exponent of the pressure, and reference pressure (gauge) | 1, Pa |
 | b | profile along the stroke, linear between its places | 1 |
 | s, v_s | share of the film, and its speed | 1, m/s |
 
@@ -52,6 +53,8 @@ class Rod(NamedTuple):
     profile: tuple[float, ...] = (0.0, 0.0)
     profile_from: float = 0.0
     profile_step: float = 1.0
+    exponent: float = 1.0
+    reference_pressure: float = 1.0  # gauge, Pa
 
 
 class RodLog(NamedTuple):
@@ -81,9 +84,18 @@ def profile_at(rod, x):
 
 
 @law
+def added_by_pressure(rod, p_g):
+    """Friction that the pressure adds where there is no profile, N."""
+    p = max(p_g, 0.0)
+    if rod.exponent == 1.0:
+        return rod.slope * p
+    return rod.slope * rod.reference_pressure * (p / rod.reference_pressure) ** rod.exponent
+
+
+@law
 def slip_force(rod, x, p_g):
     """Y, N."""
-    return max((rod.base + rod.slope * max(p_g, 0.0)) * (1.0 + profile_at(rod, x)), 0.0)
+    return max((rod.base + added_by_pressure(rod, p_g)) * (1.0 + profile_at(rod, x)), 0.0)
 
 
 @law

@@ -6,11 +6,15 @@
 | r | scaled residuals where every unknown is as its prior expects it |
 """
 
+from collections.abc import Collection
+
 import numpy as np
 
 from layflat.arrays import Array
 from layflat.identify.model import Model
 from layflat.identify.unknown import Unknown
+
+CURVED = ("film_share", "exponent")  # ends of paths of what is searched linearly, but does not enter so
 
 SAMPLES = 20_000  # of all logs together that are looked at
 WIDTH = 1e-5
@@ -22,10 +26,17 @@ def expected(unknown: Unknown) -> tuple[float, float]:
     return unknown.prior or (unknown.guess, unknown.high - unknown.low)
 
 
-def linearised(model: Model, at: Array) -> tuple[Array, Array, list[int]]:
-    """J, r and which unknowns the columns of J are: those that are not searched by their logarithm, and no shares."""
+def linearised(model: Model, at: Array, bent: Collection[str] = ()) -> tuple[Array, Array, list[int]]:
+    """Return J, r and which unknowns the columns of J are.
+
+    Args:
+        model: the model.
+        at: values of its unknowns.
+        bent: paths of unknowns that are linear nearby only, and wanted nevertheless.
+    """
     linear = [i for i, one in enumerate(model.unknowns) if not one.log and ".split." not in one.path]
-    linear = [i for i in linear if not model.unknowns[i].path.endswith("film_share")] + _of(model, "piston.area")
+    linear = [i for i in linear if not model.unknowns[i].path.endswith(CURVED) or model.unknowns[i].path in bent]
+    linear += _of(model, "piston.area")
     used = np.flatnonzero(model.used)
     used = used[:: max(1, len(used) // SAMPLES)]
     moved = np.repeat(at[None], 2 * len(linear) + 1, axis=0)
@@ -57,14 +68,41 @@ def linear_step(model: Model, at: Array) -> tuple[Array, float]:
     return found, float(np.sum((A @ moves - wanted) ** 2))
 
 
-def log_evidence(J: Array, r: Array) -> float:
-    """Log of how likely the residuals are with unknowns drawn from their priors, but for a constant.
+def log_evidence(J: Array, r: Array, bounds: tuple[Array, Array]) -> float:
+    """Log of how likely the residuals are with unknowns drawn from their priors within their bounds.
 
-    Residuals are normal with the covariance I + J J' (mackay1992).
+    But for a constant. Residuals are normal with the covariance I + J J' (mackay1992); an unknown that the logs hold at
+    its bound, as a friction that would be negative, is no unknown any more.
+
+    Args:
+        J: residuals by unknowns in standard deviations of their priors, (residuals, unknowns).
+        r: residuals where every unknown is as its prior expects it, (residuals,).
+        bounds: lower and upper ones of the unknowns, in the same standard deviations about the expected values.
     """
-    H = J.T @ J + np.eye(J.shape[1])
-    g = J.T @ r
-    return float(-0.5 * (r @ r - g @ np.linalg.solve(H, g)) - 0.5 * np.linalg.slogdet(H)[1])
+    from scipy.optimize import lsq_linear  # noqa: PLC0415  # scipy.optimize takes long to import
+
+    n = J.shape[1]
+    if n == 0:
+        return float(-0.5 * r @ r)
+    # An orthogonal transformation changes no sum of squares, and leaves as many rows as there are columns.
+    Q, R = np.linalg.qr(np.vstack([J, np.eye(n)]))
+    wanted = Q.T @ np.concatenate([-r, np.zeros(n)])
+    found = lsq_linear(R, wanted, bounds=bounds, method="bvls")
+    left = float(r @ r - wanted @ wanted + np.sum((R @ found.x - wanted) ** 2))
+    free = found.active_mask == 0
+    H = (R.T @ R)[np.ix_(free, free)]
+    return float(-0.5 * left - 0.5 * np.linalg.slogdet(H)[1])
+
+
+def prior_bounds(model: Model, linear: list[int]) -> tuple[Array, Array]:
+    """Return the bounds of unknowns, in standard deviations of their priors about what these expect."""
+    ends = []
+    for i in linear:
+        one = model.unknowns[i]
+        mean, spread = expected(one)
+        ends.append(((one.low - mean) / spread, (one.high - mean) / spread))
+    lower, upper = np.array(ends).reshape(-1, 2).T
+    return lower, upper
 
 
 def _of(model: Model, path: str) -> list[int]:

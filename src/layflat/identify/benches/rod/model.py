@@ -19,7 +19,7 @@ from layflat.identify.benches.hysteresis.model import CurveModel
 from layflat.identify.benches.rod.description import RodBench
 from layflat.identify.benches.rod.laws import Rod, RodLog, rod_force
 from layflat.identify.benches.rod.linear import linear_step
-from layflat.identify.benches.rod.shape import shape_shown
+from layflat.identify.benches.rod.shape import terms_shown
 from layflat.identify.benches.rod.unknowns import OWN, Sizes, unknowns_of
 from layflat.identify.logs.checks.channels import without_spikes
 from layflat.identify.model import Output
@@ -68,9 +68,7 @@ class RodModel(CurveModel[RodBench]):
         table = unknowns_of(bench, self.sizes, list(logs))
         own = table.pop("logs") if blocks else []
         self.unknowns = (*chosen(table, blocks), *own)
-        if "shape" in blocks:
-            self.unknowns, said = shape_shown(self)
-            self.remarks = (said,)
+        self.unknowns, self.remarks = terms_shown(self)
 
     def simulate(self, values: Array) -> Array:
         """Forces by candidate: see `Model.simulate`."""
@@ -123,6 +121,7 @@ def parameters(bench: RodBench) -> Rod:
     if friction.profile:
         step = (friction.profile_to - friction.profile_from) / (len(friction.profile) - 1)
         along = {"profile": friction.profile, "profile_from": friction.profile_from, "profile_step": step}
+    found |= {"exponent": friction.exponent, "reference_pressure": friction.reference_pressure_gauge}
     return Rod(weights=weights, stiffness=stiffness, **found, **along)
 
 

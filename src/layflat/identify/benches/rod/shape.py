@@ -1,11 +1,11 @@
-"""Whether logs show that pressure changes the shape of a seal: the simpler law is taken unless they do."""
+"""Terms of a law that logs have to show before they are taken: a seal whose shape, or friction, bends with pressure."""
 
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from layflat.identify.benches.rod.linear import linearised, log_evidence
-from layflat.identify.benches.rod.unknowns import shape_unknowns
+from layflat.identify.benches.rod.linear import linearised, log_evidence, prior_bounds
 from layflat.identify.unknown import Unknown
 
 if TYPE_CHECKING:
@@ -16,20 +16,50 @@ APART = 0.1  # pressures are different if they are this share of their range apa
 ODDS = 1.0
 """Log of the odds from which on the law with more unknowns is taken, some 3 to 1: "positive" evidence (kass1995)."""
 
-FEW = "Logs at fewer than three pressures can't show whether pressure changes the shape of the seal: taken as not."
+SHAPE = ("piston.area_growth", "piston.area_slope_growth")
+EXPONENT = ("friction.exponent",)
+TERMS: Mapping[str, Sequence[str]] = {
+    "that pressure changes the shape of the seal": SHAPE,
+    "that friction grows otherwise than in proportion to pressure": EXPONENT,
+}
+"""Unknowns by what they stand for, in words."""
+
+NOT_SHOWN = "The logs do not show {} (log of the odds {:+.1f}, where {:g} is asked for): taken as not."
+FEW = "Logs at fewer than three pressures can't show {}: taken as not."
 
 
-def shape_shown(model: "RodModel") -> tuple[tuple[Unknown, ...], str]:
-    """Unknowns of a model, those of the shape only if its logs show them; and what the logs show, in a sentence."""
-    shape = [one.path for one in shape_unknowns(model.origin, model.sizes)]
-    rest = tuple(one for one in model.unknowns if one.path not in shape)
+def terms_shown(model: "RodModel") -> tuple[tuple[Unknown, ...], tuple[str, ...]]:
+    """Return the unknowns of a model, of `TERMS` only those that its logs show, and what they show, in sentences.
+
+    The term that is likeliest is tried first, and another one beside it.
+    """
+    present = {one.path for one in model.unknowns}
+    left = {words: set(paths) for words, paths in TERMS.items() if present & set(paths)}
+    every = set().union(*left.values())
+    if not left:
+        return model.unknowns, ()
     pressures = np.sort(model.sizes.pressures)
     if 1 + int((np.diff(pressures) > APART * np.ptp(pressures)).sum()) < PRESSURES:
-        return rest, FEW
-    J, r, linear = linearised(model, model.starts()[0])
-    plain = np.array([model.unknowns[i].path not in shape for i in linear])
-    gain = log_evidence(J, r) - log_evidence(J[:, plain], r)
-    odds = f"log of the odds {gain:+.1f}, where {ODDS:g} is asked for"
-    if gain < ODDS:
-        return rest, f"The logs do not show that pressure changes the shape of the seal ({odds}): taken as not."
-    return model.unknowns, f"The logs show that pressure changes the shape of the seal ({odds})."
+        return _without(model, every), tuple(FEW.format(words) for words in left)
+    J, r, linear = linearised(model, model.starts()[0], EXPONENT)
+    paths = [model.unknowns[i].path for i in linear]
+    lower, upper = prior_bounds(model, linear)
+
+    def evidence(missing: set[str]) -> float:
+        there = [path not in missing for path in paths]
+        return log_evidence(J[:, there], r, (lower[there], upper[there]))
+
+    missing, said = every, list[str]()
+    while left:
+        gains = {words: evidence(missing - own) - evidence(missing) for words, own in left.items()}
+        best = max(gains, key=lambda words: gains[words])
+        if gains[best] < ODDS:
+            said += [NOT_SHOWN.format(words, gain, ODDS) for words, gain in gains.items()]
+            break
+        missing = missing - left.pop(best)
+        said.append(f"The logs show {best} (log of the odds {gains[best]:+.1f}).")
+    return _without(model, missing), tuple(said)
+
+
+def _without(model: "RodModel", missing: set[str]) -> tuple[Unknown, ...]:
+    return tuple(one for one in model.unknowns if one.path not in missing)

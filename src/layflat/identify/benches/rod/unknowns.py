@@ -28,6 +28,8 @@ Sensors of force and pressure hold their zero within one or two thousandths of w
 of a loop; what friction differs by when a test is repeated is some per cent as well.
 """
 
+BENT = 1.0  # standard deviation of the exponent with which friction grows with pressure
+LEAST_EXPONENT, GREATEST_EXPONENT = 0.2, 5.0
 UNEVEN = 0.1  # standard deviation of the friction along the stroke, a share of it
 CHANGE = 0.01  # standard deviation of what a change of shape does, a share of the greatest force
 STEADY, FILM = 2.0, 1e-3
@@ -88,6 +90,7 @@ def unknowns_of(bench: RodBench, sizes: Sizes, logs: Sequence[str]) -> dict[str,
         "friction": [
             within("friction.base", "N", friction.base, 0.0, sizes.reach, SLOPES),
             within("friction.slope", "N/Pa", friction.slope, 0.0, sizes.reach / sizes.pressure, SLOPES),
+            exponent_unknown(bench),
             *element_unknowns("friction", "m", friction.deflections, friction.weights, sizes.travel),
             film,
             speed,
@@ -108,6 +111,12 @@ def shape_unknowns(bench: RodBench, sizes: Sizes) -> list[Unknown]:
         _small(grown, "m^2/Pa", bend, SHAPES, guess.area_growth),
         _small("piston.area_slope_growth", "m/Pa", bend / sizes.half, SHAPES, guess.area_slope_growth),
     ]
+
+
+def exponent_unknown(bench: RodBench) -> Unknown:
+    """Return the exponent with which friction grows with pressure, as an unknown."""
+    n, bounds = bench.friction.exponent, (LEAST_EXPONENT, GREATEST_EXPONENT)
+    return Unknown("friction.exponent", "1", n, *bounds, log=False, excitation=SHAPES, prior=(n, BENT))
 
 
 def _of_log(name: str, sizes: Sizes) -> list[Unknown]:
