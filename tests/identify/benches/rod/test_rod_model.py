@@ -111,12 +111,13 @@ def test_a_change_of_shape_is_found_and_predicts_another_pressure() -> None:
 
 
 BENT = REAL.model_copy(
-    update={"friction": REAL.friction.model_copy(update={"base": 2.0, "slope": 3e-5, "exponent": 2.5})}
+    update={"friction": REAL.friction.model_copy(update={"base": 5.0, "slope": 3e-5, "exponent": 2.0})}
 )
 """Friction that hardly grows at low pressures and fast at high ones: no line through it has a base above zero."""
 
 
 def test_friction_that_bends_with_pressure_is_told_from_one_that_differs_by_chance() -> None:
+    errors = np.empty((3, 2))
     for seed in range(3):
         logs = of_their_own(BENT, (1, 3, 5, 7), seed)
         validation = {"5 bar": logs.pop("5 bar")}
@@ -124,14 +125,14 @@ def test_friction_that_bends_with_pressure_is_told_from_one_that_differs_by_chan
         assert "friction.exponent" in [one.path for one in model.unknowns]
         assert any(said.startswith("The logs show that friction grows otherwise") for said in model.remarks)
         straight = model.held(["friction.exponent"])
-        errors = [
-            loop_errors(one, one.simulate(search_near(one, one.starts()[0])[None])[0])[-1].friction
-            for one in (model, straight)
-        ]
-        assert errors[0] < 0.05
-        assert errors[1] > 1.5 * errors[0]
+        for i, one in enumerate((model, straight)):
+            values = search_near(one, one.starts()[0])
+            errors[seed, i] = loop_errors(one, one.simulate(values[None])[0])[-1].friction
         steady = RodModel(RIG, of_their_own(REAL, (1, 3, 7), seed))
         assert "friction.exponent" not in [one.path for one in steady.unknowns]
+    bent, straight_errors = errors.mean(axis=0)
+    assert bent < 0.04
+    assert straight_errors > 1.5 * bent
 
 
 def test_two_pressures_can_not_show_a_change_of_shape() -> None:
