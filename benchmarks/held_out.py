@@ -32,7 +32,8 @@ def angle_errors(found: Fit, reading: float) -> dict[bool, list[float]]:
 
 def choices(names: list[str], count: int, left_out: int, seed: int) -> list[tuple[str, ...]]:
     """Return which logs are left out, the choice of the example first."""
-    random, found = np.random.default_rng(seed), [tuple(name for name in ("006", "010") if name in names)]
+    random = np.random.default_rng(seed)
+    found: list[tuple[str, ...]] = [tuple(name for name in ("006", "010") if name in names)]
     while len(found) < count:
         drawn = tuple(sorted(map(str, random.choice(names, left_out, replace=False))))
         if drawn not in found:
@@ -51,7 +52,7 @@ def main() -> None:
     options = parser.parse_args()
     rig = load_bench("regulated-elbow")
     logs = {path.stem[-3:]: read_log(path, MAPPING) for path in sorted(options.folder.glob("motion_data_*.csv"))}
-    right, rows = 0, []
+    right, rows = 0, list[dict[str, object]]()
     for left_out in choices(list(logs), options.choices, options.left_out, options.seed):
         fitted = {name: log for name, log in logs.items() if name not in left_out}
         found = fit_selected(RegulatedModel(rig, fitted, {name: logs[name] for name in left_out}, fitted_share=1.0))
