@@ -57,3 +57,21 @@ def test_a_mistake_gives_one_line(folder: Path) -> None:
     assert done.returncode == 2
     assert done.stderr.strip() == "layflat: mine.toml: start: has 2 angles; give 1: small"
     assert not (folder / "build/motion").exists()
+
+
+def test_a_motion_that_goes_nowhere_has_a_demand_that_can_be_followed(folder: Path) -> None:
+    start = '["10 deg", "10 deg"]'
+    text = f'name = "still"\ntitle = "x"\nstart = {start}\n[[segment]]\nkind = "joint"\nto = {start}\n'
+    (folder / "still.toml").write_text(text, encoding="utf-8")
+    done = layflat("motion", "still.toml", "paper-arm-fast", "--out", "out", cwd=folder)
+    assert (done.returncode, done.stderr) == (0, "")
+    angles = read_demand(load("paper-arm-fast"), folder / "out" / "still-demand.csv", 0.005).angles
+    assert angles.shape == (2, 2)
+
+
+def test_a_motion_of_weeks_is_refused_before_it_is_written(folder: Path) -> None:
+    text = 'name = "long"\ntitle = "x"\nstart = ["0 deg", "0 deg"]\n[[segment]]\nkind = "wait"\nduration = "1000 h"\n'
+    (folder / "long.toml").write_text(text, encoding="utf-8")
+    done = layflat("motion", "long.toml", "paper-arm-fast", "--out", "out", cwd=folder)
+    assert done.returncode == 2
+    assert done.stderr.strip().endswith("3.6e+06 s are 7.2e+08 control cycles of 5 ms; give 10000 s or less")

@@ -147,3 +147,20 @@ def test_what_a_joint_can_not_do_is_refused(text: str, expected: str, tmp_path: 
 def test_a_file_that_is_not_there(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"nowhere.csv: can't be read"):
         read_demand(SMALL, tmp_path / "nowhere.csv", 0.005)
+
+
+@pytest.mark.parametrize("end", ["\n\n", "\n \n", "\n , \n", "\r\n\r\n"])
+def test_empty_lines_are_no_rows(end: str, tmp_path: Path) -> None:
+    path = tmp_path / "demand.csv"
+    path.write_text(HEADER + "0,0\n\n0.01,10" + end, encoding="utf-8", newline="")
+    assert len(read_demand(SMALL, path, 0.005).angles) == 3
+    path.write_text(HEADER + "0,0\n\n0.01,100" + end, encoding="utf-8", newline="")
+    with pytest.raises(InputError, match="line 4"):
+        read_demand(SMALL, path, 0.005)
+
+
+def test_demands_of_days_are_refused_before_they_are_made(tmp_path: Path) -> None:
+    path = tmp_path / "demand.csv"
+    path.write_text(HEADER + "0,0\n1e6,10\n", encoding="utf-8")
+    with pytest.raises(InputError, match=r"1e\+06 s are 2e\+08 control cycles of 5 ms; give 10000 s or less"):
+        read_demand(SMALL, path, 0.005)

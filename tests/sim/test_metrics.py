@@ -55,3 +55,18 @@ def test_a_demand_that_moves_all_the_time_is_one_move() -> None:
     demand = np.sin(TIME)
     assert len(TIME) > MOST_MOVES
     assert len(moves_of(fake(demand, demand))) == 1
+
+
+def test_joints_that_nobody_moves_are_not_reported() -> None:
+    """Of two joints, the first of which is moved at once and the second later; where none is, all are."""
+    time = np.linspace(0.0, 3.0, 301)
+    demand = np.column_stack([np.where(time < 1.0, 0.0, 1.0), np.where(time < 2.0, 0.0, 0.5)])
+    run = xarray.Dataset(
+        {"angle": (("time", "joint"), demand), "demand": (("time", "joint"), demand)},
+        {"time": time, "joint": ["a", "b"]},
+    )
+    assert [(round(since, 6), one.joint) for since, one in moves_of(run)] == [(1.0, "a"), (2.0, "b")]
+    assert [one.joint for _, one in moves_of(run.isel(time=slice(0, 50)))] == ["a", "b"]
+    away = run.isel(time=slice(0, 50)).copy(deep=True)
+    away["angle"][:, 1] -= 0.3
+    assert [one.joint for _, one in moves_of(away)] == ["b"]

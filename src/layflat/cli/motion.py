@@ -36,11 +36,13 @@ def motion(
     """
     from layflat.files import check_folder  # noqa: PLC0415
     from layflat.machine import load  # noqa: PLC0415
+    from layflat.motion.demand_file import check_row_count  # noqa: PLC0415
     from layflat.motion.file import read_motion  # noqa: PLC0415
     from layflat.motion.plan import plan_motion  # noqa: PLC0415
 
     described, moved = read_motion(file), load(machine)
     plan = plan_motion(moved, described)
+    check_row_count(plan.trajectory.cycles(moved.cycle), moved.cycle, described.origin)
     check_folder(out, f"{described.name}-demand.csv", f"{described.name}-motion.png")
     _print_segments(plan, f"{described.name} on {moved.name}")
     demand = _write(plan, out / f"{described.name}-demand.csv", out / f"{described.name}-motion.png")

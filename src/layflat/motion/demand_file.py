@@ -30,6 +30,7 @@ from layflat.motion.rates import derived_rates, lasting_rate
 
 TIME = "time [s]"
 ROUNDING = 1e-5  # relative, by which a velocity that was written with six digits may be over its limit
+MAX_ROWS = 2_000_000  # of demands, one a control cycle: 2.8 h with one of 5 ms, which take half a minute to write
 KINDS = ("demand.{} [deg]", "demand_velocity.{} [deg/s]", "demand_acceleration.{} [deg/s2]")
 
 
@@ -62,6 +63,13 @@ def write_demand(
     return path
 
 
+def check_row_count(count: int, cycle: float, where: str) -> None:
+    """Refuse demands of more control cycles (s) than a file may have; InputError names `where` they are asked for."""
+    if count > MAX_ROWS:
+        what = f"{count * cycle:.4g} s are {count:.4g} control cycles of {1e3 * cycle:g} ms"
+        raise InputError(what, where=where, right=f"give {MAX_ROWS * cycle:g} s or less")
+
+
 def read_demand(machine: Machine, path: Path, cycle: float) -> Demand:
     """Read demands at every control cycle (s).
 
@@ -71,16 +79,18 @@ def read_demand(machine: Machine, path: Path, cycle: float) -> Demand:
         InputError: the file, its columns, or a value in it: beyond a stroke, or faster than the joint can be.
     """
     where = str(path)
-    columns = _columns(machine, path)
+    columns, lines = _columns(machine, path)
     time = columns.pop(TIME)
     if np.any(np.diff(time) <= 0.0) or time[0] != 0.0:
         raise InputError("does not grow from zero", where=f"{where}: {TIME}", right="give times 0, 0.005, ...")
-    at = cycle * np.arange(round(time[-1] / cycle) + 1)
+    count = round(time[-1] / cycle) + 1
+    check_row_count(count, cycle, f"{where}: {TIME}")
+    at = cycle * np.arange(count)
     sampled = []
     for name in machine.joints:
         given = [columns.get(kind.format(name)) for kind in KINDS]
         joint = [None if of is None else np.radians(of) for of in given]
-        _check(machine, name, time, joint, [f"{where}: line {line}" for line in range(2, len(time) + 2)])
+        _check(machine, name, time, joint, [f"{where}: line {line}" for line in lines])
         sampled.append(_sampled(time, joint, at, cycle))
         if joint[1] is not None:  # polynomials may go beyond what they pass through
             _check(machine, name, at, sampled[-1], [f"{where}: between its rows"] * len(at))
@@ -89,21 +99,23 @@ def read_demand(machine: Machine, path: Path, cycle: float) -> Demand:
     return Demand(angles, *(of if given else None for of, given in zip(rates, there, strict=True)))
 
 
-def _columns(machine: Machine, path: Path) -> dict[str, Array]:
-    """Return the columns of a file by their names."""
+def _columns(machine: Machine, path: Path) -> tuple[dict[str, Array], list[int]]:
+    """Return the columns of a file by their names, and the line of each row; empty lines are none."""
     where = str(path)
     check_regular(path, where, "give a CSV file")
     try:
         with path.open(newline="", encoding="utf-8-sig") as file:
-            rows = list(csv.reader(file))
+            reader = csv.reader(file)
+            rows = [(reader.line_num, row) for row in reader if any(cell.strip() for cell in row)]
     except (OSError, UnicodeDecodeError) as error:
         raise InputError(f"can't be read ({error})", where=where, right="give a CSV file") from None
-    header = [name.strip() for name in rows[0]] if rows else []
+    header = [name.strip() for name in rows[0][1]] if rows else []
     _check_header(machine, header, where)
     if len(rows) < 3:
-        raise InputError(f"holds {len(rows) - 1} rows of numbers", where=where, right="give two or more")
-    values = np.array([_numbers(row, len(header), f"{where}: line {line}") for line, row in enumerate(rows[1:], 2)])
-    return dict(zip(header, values.T, strict=True))
+        raise InputError(f"holds {max(len(rows) - 1, 0)} rows of numbers", where=where, right="give two or more")
+    lines = [line for line, _ in rows[1:]]
+    values = np.array([_numbers(row, len(header), f"{where}: line {line}") for line, row in rows[1:]])
+    return dict(zip(header, values.T, strict=True)), lines
 
 
 def _check_header(machine: Machine, header: Sequence[str], where: str) -> None:

@@ -28,7 +28,7 @@ def picture(plan: Plan) -> "Figure":
     from layflat.plot.motions import Curve, Joint, motion_figure  # noqa: PLC0415  # matplotlib loads slowly
 
     machine, able, motion = plan.machine, plan.able, plan.trajectory
-    time = np.linspace(0.0, motion.duration, INSTANTS)
+    time = np.linspace(0.0, max(motion.duration, machine.cycle), INSTANTS)
     states, torques, half = motion.states(time), plan.torques(motion, time), np.degrees(half_strokes(machine))
     angles, velocities, speeds = np.degrees(states.angles), np.degrees(states.velocities), np.degrees(able.speed)
     joints = {

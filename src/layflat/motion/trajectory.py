@@ -44,9 +44,13 @@ class Trajectory(ABC):
         """Return angles (instants, joints), rad, at times (s)."""
         return self.states(times).angles
 
+    def cycles(self, cycle: float) -> int:
+        """Return how many control cycles (s) the motion takes: one at least."""
+        return max(ceil(self.duration / cycle - 1e-9), 1)
+
     def times(self, cycle: float) -> Array:
         """Return the instants of control cycles (s) from the beginning until the motion has ended."""
-        return cycle * np.arange(ceil(self.duration / cycle - 1e-9) + 1, dtype=np.float64)
+        return cycle * np.arange(self.cycles(cycle) + 1, dtype=np.float64)
 
     def rows(self, cycle: float) -> States:
         """Return one row a control cycle (s): what a scenario takes as demand, with its velocity and acceleration."""

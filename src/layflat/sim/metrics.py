@@ -73,14 +73,26 @@ def move_windows(demand: Array) -> list[tuple[int, int]]:
 
 
 def moves_of(run: xarray.Dataset, band: float = BAND) -> list[tuple[float, Move]]:
-    """Metrics of every joint from each change of any demand to the next, with the time of the change."""
-    time = run["time"].to_numpy()
+    """Metrics of joints from each change of any demand to the next, with the time of the change.
+
+    Joints are those that have somewhere to go then; all of them where none has.
+    """
+    time, angle, demand = (run[name].to_numpy() for name in ("time", "angle", "demand"))
     joints = [str(name) for name in run["joint"].to_numpy()]
     return [
-        (float(time[first]), move(run, joint, float(time[first]), float(time[last]), band))
-        for first, last in move_windows(run["demand"].to_numpy())
-        for joint in joints
+        (float(time[first]), move(run, joints[j], float(time[first]), float(time[last]), band))
+        for first, last in move_windows(demand)
+        for j in _moving(angle, demand, first, last, band)
     ]
+
+
+def _moving(angle: Array, demand: Array, first: int, last: int, band: float) -> list[int]:
+    """Return the numbers of the joints that have somewhere to go between two records, or of all."""
+    if first > 0:
+        goes = demand[first] != demand[first - 1]
+    else:
+        goes = (np.abs(angle[0] - demand[0]) > band) | np.any(demand[: last + 1] != demand[0], axis=0)
+    return [int(j) for j in np.flatnonzero(goes)] or list(range(demand.shape[1]))
 
 
 def tip_settling(run: xarray.Dataset, since: float, until: float, band: float) -> float:

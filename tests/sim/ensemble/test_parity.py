@@ -25,15 +25,14 @@ def assert_same(run: xarray.Dataset, found: xarray.Dataset, rel: float = 0.0) ->
     """The metrics of a rollout and those of a run of an ensemble."""
     assert found.attrs["step"] == run.attrs["step"]
     moves = moves_of(run)
-    n = len(found.joint)
-    for i, (_, move) in enumerate(moves):
-        own = found.isel(move=i // n).sel(joint=move.joint)
+    starts = sorted({since for since, _ in moves})
+    for since, move in moves:
+        own = found.isel(move=starts.index(since)).sel(joint=move.joint)
         assert float(own.settling) == pytest.approx(move.settling, abs=1e-9)
         for name in ("overshoot", "steady_error", "ripple"):
             assert float(own[name]) == pytest.approx(getattr(move, name), rel=rel, abs=0.0)
     assert float(found.air_used) == pytest.approx(air_used(run), rel=rel, abs=0.0)
     assert float(found.peak_acceleration) == pytest.approx(peak_tip_acceleration(run), rel=1e-9 + rel)
-    starts = sorted({since for since, _ in moves})
     for i, (since, until) in enumerate(zip(starts, [*starts[1:], 1e9], strict=True)):
         tip = tip_settling(run, since, until - 1e-6, 2e-3)
         assert float(found.tip_settling[i]) == pytest.approx(tip, abs=1e-9)
