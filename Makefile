@@ -6,7 +6,7 @@ READY := $(VENV)/.ready
 BENCH_LAWS := tests/identify/benches/*/test_*_laws.py tests/identify/benches/vessel/test_real_gas.py
 
 .DEFAULT_GOAL := help
-.PHONY: help install wheel reproduce questions test test-nojit lint pictures bench mutants calibrate clean
+.PHONY: help install wheel reproduce questions test test-nojit lint pictures bench conformance mutants calibrate clean
 
 help:  ## show what can be made
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  make %-12s %s\n", $$1, $$2}'
@@ -43,6 +43,12 @@ pictures: $(READY)  ## take the pictures of the pages in docs anew, in a real br
 
 bench: $(READY)  ## measure speed: build/bench.json
 	$(BIN)/python -m benchmarks.run --out build/bench.json
+
+conformance:  ## compare arms of other packages as other tools read them: docs/arm-conformance.md (a quarter of an hour)
+	$(PYTHON) -m venv build/conformance
+	build/conformance/bin/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[conformance]'
+	build/conformance/bin/python -m pip install --quiet --disable-pip-version-check --no-deps robosuite==1.5.2 gymnasium-robotics==1.4.2
+	build/conformance/bin/python -m benchmarks.conformance
 
 mutants: $(READY)  ## do the tests see mistakes in physics and control? build/mutants.json (about two hours)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[mutants]'

@@ -66,7 +66,7 @@ def module(extra: str, name: str, where: str = "") -> Any:
     try:
         return import_module(name)
     except (ImportError, OSError) as error:
-        reason = (str(error).splitlines() or [type(error).__name__])[0]
+        reason = (str(error).splitlines() or [type(error).__name__])[0].partition(". ")[0]
         repair = REPAIRS.get(package, "")
         raise MissingExtraError(extra, [EXTRAS[extra][package]], where, reason, repair) from None
 

@@ -9,6 +9,7 @@ from meshes import write_wedge
 from robot_files import UPPER, urdf, written
 
 from layflat.bridge import save_arm
+from layflat.bridge.losses import losses
 from layflat.bridge.meshes import solid
 from layflat.bridge.robots import import_arm
 from layflat.errors import InputError
@@ -44,6 +45,10 @@ def test_flat_meshes_go_to_mujoco(triangles: Any, name: str, write: Any, tmp_pat
     size = np.ptp(model.mesh_vert, axis=0)
     assert np.linalg.norm(size) == pytest.approx(0.1 * np.sqrt(2.0), rel=0.3)
     import_arm(tmp_path / "out.xml").save(tmp_path / "back")
+    save_arm(machine_with(tmp_path, name), tmp_path / "out.urdf")
+    assert mujoco.MjModel.from_xml_path(str(tmp_path / "out.urdf")).nv == 2
+    (line,) = [one for one in losses(machine_with(tmp_path, name), ".urdf") if "draws" in one]
+    assert line == f"MuJoCo draws nothing of this URDF, as it reads no DAE and no flat mesh there: {name}"
 
 
 def test_a_mesh_without_surface_is_named(tmp_path: Path) -> None:

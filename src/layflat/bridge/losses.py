@@ -6,7 +6,8 @@ import numpy as np
 
 from layflat.arrays import Array
 from layflat.bridge.inertia import nearest_inertia
-from layflat.bridge.pieces import rigid
+from layflat.bridge.pieces import link_pieces, rigid
+from layflat.bridge.urdf import unread_meshes
 from layflat.machine import Machine
 
 URDF, MJCF = ".urdf", ".xml"
@@ -42,6 +43,11 @@ def losses(machine: Machine, suffix: str) -> list[str]:
     if suffix == URDF and not _is_usual(arm.gravity):
         values = " ".join(f"{float(value):.6g}" for value in arm.gravity)
         lines.append(f"URDF has no gravity: MuJoCo reads {values} m/s2 from <mujoco>, other tools have to be told")
+    unread = unread_meshes(link_pieces(machine)) if suffix == URDF else []
+    if unread:
+        lines.append(
+            f"MuJoCo draws nothing of this URDF, as it reads no DAE and no flat mesh there: {', '.join(unread)}"
+        )
     rounded = {name: _change(link.inertia) for name, link in links.items()}
     rounded = {name: change for name, change in rounded.items() if change > NEGLIGIBLE}
     if rounded:

@@ -19,6 +19,7 @@ OBJ_CORNER = re.compile(rb"(?m)^[ \t]*v[ \t]")
 STL_HEAD = 84  # bytes of a binary STL before its triangles
 TRIANGLE = np.dtype([("numbers", "<f4", (4, 3)), ("more", "<u2")])  # of a binary STL: normal, corners, 50 bytes in all
 MIN_CORNERS = 4  # of a mesh that MuJoCo takes
+MIN_VOLUME = 1e-13  # m3, of a solid that MuJoCo surely takes: it refuses below 1e-15, in single precision
 
 
 class Meshes:
@@ -156,3 +157,20 @@ def solid(file: Path) -> Any:
     if reason:
         raise InputError(f"can't be read as a mesh ({reason})", where=str(file), right="give STL, OBJ or DAE")
     return mesh
+
+
+def is_unread(file: Path, scale: tuple[float, float, float]) -> bool:
+    """Return whether MuJoCo refuses a mesh of a URDF, all of which it takes for solids: a DAE, or one that is flat."""
+    if file.suffix.lower() == ".dae":
+        return True
+    content = file.read_bytes()
+    if file.suffix.lower() == ".stl" and is_binary_stl(content):
+        triangles = stl_triangles(content)
+    elif extras.available("view", "trimesh"):
+        mesh = solid(file)
+        triangles = np.asarray(mesh.vertices[mesh.faces], float)
+    else:
+        return False
+    corners = triangles * np.array(scale)
+    volume = np.abs(np.linalg.det(corners - corners.mean(axis=(0, 1)))).sum() / 6.0
+    return bool(volume < MIN_VOLUME) or len(np.unique(triangles.reshape(-1, 3), axis=0)) < MIN_CORNERS

@@ -1,5 +1,6 @@
 """A machine's arm as URDF."""
 
+from collections.abc import Iterable
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 import numpy as np
@@ -7,7 +8,7 @@ import numpy as np
 from layflat.arrays import Array
 from layflat.bridge.inertia import nearest_inertia
 from layflat.bridge.limits import effort, velocity
-from layflat.bridge.meshes import Meshes
+from layflat.bridge.meshes import Meshes, is_unread
 from layflat.bridge.mjcf import numbers
 from layflat.bridge.pieces import BODY, COLOURS, Piece, joint_pieces, link_pieces, rigid
 from layflat.machine import Machine
@@ -60,9 +61,15 @@ def to_urdf(machine: Machine, folder: str = "") -> str:
     return '<?xml version="1.0"?>\n' + tostring(robot, encoding="unicode") + "\n"
 
 
+def unread_meshes(pieces: Iterable[Iterable[Piece]]) -> list[str]:
+    """Return the names of meshes that MuJoCo reads from no URDF."""
+    unread = {piece.file.name for own in pieces for piece in own if piece.file and is_unread(piece.file, piece.scale)}
+    return sorted(unread)
+
+
 def _for_mujoco(robot: Element, gravity: Array, pieces: list[list[Piece]]) -> None:
-    # MuJoCo reads no DAE, and then has to do without what is drawn.
-    unread = any(piece.file is not None and piece.file.suffix.lower() == ".dae" for own in pieces for piece in own)
+    # MuJoCo has to do without all that is drawn where it would refuse a mesh.
+    unread = bool(unread_meshes(pieces))
     own = SubElement(robot, "mujoco")
     SubElement(own, "compiler", strippath="false", discardvisual="true" if unread else "false")
     SubElement(own, "option", gravity=numbers(gravity))

@@ -32,6 +32,8 @@ WRONG: list[tuple[dict[str, str], dict[str, Any], str]] = [
      "joint away that closes the loop"),
     ({"bolts": joint("bolts", "fixed", "lower", "flange")}, {}, "link 'flange': hangs on itself: a closed chain; an "
      "arm here is an open chain"),
+    ({"shoulder": without(SHOULDER, "revolute", "prismatic"), "more": FEATHER + SECOND}, {}, "joint 'shoulder': is "
+     "prismatic; joints of hose turn about an axis; to hold it still, make it fixed"),
     # joints
     ({"elbow": without(ELBOW, "revolute", "prismatic")}, {}, "joint 'elbow': is prismatic; joints of hose turn about "
      "an "
@@ -181,3 +183,9 @@ def test_a_massless_shape_is_told(tmp_path: Path) -> None:
     assert (
         "links that have a shape and weigh nothing: flange" in import_arm(written(tmp_path, urdf(flange=light))).notes()
     )
+
+
+def test_a_point_beside_others_is_a_point_though_its_zeros_are_rounded(tmp_path: Path) -> None:
+    flange = FLANGE.replace('ixx="0.0001" iyy="0.0001" izz="0.0001"', 'ixx="-2e-35" iyy="0" izz="3e-35"')
+    assert flange != FLANGE
+    assert len(import_arm(written(tmp_path, urdf(flange=flange))).machine.joints) == 2

@@ -11,6 +11,8 @@ from layflat.errors import InputError
 from layflat.physics.arms.bodies import lumped
 from layflat.physics.arms.chain.description import ROUNDING, impossible
 
+NOTHING = 1e-12  # moment of inertia that counts as none, as in descriptions, kg m2
+
 
 def merged(robot: Robot, joint: Link, members: Mapping[str, Pose]) -> tuple[Inertial, list[Look]]:
     """Return the mass of all that a joint turns as one, and what it is drawn by, in the joint's frame.
@@ -49,7 +51,7 @@ def _check(robot: Robot, body: Body) -> None:
         _refuse(robot, body.name, f"has a mass of {body.inertial.mass:g} kg", "give one above 0")
     least, middle, greatest = np.linalg.eigvalsh(body.inertial.inertia)
     moments = f"principal moments of inertia {least:.4g}, {middle:.4g} and {greatest:.4g} kg m2"
-    room = ROUNDING * abs(greatest)
+    room = max(ROUNDING * abs(greatest), NOTHING)
     if least < -room:
         _refuse(robot, body.name, f"has {moments}", "none can be negative")
     if greatest > least + middle + room:

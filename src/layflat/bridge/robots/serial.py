@@ -115,6 +115,9 @@ class _Chooser:
             if not found:
                 return way
             if len(found) > 1:
+                moving = [link for link in way if link.kind != FIXED]
+                if moving:  # no choice of an end helps where the way to all of them is none
+                    self._check(moving, "")
                 names = " and ".join(repr(link.name) for link in found[:2])
                 ends = [list(robot.behind(link.child))[-1] for link in found]
                 here = [body] if way else []
@@ -141,6 +144,8 @@ class _Chooser:
                     right += f"; to end the arm before it: --to {link.parent}"
                 elif link.kind in {"floating", "planar"}:
                     right = "the base of an arm stands still: make it fixed"
+                else:
+                    right += "; to hold it still, make it fixed"
                 self._refuse(f"joint {link.name!r}", f"is {link.kind}", right)
             if link.axis is None or float(np.sum(np.square(link.axis))) < NO_WAY:
                 what = "has no axis" if link.axis is None else "has an axis without direction"

@@ -1,0 +1,1 @@
+"""Arms of other packages, imported, exported, and read back by other tools: `make conformance`."""
