@@ -3,6 +3,8 @@
 import json
 import sqlite3
 import struct
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -247,6 +249,20 @@ def test_bags_in_sqlite(tmp_path: Path) -> None:
     unknown = sqlite_bag(tmp_path / "d.db3", "p/msg/Nobody", floats)
     with pytest.raises(InputError, match="the file does not define p/msg/Nobody"):
         read_table(unknown)
+
+
+def test_what_stands_in_the_write_ahead_log_of_a_bag_is_read(tmp_path: Path) -> None:
+    """A recorder that was killed leaves its last messages there, and rosbags 0.11 leaves them out."""
+    pytest.importorskip("rosbags")
+    path = sqlite_bag(tmp_path / "a.db3", "std_msgs/msg/Float64", [CDR + struct.pack("<d", 0.0)])
+    code = (
+        f"import os, sqlite3; bag = sqlite3.connect({str(path)!r}); bag.execute('PRAGMA journal_mode=WAL');"
+        f"bag.execute('INSERT INTO messages VALUES(1, 1, 100000000, ?)', ({CDR + struct.pack('<d', 7.0)!r},));"
+        "bag.commit(); os._exit(1)"
+    )
+    subprocess.run([sys.executable, "-c", code], check=False)
+    assert path.with_name("a.db3-wal").stat().st_size > 0
+    assert values(path) == {"x.data": [0.0, 7.0]}
 
 
 def test_an_sqlite_file_that_is_no_bag(tmp_path: Path) -> None:
