@@ -25,6 +25,7 @@ def of_parquet(folder: Path, **arrays: Any) -> Path:
     return folder / "x.parquet"
 
 
+BOOL8 = pyarrow.ExtensionArray.from_storage(pyarrow.bool8(), pyarrow.array([1, 0, 1], pyarrow.int8()))
 DAYS = pyarrow.array([20000, None, 20002], pyarrow.date32())
 
 
@@ -49,6 +50,7 @@ DAYS = pyarrow.array([20000, None, 20002], pyarrow.date32())
         (pyarrow.array(["1", "2", "x"]).dictionary_encode(), {"x": [1, 2, np.nan]}),
         (pyarrow.array([1.5, None, 1.5]).dictionary_encode(), {"x": [1.5, np.nan, 1.5]}),
         (pyarrow.array(["1", None, "3"], pyarrow.large_string()), {"x": [1, np.nan, 3]}),
+        (BOOL8, {"x": [1, 0, 1]}),
         (pyarrow.array([[1, 2], [3], None]), {"x.0": [1, 3, np.nan], "x.1": [2, np.nan, np.nan]}),
         (pyarrow.array([[1.0, 2.0]] * 3, pyarrow.list_(pyarrow.float32(), 2)), {"x.0": [1] * 3, "x.1": [2] * 3}),
         (pyarrow.array([{"a": 1, "b": [2]}, None, {"a": 3}]), {"x.a": [1, np.nan, 3], "x.b.0": [2, np.nan, np.nan]}),
@@ -127,6 +129,15 @@ def test_the_clock_of_netcdf_may_have_another_name(tmp_path: Path) -> None:
     assert columns(tmp_path / "obs.nc") == {"time": [0.0, 0.1], "force": [1.0, 2.0]}
 
 
+def test_time_need_not_be_the_first_dimension(tmp_path: Path) -> None:
+    angles = ("joint", "time"), np.array([[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]])
+    data = xarray.Dataset({"angle": angles}, {"time": [0.0, 1.0, 2.0], "joint": [1, 2]})
+    data.to_netcdf(tmp_path / "x.nc", engine="h5netcdf")
+    table = read_table(tmp_path / "x.nc")
+    assert table.columns["angle.2"].values.tolist() == [4.0, 5.0, 6.0]
+    assert table.words == {}
+
+
 def test_what_netcdf_holds_besides_is_named(tmp_path: Path) -> None:
     data = xarray.Dataset(
         {
@@ -134,6 +145,7 @@ def test_what_netcdf_holds_besides_is_named(tmp_path: Path) -> None:
             "image": (("time", "x", "y"), np.zeros((2, 2, 2))),
             "pressure": ("time_p", [1.0, 2.0, 3.0]),
             "word": ("time", ["a", "b"]),
+            "line": (("time", "pixel"), np.zeros((2, 65))),
             "constant": 7.0,
         },
         {"time": [0.0, 0.1], "time_p": [0.0, 0.05, 0.1]},
@@ -148,6 +160,7 @@ def test_what_netcdf_holds_besides_is_named(tmp_path: Path) -> None:
     assert table.words["pressure"] == "goes along 'time_p', and the clock along 'time'"
     assert "which is no number" in table.words["word"]
     assert "groups are not read" in table.words["group second"]
+    assert table.words["line"] == "has 65 items each, and more than 64 are no signal"
     assert "constant" not in table.words
 
 

@@ -127,6 +127,13 @@ def test_little_tells_no_lag(size: int) -> None:
     assert lag_of(np.full(size, np.nan), noise[0], 0.005) is None
 
 
+def test_few_samples_that_move_tell_no_lag() -> None:
+    """At 30 Hz a joint may move in so few samples that some lags have enough of them and others have not."""
+    simulated = run().sel(joint="small")
+    angle, pressure = simulated["measured_angle"].values[::6], simulated["measured_pressure"].values[::6]
+    assert lag_of(angle, pressure, 0.03) is None
+
+
 def test_a_lag_is_found_beside_gaps() -> None:
     simulated = run().sel(joint="small")
     angle, pressure = late(0.1)(simulated["measured_angle"].values), simulated["measured_pressure"].values.copy()

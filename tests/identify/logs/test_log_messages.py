@@ -82,6 +82,54 @@ def test_bytes_alone_are_numbers(tmp_path: Path) -> None:
     assert values(path) == {"x.v.0": [0.0, 1.0, 2.0, 3.0], "x.v.1": [255.0, 254.0, 253.0, 252.0]}
 
 
+@pytest.mark.parametrize(
+    ("content", "columns", "words"),
+    [
+        ({"p": [[1, 2], [3, 4]]}, {"a.p.0.0": 1.0, "a.p.0.1": 2.0, "a.p.1.0": 3.0, "a.p.1.1": 4.0}, {}),
+        ([{"v": 1}, {"v": 2}], {"a.0.v": 1.0, "a.1.v": 2.0}, {}),
+        ([1, [2]], {"a.0": 1.0, "a.1.0": 2.0}, {}),
+        ({"v": "12.5", "w": 1, "s": "ok"}, {"a.w": 1.0}, {"a.v": "numbers written as text, such as '12.5'"}),
+        ({"p": [0] * 65, "w": 1}, {"a.w": 1.0}, {"a.p": "65 items, and an array of more than 64 is no signal"}),
+        ({"t": {"sec": 2, "nsec": 500_000_000}}, {"a.t": 2.5}, {}),
+    ],
+)
+def test_json_of_any_shape(tmp_path: Path, content: Any, columns: dict[str, float], words: dict[str, str]) -> None:
+    table = read_table(write_json(tmp_path / "x.mcap", [("/a", 0.1 * i, content) for i in range(2)]))
+    assert {name: column.values[1] for name, column in table.columns.items()} == columns
+    assert table.words == words
+
+
+def test_another_kind_of_cdr_is_not_read_as_this_one(tmp_path: Path) -> None:
+    """CDR of version 2 aligns numbers of eight bytes at multiples of four."""
+    messages = [b"\0\7\0\0" + struct.pack("<IdI", 1, 2.0, 3) + bytes(8)]
+    path = bag(tmp_path / "x.mcap", "uint32 a\nfloat64 v\nuint32 b\n", messages)
+    with pytest.raises(InputError, match="its kind of CDR, 0007, is not read here"):
+        read_table(path)
+
+
+def test_log_times_of_any_size(tmp_path: Path) -> None:
+    with (tmp_path / "x.mcap").open("wb") as file:
+        writer = Writer(file)
+        writer.start()
+        channel = writer.register_channel("/x", "json", 0)
+        for i in range(3):
+            writer.add_message(channel, 2**63 + i * 10**8, b"1", 0)
+        writer.finish()  # type: ignore[no-untyped-call]
+    stamps = read_table(tmp_path / "x.mcap").columns["x"].stamps
+    assert stamps is not None
+    assert stamps.tolist() == [0.0, 0.1, 0.2]
+
+
+def test_types_defined_as_idl(tmp_path: Path) -> None:
+    pytest.importorskip("rosbags")
+    text = "module p { module msg { struct X { double v; octet b; int8 i; }; }; };\n"
+    for head in ("", "=" * 80 + "\nIDL: p/msg/X\n"):
+        path = bag_of(
+            tmp_path / "x.mcap", {"/x": ("cdr", "ros2idl", head + text, [CDR + struct.pack("<dBb", 1.5, 200, -3)])}
+        )
+        assert values(path) == {"x.v": [1.5], "x.b": [200.0], "x.i": [-3.0]}
+
+
 def test_names_that_stand_twice_are_no_names(tmp_path: Path) -> None:
     path = write_json(tmp_path / "x.mcap", [("/a", 0.1 * i, {"name": ["q", "q"], "p": [i, 10 * i]}) for i in range(3)])
     assert values(path) == {"a.p.0": [0.0, 1.0, 2.0], "a.p.1": [0.0, 10.0, 20.0]}
@@ -103,7 +151,7 @@ def test_what_can_not_be_decoded_hides_nothing(tmp_path: Path) -> None:
             "/proto": ("protobuf", "protobuf", "", [b"\0"]),
             "/nothing": ("cdr", "", "", [b"\0"]),
             "/odd": ("cdr", "ros2msg", "float65 v\n", [CDR]),
-            "/text": ("json", "jsonschema", "{}", [b'"12"']),
+            "/text": ("json", "jsonschema", "{}", [b'"twelve"']),
             "/image": ("json", "jsonschema", "{}", [json.dumps({"data": [0] * 100, "width": 10}).encode()]),
         },
     )

@@ -176,6 +176,11 @@ def test_a_check_tells_why_replies_are_no_good(server: Server, monkeypatch: pyte
     assert link.action.startswith("one loop drives a rig")
     link = checked(server, refused(1, 23))
     assert "by functions 16 and 3" in link.found
+    numbers = iter(range(1000))
+    link = checked(server, lambda request: refused(1, 16, 23)(request) if next(numbers) % 5 < 2 else b"")
+    assert "function 16 is refused: exception 1, illegal function" in link.found, (
+        "a refusal says more than late replies"
+    )
 
 
 def test_words_for_what_came() -> None:

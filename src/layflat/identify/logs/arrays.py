@@ -67,7 +67,7 @@ def _columns(name: str, column: Any) -> Iterator[tuple[str, Any, str | None]]:
 
     Unit None says that the cells are a reason.
     """
-    from pyarrow import compute, float64, types  # noqa: PLC0415
+    from pyarrow import BaseExtensionType, chunked_array, compute, float64, types  # noqa: PLC0415
 
     kind = column.type
     if types.is_dictionary(kind):
@@ -80,6 +80,9 @@ def _columns(name: str, column: Any) -> Iterator[tuple[str, Any, str | None]]:
         yield name, _floats(column.cast(float64(), safe=False)), ""
     elif types.is_string(kind) or types.is_large_string(kind) or types.is_string_view(kind):
         yield name, ["" if value is None else value for value in column.to_pylist()], ""
+    elif isinstance(kind, BaseExtensionType):
+        stored = chunked_array([chunk.storage for chunk in column.chunks], kind.storage_type)
+        yield from _columns(name, stored)
     elif types.is_struct(kind):
         for i in range(kind.num_fields):
             yield from _columns(f"{name}.{kind.field(i).name}", compute.struct_field(column, i))
@@ -153,9 +156,10 @@ def read_netcdf(path: Path) -> Content:
     cells: dict[str, Cells] = {}
     units: dict[str, str] = {}
     left_out = {f"group {name}": "variables in groups are not read: put them at the top" for name in groups}
-    for name, variable in data.variables.items():
-        if variable.dims[:1] != (along,) or variable.dtype.kind not in "fiub" or variable.ndim > 2:
-            reason = _reason(variable, data, along)
+    for name, stored in data.variables.items():
+        variable = stored.transpose(along, ...) if along in stored.dims else stored
+        reason = _reason(str(name), variable, data, along)
+        if reason is not None:
             left_out |= {str(name): reason} if reason else {}
             continue
         values = _written(variable)
@@ -195,13 +199,17 @@ def _time_dimension(data: "xarray.Dataset") -> str | None:
     return next((str(variable.dims[0]) for variable in [*named, *dated]), None)
 
 
-def _reason(variable: "xarray.Variable", data: "xarray.Dataset", along: str) -> str:
-    """Return why a variable makes no column; nothing for what belongs to no clock, such as labels and constants."""
+def _reason(name: str, variable: "xarray.Variable", data: "xarray.Dataset", along: str) -> str | None:
+    """Return why a variable makes no column, or None for one that does; nothing for labels and constants."""
     if variable.dims[:1] == (along,):
-        kind = variable.dtype
-        return f"has {variable.ndim} dimensions" if variable.ndim > 2 else f"is of type {kind}, which is no number"
+        if variable.dtype.kind not in "fiub":
+            return f"is of type {variable.dtype}, which is no number"
+        if variable.ndim > 2:
+            return f"has {variable.ndim} dimensions"
+        many = variable.ndim == 2 and variable.shape[1] > MAX_ITEMS
+        return f"has {variable.shape[1]} items each, and more than {MAX_ITEMS} are no signal" if many else None
     other = next(iter(variable.dims), None)
-    clocked = other is not None and other in data.indexes and data[other].dtype.kind in "fiu"
+    clocked = other is not None and other != name and other in data.indexes and data[other].dtype.kind in "fiu"
     return f"goes along {other!r}, and the clock along {along!r}" if clocked and variable.ndim == 1 else ""
 
 

@@ -9,7 +9,7 @@ from layflat import extras
 from layflat.errors import InputError
 from layflat.identify.logs.headers import Header
 from layflat.identify.logs.messages import Decode, MessageColumns, TopicNames, reason_of
-from layflat.identify.logs.rosbag import attempted, ros1_decoder, ros2_idl_decoder, unsigned
+from layflat.identify.logs.rosbag import attempted, of_plain_cdr, ros1_decoder, ros2_idl_decoder, unsigned
 from layflat.identify.logs.table import Column, Content
 
 if TYPE_CHECKING:
@@ -91,6 +91,8 @@ class _Bag:
         if schema is not None and make is not None:
             extras.require("logs", "rosbags")
             return make(schema.name, schema.data.decode())
+        if encoding == "cdr" and schema is None:
+            return "the file does not define the type of its messages"
         named = " with schemas in ".join(filter(None, (encoding, kind))) or "an encoding that it does not name"
         return f"its messages are in {named}, which is not read here"
 
@@ -106,7 +108,7 @@ def _ros2_decoder(schema: "Schema") -> Decode:
     signed: Any = type(schema)(id=schema.id, data=text.encode(), encoding=schema.encoding, name=schema.name)
     decode = DecoderFactory().decoder_for("cdr", signed)
     assert decode is not None  # it is in CDR, and defined as .msg
-    return decode
+    return of_plain_cdr(decode)
 
 
 def _rig_columns(path: Path) -> dict[str, Column]:

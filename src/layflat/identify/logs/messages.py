@@ -2,7 +2,7 @@
 
 from array import array
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from types import SimpleNamespace
 from typing import Any
@@ -38,9 +38,9 @@ class _Samples:
 
     def column(self, name: str, first: int) -> Column:
         """Return the column of these samples in the order of their log times, which count from `first`, ns."""
-        stamps = np.array(self.stamps, dtype=np.int64)
+        stamps = np.array([stamp - first for stamp in self.stamps], dtype=np.int64)
         order = np.argsort(stamps, kind="stable")
-        since = (stamps[order] - first).astype(np.float64) * 1e-9
+        since = stamps[order].astype(np.float64) * 1e-9
         values = np.array(self.values, dtype=np.float64)[order]
         return Column(values, header_of(name, self.unit), since, (), self.topic, np.array(self.numbers)[order])
 
@@ -137,32 +137,46 @@ def unpacking(decode: Decode | str) -> Decode | str:
     return unpacked
 
 
-def flattened(message: Any, prefix: str = "") -> Iterator[tuple[str, float | str]]:
-    """Yield dotted names and values of all numbers in a message; of what is too long for columns the reason, as text.
+def flattened(message: Any, prefix: str = "", names: Sequence[str] | None = None) -> Iterator[tuple[str, float | str]]:
+    """Yield dotted names and values of all numbers in a message; of what makes no column the reason, as text.
 
     A time of seconds and nanoseconds is one number, s. Arrays become "field.0" and so on, or go by name where `name` or
     `names` stands beside them, as in sensor_msgs/JointState.
+
+    Args:
+        message: as its decoder made it.
+        prefix: name of what it is a part of.
+        names: of the items, if it is an array.
     """
+    if isinstance(message, (list, tuple, array, bytes, bytearray, np.ndarray)):
+        if len(message) > MAX_ITEMS:
+            yield prefix, f"{len(message)} items, and an array of more than {MAX_ITEMS} is no signal"
+            return
+        labels = names if names is not None and len(names) == len(message) else range(len(message))
+        for label, item in zip(labels, message, strict=True):
+            yield from flattened(item, f"{prefix}.{label}" if prefix else str(label))
+        return
     parts = _parts(message)
     if parts is None:
         if isinstance(message, (bool, int, float, np.number, np.bool_)):
             yield prefix, float(message)
-        return
-    if set(parts) in TIMES:
+        elif isinstance(message, str) and _is_number(message):
+            yield prefix, f"numbers written as text, such as {message!r}"
+    elif set(parts) in TIMES:
         seconds, fraction = (parts[name] for name in sorted(parts, key=lambda name: not name.startswith("sec")))
         yield prefix, Seconds(seconds + 1e-9 * fraction)
-        return
-    names = _unique_names(parts)
-    for key, value in parts.items():
-        place = f"{prefix}.{key}" if prefix else key
-        if not isinstance(value, (list, tuple, array, bytes, bytearray, np.ndarray)):
-            yield from flattened(value, place)
-        elif len(value) > MAX_ITEMS:
-            yield place, f"{len(value)} items, and an array of more than {MAX_ITEMS} is no signal"
-        else:
-            labels = names if names is not None and len(names) == len(value) else range(len(value))
-            for label, item in zip(labels, value, strict=True):
-                yield from flattened(item, f"{place}.{label}")
+    else:
+        own = _unique_names(parts)
+        for key, value in parts.items():
+            yield from flattened(value, f"{prefix}.{key}" if prefix else key, own)
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
 
 
 def _unique_names(parts: Mapping[str, Any]) -> list[str] | None:

@@ -135,7 +135,8 @@ def ros2_idl_decoder(kind: str, definition: str) -> Decode:
     from rosbags.typesys import get_types_from_idl  # noqa: PLC0415
 
     types: dict[str, Any] = {}
-    for part in filter(None, definition.split(_RULE)):
+    plain = re.sub(r"\boctet\b", "uint8", definition)  # which rosbags 0.11 reads with a sign
+    for part in filter(None, plain.split(_RULE)):
         types |= get_types_from_idl(part.partition("\n")[2] if part.startswith("IDL: ") else part)
     return _decoder(kind, types, "deserialize_cdr")
 
@@ -146,8 +147,23 @@ def _decoder(kind: str, types: dict[str, Any], method: str) -> Decode:
 
     store = get_typestore(Stores.EMPTY)
     store.register(types)
-    name, decode = normalize_msgtype(kind), getattr(store, method)
-    return lambda data: _plain(decode(data, name), store.fielddefs)
+    name, read = normalize_msgtype(kind), getattr(store, method)
+
+    def decode(data: bytes) -> Any:
+        return _plain(read(data, name), store.fielddefs)
+
+    return of_plain_cdr(decode) if method == "deserialize_cdr" else decode
+
+
+def of_plain_cdr(decode: Decode) -> Decode:
+    """Return a decoder that refuses other kinds of CDR, which align numbers otherwise: they would be read as others."""
+
+    def checked(data: bytes) -> Any:
+        if data[:1] != b"\0" or data[1:2] not in {b"\0", b"\1"}:
+            raise ValueError(f"its kind of CDR, {data[:2].hex()}, is not read here")
+        return decode(data)
+
+    return checked
 
 
 def _plain(value: Any, definitions: Any) -> Any:

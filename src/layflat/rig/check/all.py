@@ -87,7 +87,8 @@ def _link(bench: OpenLoopRig, came: int, asked: int) -> CheckResult:
         found += f", {bench.driver.remark}"
     if not bench.failures:
         return CheckResult("link", found)
-    (usual, right), count = Counter((one.reason, one.right) for one in bench.failures).most_common(1)[0]
+    told = [one for one in bench.failures if one.right] or bench.failures  # a refusal says more than a late reply
+    (usual, right), count = Counter((one.reason, one.right) for one in told).most_common(1)[0]
     if usual:
         found += f"; {usual}" + (f" ({count} times)" if count < asked else "")
     right = right or "look at cable and load of the device, and at `timeout` in [interface]"

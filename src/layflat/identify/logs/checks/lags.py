@@ -19,7 +19,7 @@ WINDOW = 0.12  # time over which signals are smoothed alike, s
 MAX_LAG = 0.2  # s; a best fit there is no lag
 STEP = 0.005  # s between samples that are enough for it
 MAX_ROWS = 20_000  # samples that are fitted
-MIN_ROWS = 100
+MIN_ROWS = 60
 MOVING = 0.1  # share of a fast speed from which a joint moves
 SLIDING = 0.05  # the same about which friction turns round
 EXPLAINED = 0.93  # share of the variance that has to be explained
@@ -65,6 +65,8 @@ def lag_of(angle: Array, difference: Array, period: float) -> float | None:
     rows = np.arange(reach, len(pressure) - reach)
     rows = rows[:: max(1, len(rows) // MAX_ROWS)]
     fits = np.array([_unexplained(pressure, basis, rows[fast[rows + lag]], lag) for lag in range(-reach, reach + 1)])
+    if np.isnan(fits).any():
+        return None
     best = int(np.argmin(fits))
     if best in {0, len(fits) - 1} or not fits[best] < 1.0 - EXPLAINED:
         return None
@@ -85,11 +87,11 @@ def _basis(angle: Array, window: int, period: float) -> Array:
 
 
 def _unexplained(pressure: Array, basis: Array, rows: NDArray[np.intp], lag: int) -> float:
-    """Return the share of the pressure's variance that angle and speed some samples later do not explain."""
+    """Return the share of the pressure's variance that an angle some samples later does not explain; NaN of few."""
     x, y = basis[rows + lag], pressure[rows]
     known = np.isfinite(x).all(axis=1) & np.isfinite(y)
     x, y = x[known], y[known]
     if len(y) < MIN_ROWS or np.ptp(y) == 0.0:
-        return 1.0
+        return np.nan
     weights, *_ = np.linalg.lstsq(x, y, rcond=None)
     return float(np.var(y - x @ weights) / np.var(y))
