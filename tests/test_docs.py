@@ -35,6 +35,7 @@ CHEAP = {
     "cells",
     "arm-model",
     "excite",
+    "identify",
 }
 """Commands that are run where a tutorial has them; the others are parsed only."""
 
@@ -74,6 +75,11 @@ def parsed(words: list[str]) -> Any:
 def rows_of(text: str) -> list[list[str]]:
     """Rows of the tables that a command prints, cell by cell."""
     return [[cell.strip() for cell in re.split("[┃│]", line)] for line in text.splitlines() if re.search("[┃│]", line)]
+
+
+def is_shown_as(cells: list[str], shown: list[str]) -> bool:
+    """Return whether a page may show a row so: "..." stands for any cell."""
+    return len(cells) == len(shown) and all(b in {a, "..."} for a, b in zip(cells, shown, strict=True))
 
 
 def printed_rows(page: Path, line: str) -> list[list[str]]:
@@ -125,12 +131,13 @@ def test_a_tutorial_works_as_typed(page: Path, tmp_path: Path) -> None:
             continue
         done = layflat(*words[1:], cwd=tmp_path)
         assert done.returncode == 0, f"{line}\n{done.stderr}"
+        printed = rows_of(done.stdout)
         for row in printed_rows(page, line):
-            assert row in rows_of(done.stdout), f"{line} prints no row {row}"
+            assert any(is_shown_as(cells, row) for cells in printed), f"{line} prints no row {row}"
         _, _, into = " ".join(shlex.split(line, comments=True)).partition(" > ")
         if into:
             (tmp_path / into).write_text(done.stdout, encoding="utf-8")
-    assert set(left_out) <= {"tune", "pack", "simulate", "identify"}
+    assert set(left_out) <= {"tune", "pack", "simulate"}
 
 
 def test_a_tutorials_first_command_works_in_a_shell(tmp_path: Path) -> None:
