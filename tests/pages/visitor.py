@@ -121,8 +121,9 @@ class Visitor:
                 self.emit((key, self.elements[key]), "chart:rendered", None)
 
     def _renew(self) -> None:
+        found: tuple[int, Found] | None = None
         while not self._over.wait(RENEWAL):
-            found = next((one for one in self.each() if self._listener(one[1], "renew")), None)
+            found = found or next((one for one in self.each() if self._listener(one[1], "renew")), None)
             if self.minds and found is not None:
                 with suppress(ConnectionClosed):
                     self.emit(found, "renew", {"beat": self.beat, "jogs": self.jogs})

@@ -48,7 +48,7 @@ def panel(
         from layflat.pages.panel.page import panel_page  # noqa: PLC0415  # it needs the extra
 
         with Desk(described, rig, check_folder(out)) as desk:
-            page.serve(lambda: panel_page(desk), place, described, stopped)
+            page.serve(lambda: panel_page(desk), place, described, stopped, idle=lambda: desk.link.at_rest)
 
 
 @contextmanager

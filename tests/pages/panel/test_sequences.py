@@ -1,5 +1,6 @@
 """Sequences come back as they were saved, and nonsense is one line."""
 
+import os
 from math import degrees, radians
 from pathlib import Path
 
@@ -10,7 +11,16 @@ from hypothesis import strategies as st
 from layflat.errors import LayflatError
 from layflat.machine import load
 from layflat.pages.panel.moves import Step
-from layflat.pages.panel.sequences import MAX_STEPS, load_sequence, place_of, save_sequence, sequence_names, target
+from layflat.pages.panel.sequences import (
+    MAX_LISTED,
+    MAX_STEPS,
+    load_sequence,
+    newest_names,
+    place_of,
+    save_sequence,
+    sequence_names,
+    target,
+)
 
 ARM = load("paper-arm")
 HALF = degrees(ARM.joint["small"].stops.working_stroke) / 2
@@ -87,3 +97,14 @@ def test_a_sequence_that_could_not_be_loaded_is_not_written(tmp_path: Path) -> N
     with pytest.raises(LayflatError, match=f"long: has {MAX_STEPS + 1} steps; give {MAX_STEPS} at most"):
         save_sequence(tmp_path, "long", ARM, [*steps, steps[0]])
     assert len(load_sequence(tmp_path, "long", ARM)) == MAX_STEPS
+
+
+def test_of_many_sequences_the_newest_are_offered(tmp_path: Path) -> None:
+    for number in range(MAX_LISTED + 7):
+        path = tmp_path / f"s{number:04d}.sequence.toml"
+        path.touch()
+        os.utime(path, (number, number))
+    names, older = newest_names(tmp_path)
+    assert (len(names), older) == (MAX_LISTED, 7)
+    assert names == sorted(names)
+    assert "s0006" not in names

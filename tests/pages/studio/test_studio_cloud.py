@@ -72,6 +72,6 @@ def test_what_can_not_be_simulated_is_said(design: Design) -> None:
         cloud(load("rig-kevlar"), Step("small"), runs=2)
     with pytest.raises(InputError, match="outside the working stroke"):
         cloud(design.machine, Step("large", size=3.0), runs=2)
-    design.edit("controller.cycle", "0.01 ms")
+    design.edit("controller.cycle", "0.1 ms")
     with pytest.raises(InputError, match="too many control cycles"):
         cloud(design.machine, STEP, runs=2)

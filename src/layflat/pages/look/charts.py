@@ -7,10 +7,12 @@ The page around the chart is not touched by that; an update of the element would
 from collections.abc import Iterable, Mapping, Sequence
 from copy import deepcopy
 from dataclasses import dataclass
+from math import floor, log10
 from typing import Any
 
 import numpy as np
 from nicegui import ui
+from numpy.typing import NDArray
 
 from layflat.pages.look.theme import FONT, PRIMARY, QUIET, TEXT
 
@@ -28,6 +30,7 @@ STYLES: tuple[tuple[str, Dash], ...] = (
 """Colour and dashes in order of use; each colour has a contrast of at least 4.5 on white."""
 
 FEW = 4  # names that stand beside each other in a legend
+MAX_DECIMALS = 15
 DIGITS = 6  # significant digits of the numbers that are sent
 
 
@@ -87,12 +90,15 @@ ONCE = """() => {
 
 def points(across: Iterable[float], up: Iterable[float]) -> list[list[float]]:
     """Return pairs for `LineChart.show` with the digits that a screen can show."""
-    pairs = np.column_stack([np.asarray(across, float), np.asarray(up, float)])
-    return [[_short(x), _short(y)] for x, y in pairs.tolist()]
+    pairs: list[list[float]] = np.column_stack([_short(across), _short(up)]).tolist()
+    return pairs
 
 
-def _short(value: float) -> float:
-    return float(f"{value:.{DIGITS}g}")
+def _short(values: Iterable[float]) -> NDArray[np.float64]:
+    """Return values to as many decimals as the greatest of them needs for `DIGITS` digits."""
+    array = np.asarray(values, float)
+    greatest = float(np.abs(array[np.isfinite(array)]).max(initial=0.0))
+    return array if greatest == 0.0 else np.round(array, min(DIGITS - 1 - floor(log10(greatest)), MAX_DECIMALS))
 
 
 class LineChart:

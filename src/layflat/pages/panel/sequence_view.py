@@ -1,5 +1,6 @@
 """Sequences: places in a table, performed once or again and again, saved by name and loaded again."""
 
+import asyncio
 from collections.abc import Sequence
 from functools import partial
 from math import degrees
@@ -14,10 +15,11 @@ from layflat.pages.look.numbers import number, within
 from layflat.pages.look.pieces import Pieces
 from layflat.pages.panel.desk import Desk
 from layflat.pages.panel.moves import Step, outputs_on
-from layflat.pages.panel.sequences import MAX_STEPS, check_pause, is_saved, load_sequence, save_sequence, sequence_names
+from layflat.pages.panel.sequences import MAX_STEPS, check_pause, is_saved, load_sequence, newest_names, save_sequence
 from layflat.rig.session import Snapshot
 
 SHARES = (10, 100, 30)  # least, most, and at first, % of what the arm can do
+SOON = 0.05  # from a change of the steps to their drawing, s
 FILES_WITHIN = 10.0  # in which files of sequences have to be read or written, s
 
 
@@ -28,7 +30,7 @@ class SequenceView:
         """Build it; `list_saved` shows what was saved."""
         self._desk, self._outputs = desk, desk.first.interface.outputs
         self.steps: list[Step] = []
-        self._drawn = 0  # which drawing of the table is the newest
+        self._draws = self._stale = False  # whether the table is being drawn, and whether it has to be drawn anew
         least, most, usual = SHARES
         with ui.row().classes("lf-line"):
             ui.label("Speed of moves:").props('id="move-share"')
@@ -65,7 +67,9 @@ class SequenceView:
 
     async def list_saved(self, chosen: str | None = None) -> None:
         """Show the names of what was saved, and choose one."""
-        found = await self._files(sequence_names)
+        found, older = await self._files(newest_names)
+        if older:
+            self.told.set_text(f"The newest {len(found)} sequences are offered; {older} older ones are in the folder.")
         self.saved.set_options(found, value=chosen if chosen in found else None)
 
     async def _files(self, work: Any, *more: Any) -> Any:
@@ -135,17 +139,28 @@ class SequenceView:
         self._draw()
 
     def _draw(self) -> None:
-        """Draw the table anew; a drawing that goes on ends."""
-        self._drawn += 1
-        background_tasks.create(self._draw_rows(self._drawn, tuple(self.steps)), context=self.table)
+        """Draw the table anew, soon: what is pressed again and again meanwhile is drawn once."""
+        self._stale = True
+        if not self._draws:
+            self._draws = True
+            background_tasks.create(self._keep_drawn(), context=self.table)
 
-    async def _draw_rows(self, drawing: int, steps: Sequence[Step]) -> None:
+    async def _keep_drawn(self) -> None:
+        try:
+            while self._stale:
+                await asyncio.sleep(SOON)
+                self._stale = False
+                await self._draw_rows(tuple(self.steps))
+        finally:
+            self._draws = False
+
+    async def _draw_rows(self, steps: Sequence[Step]) -> None:
         pieces = Pieces()
         for before in list(self.table):
             for row in reversed(list(before)):
                 row.delete()
                 await pieces.pause()
-                if drawing != self._drawn:
+                if self._stale:
                     return
             before.delete()
         if not steps:
@@ -156,7 +171,7 @@ class SequenceView:
             for at, step in enumerate(steps):
                 self._draw_row(at, step)
                 await pieces.pause()
-                if drawing != self._drawn:
+                if self._stale:
                     return
 
     def _draw_head(self) -> None:

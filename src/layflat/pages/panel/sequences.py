@@ -2,6 +2,7 @@
 
 import tomllib
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from math import degrees, radians
 from pathlib import Path
 from typing import Any
@@ -15,6 +16,7 @@ from layflat.machine import Machine
 from layflat.machine.parameters import check_inside_stroke
 from layflat.pages.panel.moves import Step
 
+MAX_LISTED = 200  # sequences that a page offers
 SUFFIX = ".sequence.toml"
 LONGEST_PAUSE, MAX_STEPS = 3600.0, 500  # of a step, s, and steps of a sequence
 
@@ -22,6 +24,16 @@ LONGEST_PAUSE, MAX_STEPS = 3600.0, 500  # of a step, s, and steps of a sequence
 def sequence_names(folder: Path) -> list[str]:
     """Return the names of the sequences in a folder."""
     return sorted(path.name.removesuffix(SUFFIX) for path in folder.glob(f"*{SUFFIX}"))
+
+
+def newest_names(folder: Path) -> tuple[list[str], int]:
+    """Return the names of the newest sequences in a folder, in order, and how many older ones there are."""
+    found = []
+    for path in folder.glob(f"*{SUFFIX}"):
+        with suppress(OSError):  # it went meanwhile
+            found.append((path.stat().st_mtime, path.name.removesuffix(SUFFIX)))
+    newest = sorted(found, reverse=True)[:MAX_LISTED]
+    return sorted(name for _, name in newest), len(found) - len(newest)
 
 
 def place_of(folder: Path, name: str) -> Path:

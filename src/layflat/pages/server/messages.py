@@ -4,6 +4,7 @@ A frame is one of Engine.IO's with one of Socket.IO's inside, as the scripts of 
 `3` (alive), `1` and `41` (it ends), `40` (it begins), `42["event", {...}]` (what happened on the page).
 """
 
+import asyncio
 import json
 import logging
 import re
@@ -115,6 +116,7 @@ def checked(receive: "Receive") -> "Receive":
     async def receiving() -> "Message":
         nonlocal malformed
         while True:
+            await asyncio.sleep(0)  # of many messages that came at once each has a turn of the loop
             message = await receive()
             if message["type"] != "websocket.receive":
                 return message

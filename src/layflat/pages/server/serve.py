@@ -4,6 +4,7 @@ import asyncio
 import gc
 import logging
 from collections.abc import Callable
+from time import monotonic
 from typing import TYPE_CHECKING
 
 from layflat import extras
@@ -17,6 +18,8 @@ if TYPE_CHECKING:
     from uvicorn import Server
 
 LOG = logging.getLogger(__name__)
+TIDY = 60.0  # between two collections of all garbage, at least, s
+SPARING = 2000, 10, 1_000_000  # thresholds of the collector of garbage: it never looks through everything by itself
 POLL = 0.05  # s
 GRACE = 1  # s, that connections have to end
 RECONNECT = 3.0  # s, that a browser has to come back to the page it had
@@ -47,6 +50,7 @@ def serve(
     stopped: Callable[[], bool],
     started: Callable[[], object] | None = None,
     ended: Callable[[], object] | None = None,
+    idle: Callable[[], bool] = lambda: True,
 ) -> None:
     """Serve a page until it is to end; once in a process, as NiceGUI keeps what it serves for all of it.
 
@@ -59,6 +63,7 @@ def serve(
         ready: told the start link, which lets a browser in, once it can be opened.
         stopped: asked about every 50 ms whether to end; signals are left to the caller.
         started: called once in the event loop, before `ready`.
+        idle: asked now and then whether everything may be held up for a moment, to collect garbage.
         ended: called once in the event loop where `started` was due, whatever the reason, with pages still open.
 
     Raises:
@@ -88,9 +93,13 @@ def serve(
                         ready(f"{place.address(port)}/?token={guard.token}")
                         await asyncio.sleep(0)  # nobody waits for what was done so far
                         turns.reports = True
+                        due = monotonic() + TIDY
                         while not stopped():
                             listener.sweep()
                             await asyncio.sleep(POLL)
+                            if monotonic() > due and idle():
+                                await _tidy(turns)
+                                due = monotonic() + TIDY
                     finally:
                         if ended is not None:
                             ended()
@@ -113,6 +122,16 @@ def _spare_collector() -> None:
     """Let the collector of garbage pass over all that is there: each look at it holds everything up for 0.3 s."""
     gc.collect()
     gc.freeze()
+    # What pages have made since is looked through in small parts; as a whole, which takes 0.1 s, where nobody waits.
+    gc.set_threshold(*SPARING)
+
+
+async def _tidy(turns: TurnMonitor) -> None:
+    """Collect all garbage, while nobody waits."""
+    turns.reports = False
+    gc.collect()
+    await asyncio.sleep(0)
+    turns.reports = True
 
 
 def _server(guard: Guard, place: Place) -> "Server":

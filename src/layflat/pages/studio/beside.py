@@ -7,7 +7,7 @@ from layflat.design.rules import Finding
 from layflat.errors import LayflatError
 from layflat.machine.model import Machine
 from layflat.pages.studio.design import Design
-from layflat.pages.studio.results import Designer, Figures
+from layflat.pages.studio.results import Designer, Figures, drawing
 from layflat.pages.studio.saving import save, stale
 
 LIMIT = 60.0  # time of one call, s
@@ -28,7 +28,20 @@ def find_figures(tab: int, kept: bool, machine: Machine, joint: str) -> Figures:
     _designers.move_to_end((tab, kept))
     while len(_designers) > MAX_DESIGNERS:
         _designers.popitem(last=False)
-    return designer.figures(machine, joint)
+    found = designer.figures(machine, joint)
+    _ = found.quantities, found.torque, found.roller_torque  # found here, not where they are shown
+    return found
+
+
+def find_drawing(figures: Figures, kept: Figures | None, layout: bool) -> str:
+    """Return the drawing of a joint as SVG; empty where there is none.
+
+    Args:
+        figures: of the joint.
+        kept: of the one that is kept as A, whose cam is drawn with chain lines.
+        layout: the whole layout in place of the cam.
+    """
+    return drawing(figures, kept, layout=layout)
 
 
 def find_stale(design: Design) -> list[Finding]:

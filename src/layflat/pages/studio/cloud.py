@@ -5,6 +5,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from math import radians
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -80,6 +81,27 @@ class Cloud:
     def levels(self, of: Array) -> Array:
         """Return the quantiles `LEVELS` of a signal over all runs that did not diverge, (levels, instants)."""
         return np.asarray(np.quantile(of[self.sound], LEVELS, axis=0))
+
+    @cached_property
+    def angle_levels(self) -> Array:
+        """Quantiles of the angle, (levels, instants), rad."""
+        return self.levels(self.angle)
+
+    @cached_property
+    def pressure_a_levels(self) -> Array:
+        """Quantiles of the pressure of hose A, (levels, instants), Pa."""
+        return self.levels(self.pressure_a)
+
+    @cached_property
+    def pressure_b_levels(self) -> Array:
+        """Quantiles of the pressure of hose B, (levels, instants), Pa."""
+        return self.levels(self.pressure_b)
+
+    def rank(self) -> Self:
+        """Find all quantiles, so that who is given this cloud has them; they take long. Return the cloud."""
+        if self.sound.any():
+            _ = self.angle_levels, self.pressure_a_levels, self.pressure_b_levels
+        return self
 
     def settled(self, share: float) -> float:
         """Return the time in which a share of all runs have settled, s; infinite where fewer do."""

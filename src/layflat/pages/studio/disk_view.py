@@ -1,6 +1,6 @@
 """Say that a file was changed on the disk while it was worked on, and let the person choose."""
 
-from collections.abc import Callable
+from collections.abc import Awaitable, Callable
 
 from nicegui import ui
 
@@ -15,7 +15,7 @@ EVERY = 1.0  # between two looks at the files, s
 class DiskView:
     """A line above the results, seen only where a file was changed."""
 
-    def __init__(self, session: Session, reread: Callable[[], object]) -> None:
+    def __init__(self, session: Session, reread: Callable[[], Awaitable[None]]) -> None:
         """Make it within the current element; `reread` is called when the files were read again."""
         self._session, self._reread = session, reread
         self._left: tuple[str, ...] = ()  # what is known to have changed, and was let be
@@ -52,7 +52,7 @@ class DiskView:
         if dropped:
             text = f"These changes do not go with the file any more and were dropped: {', '.join(dropped)}"
             theme.say(text, "warning", stays=True)
-        self._reread()
+        await self._reread()
 
     def _go_on(self) -> None:
         self._left = self._known

@@ -2,8 +2,9 @@
 
 from collections.abc import Callable
 
-from nicegui import ui
+from nicegui import background_tasks, ui
 
+from layflat.pages.look.pieces import Pieces
 from layflat.pages.studio.design import Design
 from layflat.pages.studio.field import Field, titled
 from layflat.pages.studio.row import Row
@@ -39,11 +40,14 @@ class Section:
 class Group:
     """Sections of a joint, or of the machine besides."""
 
-    def __init__(self, title: str, sections: dict[str, list[Field]], fill: Callable[[list[Field]], None]) -> None:
+    def __init__(self, title: str) -> None:
         self.sections: dict[str, Section] = {}
-        with ui.expansion(title).classes("st-group").props("dense switch-toggle-side") as self.box:
-            for path, fields in sections.items():
-                self.sections[path] = Section(_title(path), fields, fill)
+        self.box = ui.expansion(title).classes("st-group").props("dense switch-toggle-side")
+
+    def add(self, path: str, fields: list[Field], fill: Callable[[list[Field]], None]) -> None:
+        """Add the section of a part."""
+        with self.box:
+            self.sections[path] = Section(_title(path), fields, fill)
 
     def mark(self, design: Design) -> None:
         """Show how many values were changed in it and in each of its sections."""
@@ -63,6 +67,7 @@ class Editor:
         self.design, self._edited = design, edited
         self._rows: list[Row] = []
         self._found: list[Row] = []
+        self._looked = 0  # which search is the newest
         with ui.element("div").classes("st-search"):
             self._search = ui.input(placeholder="Search values", on_change=self._look).classes("st-find")
             self._search.props('outlined dense clearable aria-label="Search values of the description"')
@@ -73,25 +78,29 @@ class Editor:
         self._results.set_visibility(False)
         self._tree = ui.element("div").classes("st-tree")
         self._groups: dict[str, Group] = {}
-        self._build()
 
-    def _build(self) -> None:
+    async def build(self) -> None:
+        """Make all sections, piece by piece."""
+        pieces = Pieces()
         sections: dict[str, dict[str, list[Field]]] = {}
         for field in self.design.fields:
             keys = field.section.split(".")
-            group = ".".join(keys[:2]) if keys[0] == "joint" else ""
-            sections.setdefault(group, {}).setdefault(field.section, []).append(field)
-        with self._tree:
-            for path in sorted(sections, key=lambda one: not one):
-                title = f"Joint {path.partition('.')[2]}" if path else "Machine"
-                self._groups[path] = Group(title, sections[path], self._fill)
+            part = ".".join(keys[:2]) if keys[0] == "joint" else ""
+            sections.setdefault(part, {}).setdefault(field.section, []).append(field)
+        for path in sorted(sections, key=lambda one: not one):
+            with self._tree:
+                group = Group(f"Joint {path.partition('.')[2]}" if path else "Machine")
+            for section, fields in sections[path].items():
+                group.add(section, fields, self._fill)
+                await pieces.pause()
+            self._groups[path] = group
 
-    def rebuild(self) -> None:
+    async def rebuild(self) -> None:
         """Make everything anew: the description was read again."""
         self._rows, self._found, self._groups = [], [], {}
         self._tree.clear()
         self._results.clear()
-        self._build()
+        await self.build()
         self._look()
         self.refresh()
 
@@ -100,7 +109,8 @@ class Editor:
         for path, group in self._groups.items():
             if path:
                 group.box.set_value(path == f"joint.{joint}")
-        hose = self._groups[f"joint.{joint}"].sections.get(f"joint.{joint}.hose")
+        chosen = self._groups.get(f"joint.{joint}")
+        hose = None if chosen is None else chosen.sections.get(f"joint.{joint}.hose")
         if hose is not None:
             hose.open()
 
@@ -139,17 +149,23 @@ class Editor:
         self._results.set_visibility(looking)
         self._results.clear()
         self._found = []
-        if not looking:
-            return
-        matching = self._matching()
+        self._looked += 1
+        if looking:
+            background_tasks.create(self._show_matching(self._looked), context=self._results)
+
+    async def _show_matching(self, look: int) -> None:
+        """Show the values that are searched; a newer search ends this one."""
+        pieces, matching = Pieces(), self._matching()
         found = [field for field in self.design.fields if field.path in matching]
-        with self._results:
-            if not found:
-                ui.label("No value of this name." if self._search.value else "Nothing was changed.").classes("lf-quiet")
-            for field in found[:MOST]:
-                self._found.append(Row(self.design, field, self._edited, place=True))
-            if len(found) > MOST:
-                ui.label(f"{len(found) - MOST} more; search for another word as well.").classes("lf-quiet")
+        if not found:
+            ui.label("No value of this name." if self._search.value else "Nothing was changed.").classes("lf-quiet")
+        for field in found[:MOST]:
+            await pieces.pause()
+            if look != self._looked:
+                return
+            self._found.append(Row(self.design, field, self._edited, place=True))
+        if len(found) > MOST:
+            ui.label(f"{len(found) - MOST} more; search for another word as well.").classes("lf-quiet")
 
 
 def _caption(box: ui.expansion, changed: int) -> None:

@@ -11,6 +11,7 @@ from nicegui import background_tasks, events, ui
 
 from layflat.errors import LayflatError
 from layflat.pages.look import theme
+from layflat.pages.look.pieces import Pieces
 from layflat.pages.studio.beside import LIMIT
 from layflat.pages.studio.commands import Commands
 from layflat.pages.studio.design import Design
@@ -64,35 +65,44 @@ async def studio_page(machine: str, folder: Path | None = None) -> None:
         with theme.frame(TITLE, machine):
             theme.note(str(error), "danger")
         return
-    StudioPage(session, folder or Path.cwd())
+    await StudioPage(session, folder or Path.cwd()).build()
 
 
 class StudioPage:
     """What a tab shows."""
 
     def __init__(self, session: Session, folder: Path) -> None:
-        """Build it within the present client."""
-        self.session, design = session, session.design
-        with theme.frame(TITLE, design.machine.name) as frame:
+        """Take what it shows; `build` shows it."""
+        self.session, self._folder = session, folder
+
+    async def build(self) -> None:
+        """Build it within the present client, piece by piece."""
+        session, pieces = self.session, Pieces()
+        with theme.frame(TITLE, session.design.machine.name) as frame:
             ui.add_css(files("layflat.pages.studio").joinpath("studio.css").read_text(encoding="utf-8"))
             frame.body.classes("st-page")
-            self.commands = Commands(self.session, folder, self._edited)
+            self.commands = Commands(session, self._folder, self._edited)
             with frame.buttons:
                 self.commands.build()
+            await pieces.pause()
             with ui.element("div").classes("st-columns"):
                 with ui.element("section").classes("st-left").props('aria-label="Values of the description"'):
-                    self.editor = Editor(design, self._edited)
+                    self.editor = Editor(session.design, self._edited)
+                    await self.editor.build()
                     ui.label(OWN).classes("st-own")
                 with ui.element("section").classes("st-right").props('aria-label="Results" tabindex=0'):
                     DiskView(session, self._reread)
                     self.kept = KeptView(session, self._edited)
                     self.results = ResultsView(session, self._look_at)
+                    await self.results.build(pieces)
         self.subtitle = frame.subtitle
-        self.editor.look_at(self.session.step.joint)
+        await pieces.pause()
+        self.editor.look_at(session.step.joint)
         ui.keyboard(self._key, ignore=[]).on("key", js_handler=NO_NATIVE_UNDO)
         ui.timer(0.5, self._tell_wait)
         session.listen(self._changed)
         for what in KINDS:
+            await pieces.pause()
             self._changed(what)
         self._follow()
 
@@ -116,8 +126,8 @@ class StudioPage:
         self.editor.look_at(joint)
         self.session.look_at(joint)
 
-    def _reread(self) -> None:
-        self.editor.rebuild()
+    async def _reread(self) -> None:
+        await self.editor.rebuild()
         self.editor.look_at(self.session.step.joint)
         self.session.renew()
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from math import degrees
 
 import numpy as np
@@ -50,19 +51,19 @@ class Figures:
     design: JointDesign | None
     findings: tuple[Finding, ...]  # of all joints, worst first
 
-    @property
+    @cached_property
     def torque(self) -> tuple[Array, Array]:
         """Angle from mid-stroke (deg) and torque of one hose (N m) at the supply's pressure."""
         return ((0.0 * np.zeros(0),) * 2) if self.design is None else _centred(self.design, *self.design.torque)
 
-    @property
+    @cached_property
     def roller_torque(self) -> tuple[Array, Array]:
         """The same on a round roller; empty where there is one."""
         if self.design is None or self.design.cam is None:
             return (np.zeros(0), np.zeros(0))
         return _centred(self.design, *self.design.roller_torque)
 
-    @property
+    @cached_property
     def quantities(self) -> list[Quantity]:
         """What is compared between designs."""
         made = self.design

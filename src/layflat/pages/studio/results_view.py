@@ -5,6 +5,7 @@ from collections.abc import Callable
 from nicegui import ui
 
 from layflat.errors import LayflatError
+from layflat.pages.look.pieces import Pieces
 from layflat.pages.studio.dialogs import Settings
 from layflat.pages.studio.session import Session, What
 from layflat.pages.studio.static_views import CamView, StrapView, TorqueView
@@ -16,8 +17,12 @@ class ResultsView:
     """Pictures and figures, grey while they are older than the newest edit."""
 
     def __init__(self, session: Session, look_at: Callable[[str], object]) -> None:
-        """Make it within the current element; `look_at` is called with the joint that is chosen."""
-        self.session = session
+        """Take what it shows; `look_at` is called with the joint that is chosen, `build` makes it."""
+        self.session, self._look_at = session, look_at
+
+    async def build(self, pieces: Pieces) -> None:
+        """Make all views within the current element, piece by piece."""
+        session, look_at = self.session, self._look_at
         joints = list(session.design.machine.joints)
         with ui.element("div").classes("st-bar-top"):
             if len(joints) > 1:
@@ -25,11 +30,15 @@ class ResultsView:
                 chosen = ui.toggle(joints, value=session.step.joint, on_change=lambda event: look_at(event.value))
                 chosen.props('dense no-caps unelevated toggle-color=primary aria-label="Joint that is shown"')
             Settings(session)
+        await pieces.pause()
         self.tiles = Tiles()
         self.findings = FindingsView()
+        await pieces.pause()
         with ui.element("div").classes("st-panels"):
             self.torque, self.step = TorqueView(session), StepView()
+            await pieces.pause()
             self.cam, self.pressure = CamView(session), PressureView()
+        await pieces.pause()
         self.strap, self.figures = StrapView(), FiguresView()
 
     def changed(self, what: What) -> None:

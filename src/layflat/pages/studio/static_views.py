@@ -4,13 +4,15 @@ import base64
 from itertools import zip_longest
 
 import numpy as np
-from nicegui import ui
+from nicegui import background_tasks, ui
 
 from layflat.arrays import Array
 from layflat.design.strap import StrapStress
+from layflat.errors import LayflatError
 from layflat.pages.look.charts import Axis, Line, LineChart, points
+from layflat.pages.studio.beside import LIMIT, find_drawing
 from layflat.pages.studio.box import BLUE, CHAIN, HEIGHT, OTHER, RED, Panel
-from layflat.pages.studio.results import Figures, drawing
+from layflat.pages.studio.results import Figures
 from layflat.pages.studio.session import Session
 
 
@@ -54,7 +56,7 @@ class CamView(Panel):
 
     def __init__(self, session: Session) -> None:
         super().__init__("Cam")
-        self._session = session
+        self._session, self._newest = session, 0
         with self.head:
             self._layout = ui.toggle({False: "cam", True: "layout"}, value=False, on_change=self._again)
             self._layout.props('dense no-caps unelevated toggle-color=primary aria-label="Drawing"')
@@ -64,11 +66,22 @@ class CamView(Panel):
 
     def show(self, figures: Figures, kept: Figures | None) -> None:
         """Draw a design; the cam of the one that is kept as A in chain lines."""
-        svg = drawing(figures, kept, layout=bool(self._layout.value))
+        self._newest += 1
+        background_tasks.create(self._draw(self._newest, figures, kept), context=self.content)
+
+    async def _draw(self, number: int, figures: Figures, kept: Figures | None) -> None:
+        layout = bool(self._layout.value)
+        work = find_drawing, figures, kept, layout
+        try:
+            svg = await self._session.worker.beside.call(*work, limit=LIMIT, what="the drawing")
+        except LayflatError:  # the process was ended: the page is being closed
+            return
+        if number != self._newest:
+            return
         self._image.set_visibility(bool(svg))
         self._none.set_visibility(not svg)
         if svg:
-            name = "Layout of cylinder, shell, strap and cam" if self._layout.value else "Cam with its dimensions in mm"
+            name = "Layout of cylinder, shell, strap and cam" if layout else "Cam with its dimensions in mm"
             self._image.props["src"] = f"data:image/svg+xml;base64,{base64.b64encode(svg.encode()).decode()}"
             self._image.props["alt"] = name
         else:

@@ -43,7 +43,7 @@ class StepView(Panel):
         if not isinstance(cloud, Cloud) or not drawn:
             self._said.set_text(str(cloud) if isinstance(cloud, LayflatError) else "All runs diverged.")
             return
-        time, levels = cloud.time, np.degrees(cloud.levels(cloud.angle))
+        time, levels = cloud.time, np.degrees(cloud.angle_levels)
         half = float(np.degrees(cloud.step.size) / 2)
         data: dict[str, list[list[float]]] = {
             ANGLE_BANDS[0]: edges(time, levels[0], levels[4]), ANGLE_BANDS[1]: edges(time, levels[1], levels[3]),
@@ -67,7 +67,7 @@ def _kept_lines(kept: Cloud | None) -> dict[str, list[list[float]]]:
     names = [f"{OTHER}5 %", f"{OTHER}median", f"{OTHER}95 %"]
     if kept is None or not kept.sound.any():
         return {name: [] for name in names}
-    levels = np.degrees(kept.levels(kept.angle))
+    levels = np.degrees(kept.angle_levels)
     return {name: points(kept.time, levels[i]) for name, i in zip(names, (0, 2, 4), strict=True)}
 
 
@@ -105,4 +105,4 @@ class PressureView(Panel):
 def _pressures(cloud: object, hose: str) -> tuple[Array, Array]:
     if not isinstance(cloud, Cloud) or not cloud.sound.any():
         return np.zeros((len(LEVELS), 0)), np.zeros(0)
-    return cloud.levels(cloud.pressure_a if hose == "A" else cloud.pressure_b) / 1e5, cloud.time
+    return (cloud.pressure_a_levels if hose == "A" else cloud.pressure_b_levels) / 1e5, cloud.time

@@ -106,7 +106,7 @@ def _cloud(tab: int, number: int, machine: Machine, step: Step, tolerances: Tole
     if overtaken():
         return None
     try:
-        return cloud(machine, step, tolerances, overtaken=overtaken)
+        return cloud(machine, step, tolerances, overtaken=overtaken).rank()
     except OvertakenError:
         return None
     except LayflatError as error:

@@ -20,7 +20,7 @@ from layflat.rig.driver import DriverError
 from layflat.rig.system import first_in
 
 TICK = 5e-3  # between two looks at the clock in real time, s; a device makes up for what happened between them
-START = 60.0  # until a device has to be there, s: laws may have to be compiled first
+START = 300.0  # until a device has to be there, s: laws may have to be compiled first, on a busy computer
 
 Factory = Callable[[Clock], VirtualDevice]  # makes the device in the process, with the clock that it lives by
 
