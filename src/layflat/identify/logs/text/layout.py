@@ -32,6 +32,7 @@ class Layout:
     units: list[str] = field(default_factory=list)  # empty where the table has no row of units
     start: int = 0  # lines above the first sample
     arrivals: bool = False  # lines begin with the time of their arrival and "->", as in a serial monitor
+    inner: frozenset[int] = frozenset()  # numbers of the lines below `start` that are headings, from 1
 
 
 def split_row(line: str, delimiter: str) -> list[str]:

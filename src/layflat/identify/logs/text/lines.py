@@ -72,7 +72,7 @@ class SampleLines(io.TextIOBase):
         layout, batch = self.layout, list[str]()
         raw: IO[bytes] = self._file.buffer  # type: ignore[assignment]
         for count, line in enumerate(self._file, 1):
-            if count <= layout.start:
+            if count <= layout.start or count in layout.inner:
                 continue
             row = self._row(line.rstrip("\n"), count)
             if row is not None:

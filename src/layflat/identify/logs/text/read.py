@@ -14,7 +14,7 @@ from layflat.errors import InputError
 from layflat.identify.logs.headers import STAMPED
 from layflat.identify.logs.text.cells import Cells, read_cells
 from layflat.identify.logs.text.decoding import encoding_of
-from layflat.identify.logs.text.labview import read_heading
+from layflat.identify.logs.text.labview import read_heading, with_segments
 from layflat.identify.logs.text.layout import COMMENTS, Layout, find_layout, joined_lines, split_row
 from layflat.identify.logs.text.lines import Progress, SampleLines
 from layflat.identify.logs.text.numbers import Decimal, number, plain
@@ -51,6 +51,10 @@ def read_text(path: Path, progress: Progress | None = None) -> TextTable:
         lines = [line.rstrip("\n") for line in islice(file, HEAD_LINES)]
     delimiter, skipped = _declared(lines)
     labview = read_heading(lines)
+    if labview.lines:
+        with path.open(encoding=encoding, errors="replace") as file:
+            labview = with_segments(labview, file)
+        lines = [line for i, line in enumerate(lines, 1) if i not in labview.inner]
     skipped = max(skipped, labview.lines)
     lines = joined_lines(lines)
     layout = find_layout([""] * skipped + lines[skipped:], delimiter or labview.delimiter)
@@ -58,7 +62,7 @@ def read_text(path: Path, progress: Progress | None = None) -> TextTable:
         raise InputError("holds no samples", where=str(path), right=RIGHT)
     table = TextTable(notes={"": [note] if note else []})
     names = _names(layout, path, table)
-    layout = replace(layout, names=names)
+    layout = replace(layout, names=names, inner=labview.inner)
     decimal = labview.decimal or _decimal_of(lines[layout.start :], layout)
     for usual in dict.fromkeys((decimal or ".", ",")):
         cells, words, table_notes = _read_columns(path, encoding, layout, usual, decimal or labview.decimal, progress)
