@@ -20,6 +20,11 @@ _INDEX = re.compile(r"\d+|[AaBb]|.*[A-Za-z]\w* .*")  # of an array, of a hose, o
 _BEHIND = re.compile(
     r"^(?P<stem>.+?)(?:\s*,\s*|\s+/\s*|/| in )(?P<unit>[^,/]+(?:/[^,/]+)?)$"
 )  # "p, kPa", "p / kPa", "p in kPa"
+_LINKS = {"of", "since", "per", "der", "des", "du", "pro", "seit"}  # words before one that is no unit: "time of day"
+_NUMBER = r"\d+(?:[.,]\d+)?(?:[eE][-+]?\d+|\^[-+]?\d+)?"
+_SCALED = re.compile(rf"[x*×·/]?\s*{_NUMBER}\s*[x*×·]?\s*(?P<unit>[^\d\s/.…-].*)|(?P<unit_first>.*\D)\s*[x*×·/]\s*{_NUMBER}")
+_FACTOR = re.compile(rf"[x*×·/]{_NUMBER}|\d+[.,]\d+|{_NUMBER}[x*×·]")  # beside a unit: "p /10 mbar"
+_PREFIXED = re.compile(r"[µμumcdhkMG](?:V|W|Pa|bar|deg|rad|Hz|N|Nm)|[µμumk]A")  # a unit, known or not: mA, dV, mdeg
 _NUMBERED = re.compile(r" \(column \d+\)$")  # behind names that stand there twice
 STAMPED = "datetime"  # in place of a unit: cells are dates or clock times, which are read as seconds
 _SEPARATORS = re.compile(r"[_\s]+")
@@ -82,7 +87,7 @@ def _bracketed(name: str) -> Header | None:
                 return replace(before, name=name, gauge=gauge)
             if text in "gG" or len(text) > 1:
                 return Header(name, "", gauge, stem)
-        known = (
+        known = not _is_other_unit(text) and (
             _INDEX.fullmatch(text)
             or meanings(words_of(text))
             or (text.lower() in QUALIFIERS and match["square"] is None)
@@ -90,6 +95,14 @@ def _bracketed(name: str) -> Header | None:
         if text and not known and text.lower() not in DATES and not unknown:
             unknown, rest = text, stem
     return Header(name, stem=rest, unknown=unknown) if unknown else None
+
+
+def _is_other_unit(text: str) -> bool:
+    """Return whether a text is a unit that is none of a log's, or one with a number: "mA", "x 10 bar", "kPa*10"."""
+    match = _SCALED.fullmatch(text)
+    if match is None:
+        return _PREFIXED.fullmatch(text) is not None
+    return unit_written((match["unit"] or match["unit_first"]).strip()) is not None
 
 
 def _behind(name: str) -> Header | None:
@@ -121,8 +134,16 @@ def _suffixed(name: str) -> Header | None:
                 continue  # read with the unit before it
             if found == ("Pa", None) and first == 0:
                 continue  # the pressure of hose A
-            if found is None or not rest or not _is_unit_word(tail, parts, end):
+            if found is None and end == len(parts) and len(tail) == 1 and rest and _PREFIXED.fullmatch(tail[0]):
+                found = unit_written(tail[0])
+                if found is None:
+                    return Header(name, stem=" ".join(rest), unknown=tail[0])
+            elif found is None or not rest or not _is_unit_word(tail, parts, end):
                 continue
+            if first and parts[first - 1].lower() in _LINKS:
+                continue
+            if first and _FACTOR.fullmatch(parts[first - 1]):
+                return Header(name, stem=" ".join(rest), unknown=f"{parts[first - 1]} {tail[0]}")
             unit, gauge = found
             if gauge is None and kind_of_unit(unit) == PRESSURE:
                 gauge, rest = _zero_of(rest, first)
@@ -134,7 +155,7 @@ def _suffixed(name: str) -> Header | None:
         found = unit_written(end_word, listed=True) if end_word.isalpha() else None
         border = end_word[0].isupper() if stem[-1:].islower() else end_word[0].islower()
         if found is not None and border and stem[-1:].isalnum() and end_word.lower() not in _TOO_SHORT:
-            return Header(name, *found, stem)
+            return Header(name, *found, stem) if words_of(stem)[-1:] != ["of"] else None
     return None
 
 

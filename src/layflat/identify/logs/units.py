@@ -17,7 +17,7 @@ SPELLINGS = {
     "inH2O": "inh2o, inwc", "mmH2O": "mmh2o, mmws, mmwc", "cmH2O": "cmh2o", "atm": "atm", "at": "at",
     "kgf/cm^2": "ksc, kgf/cm2, kgf/cm^2, kg/cm2, kg/cm^2, kp/cm2, kp/cm^2, kgfcm2, kgcm2", "ksi": "ksi",
     "N/mm^2": "n/mm2, nmm2", "rad": "rad, rads, radian, radians", "mrad": "mrad",
-    "deg": "deg, degs, degree, degrees, °, º, ˚", "turn": "rev, revs, turns", "gon": "gon",
+    "deg": "deg, degs, degree, degrees, deg., °, º, ˚", "turn": "rev, revs, turns", "gon": "gon",
     "V": "v, vdc, v dc, volt, volts", "mV": "mv, millivolt, millivolts", "kV": "kv",
     "s": "s, sec, secs, second, seconds, sekunden, sek, secondes",
     "ms": "ms, msec, msecs, millis, millisec, millisecond, milliseconds",
