@@ -25,7 +25,10 @@ STEPS = ((0.7, "s"), (700.0, "ms"), (7e5, "us"), (np.inf, "ns"))  # units of a c
 EPOCHS = ((5e8, 5e9, "s"), (5e11, 5e12, "ms"), (5e14, 5e15, "us"), (5e17, 5e18, "ns"))  # of dates from 1986 on, by unit
 DAY_NUMBERS = ((2e4, 8e4), (7e5, 8e5))  # of dates in spreadsheets and in MATLAB
 MAX_DAY_STEP = 0.1  # days between two samples; more is no log of a motion
-COUNTERS = (2.0**16, 2.0**32)  # at which counters of milliseconds and microseconds start anew
+DAY = 86400.0  # s
+FIRST_OF_DAY, DAY_STEP = 1e-3, 2e-6  # least fraction of a day, and its greatest step, that tell it from seconds
+COUNTERS = (2.0**16, 2.0**32, DAY, 1e3 * DAY, 1e6 * DAY)  # at which whole numbers of a clock start anew
+TURNS = (65.536, 4294.967296, 4294967.296, DAY, 1e3 * DAY)  # the same of numbers with fractions
 MAX_FALLS = 0.01  # fraction of steps back of what is still a clock
 RIGHT = 'give the log a column of times; or say period = "5 ms" (--period) if its samples are evenly spaced'
 
@@ -76,15 +79,15 @@ def _is_fraction(values: Array) -> bool:
 
 
 def unwrap_counter(stamps: Array) -> tuple[Array, list[int]]:
-    """Return the stamps of a counter of 16 or 32 bits as they would go on, and the samples at which it starts anew."""
+    """Return the stamps of a counter, of 16 or 32 bits or of a day, as they would go on, and where it starts anew."""
     known = np.flatnonzero(np.isfinite(stamps))
     values = stamps[known]
     steps = np.diff(values)
     back = np.flatnonzero(steps < 0.0)
-    if not back.size or np.any(values % 1.0 != 0.0) or values.min() < 0.0:
+    if not back.size or values.min() < 0.0:
         return stamps, []
     usual = float(np.median(steps[steps > 0.0])) if np.any(steps > 0.0) else 0.0
-    for size in COUNTERS:
+    for size in TURNS if np.any(values % 1.0 != 0.0) else COUNTERS:
         jumps = steps[back] + size
         if values.max() < size and usual > 0.0 and np.all((jumps > 0.0) & (jumps < 20.0 * usual)):
             result = stamps.copy()
@@ -121,9 +124,11 @@ def _score(column: Column) -> tuple[float, str] | None:
     named = "clock" in meant and (timed or not meant & {"pressure", "angle", "torque", "force", "rate", "temperature"})
     coarse = 0.5 if np.median(np.diff(values[np.isfinite(values)])) <= 0.0 else 0.0
     arrival = 0.7 if "arrival" in words else 0.0
+    turned = unwrap_counter(values)[0]
+    falls = 1.0 if np.sum(np.diff(turned[np.isfinite(turned)]) < 0.0) > 1 else 0.0
     if named or timed:
         why = "by its name and unit" if named and timed else "by its name" if named else "by its unit"
-        return 2.0 * timed + 2.0 * named - coarse - arrival, why
+        return 2.0 * timed + 2.0 * named - coarse - arrival - falls, why
     steps = np.diff(values[np.isfinite(values)])
     low, high = np.percentile(steps, (10.0, 90.0))
     if meant or not 0.0 < high <= 1.5 * low or _counts(values):
@@ -164,6 +169,8 @@ def _unit(column: Column) -> tuple[str, str]:
             return unit, f"unit by its values of {first:.4g}, which are dates in {unit}: check it"
     if any(low < first <= last < high for low, high in DAY_NUMBERS) and step < MAX_DAY_STEP:
         return "day", f"unit by its values of {first:.6g}, which are dates in days: check it"
+    if FIRST_OF_DAY < first < 1.0 and FIRST_OF_DAY < last < 1.0 and step < DAY_STEP:
+        return "day", f"unit by its values of {first:.6g} with steps of {step:.3g}, which are parts of a day: check it"
     unit = next(unit for most, unit in STEPS if step < most)
     return unit, f"unit by its steps of {step:.4g}: check it"
 
@@ -178,7 +185,7 @@ def _why_not(table: Table) -> str:
             unit = column.header.unit or column.header.unknown
             falls = np.flatnonzero(np.diff(column.values[np.isfinite(column.values)]) < 0.0)
             if unit and kind_of_unit(unit) != TIME:
-                return f": the unit {unit!r} of column {name!r} is not one of time"
+                return f': the unit {unit!r} of column {name!r} is not one of time; a mapping may say unit = "0.1 ms"'
             if falls.size:
                 return f": column {name!r} falls {falls.size} times, first at sample {falls[0] + 2}"
     counted = next((name for name, column in table.columns.items() if _counts(column.values)), None)

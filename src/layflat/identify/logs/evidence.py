@@ -1,12 +1,14 @@
 """What speaks for a column being a signal: its name, its unit, and whether its values can be such."""
 
-from dataclasses import dataclass
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from layflat.arrays import Array
 from layflat.description import units as u
-from layflat.identify.logs.headers import Header, words_of
+from layflat.identify.logs.headers import words_of
 from layflat.identify.logs.own import SENSED
 from layflat.identify.logs.signals import FORCE, SIGNALS, Signal, conversion
 from layflat.identify.logs.table import Column
@@ -21,6 +23,20 @@ POSSIBLE: dict[u.Quantity, tuple[float, float]] = {
     FORCE: (0.0, 1e7), u.TEMPERATURE: (60.0, 2e3), u.LENGTH: (0.0, 100.0), u.MASS: (0.0, 1e4),
 }  # fmt: skip
 """Range of the greatest magnitude of a signal that moves, SI: outside it a stated unit can't be."""
+
+RANGES: dict[u.Quantity, tuple[tuple[float, str], ...]] = {
+    u.ANGLE: ((7.0, "rad"), (np.inf, "deg")),
+    u.PRESSURE: ((20.0, "bar"), (160.0, "psi"), (5e3, "kPa"), (np.inf, "Pa")),
+    u.VOLTAGE: ((30.0, "V"), (np.inf, "mV")),
+    u.TEMPERATURE: ((150.0, "degC"), (np.inf, "K")),
+    u.LENGTH: ((2.0, "m"), (np.inf, "mm")),
+}
+"""Units by the greatest value that would be likely in them."""
+
+COUNTS = frozenset(["counts", "dac", "adc", "pwm", "lsb", "digit", "digits", "bits", "inc", "incr", "increments"])
+"""Words of numbers that are no quantity before their scale."""
+
+GLITCH, MOST = 5.0, 99.0  # times the usual magnitude that no motion explains; the percentile that is usual
 
 OWN_NAME, WORDS, UNIT_FITS, UNIT_ALONE, RAW_MORE = 6.0, 4.0, 3.0, 1.0, 0.5  # points of a score
 
@@ -37,12 +53,28 @@ class Candidate:
     group: str  # number in its name, "" for none
 
 
-def find_candidate(column: Column, joints: list[str]) -> Candidate | str:
+def hose_of(stem: str, stems: Iterable[str]) -> str:
+    """Return the hose of a numbered name: "p1" beside "p2", or alone, is of hose A, and so is "p0" beside "p1"."""
+    numbers = list(re.finditer(r"\d+", stem))
+    if not numbers:
+        return ""
+    head, number, tail = stem[: numbers[-1].start()], numbers[-1][0], stem[numbers[-1].end() :]
+    pattern = re.compile(rf"{re.escape(head)}(\d+){re.escape(tail)}")
+    kin = {match[1] for other in stems if (match := pattern.fullmatch(other))}
+    pair = ("0", "1") if kin == {"0", "1"} else ("1", "2")
+    return "ab"[pair.index(number)] if number in pair and kin <= set(pair) else ""
+
+
+def find_candidate(column: Column, joints: list[str], hose: str = "") -> Candidate | str:
     """Return the signal that a column may be, or why it is left out.
 
     Args:
         column: to look at.
         joints: of the machine; empty where it is not known.
+        hose: "a" or "b" that the number in its name may stand for.
+
+    Returns:
+        The signal with what speaks for it; or a reason in words.
     """
     header = column.header
     if not np.isfinite(column.values).any():
@@ -55,7 +87,7 @@ def find_candidate(column: Column, joints: list[str]) -> Candidate | str:
         joint = own_joint
     words = [word for word in words if word not in words_of(joint)]
     kind = kind_of_unit(header.unit) if header.unit else None
-    meant, group, counted = _roles(words, kind, bool(joint), header.stem)
+    meant, group, counted = _roles(words, kind, bool(joint), header.stem, hose)
     if "rate" in meant or STATISTICS & set(words):
         return "a rate, which follows from the rest" if "rate" in meant else "a statistic of samples, not a sample"
     name = own if own in SIGNALS else _signal_of(meant, kind)
@@ -71,14 +103,13 @@ def find_candidate(column: Column, joints: list[str]) -> Candidate | str:
     return _checked(Candidate(column, SIGNALS[name], f"{name} by its name{counted}", score, joint, group))
 
 
-def _roles(words: list[str], kind: u.Quantity | None, jointed: bool, stem: str) -> tuple[set[str], str, str]:
+def _roles(words: list[str], kind: u.Quantity | None, jointed: bool, stem: str, hose: str) -> tuple[set[str], str, str]:
     """Return the roles of a name's words, the number that may be a joint's, and a word on a number taken for a hose."""
     numbers = [word for word in words if word.isdigit()]
     group = numbers[-1] if numbers and not stem.isdigit() else ""
     meant, counted = meanings(words), ""
     pressed = "pressure" in meant or kind == u.PRESSURE
-    if group in {"1", "2"} and pressed and not meant & {"a", "b", "difference", "supply"}:
-        hose = "a" if group == "1" else "b"
+    if hose and group and pressed and not meant & {"a", "b", "difference", "supply"}:
         meant, counted, group = meant | {hose}, f", whose {group} is taken for hose {hose.upper()}: check it", ""
     if "position" in meant and (jointed or "joint" in words or kind == u.ANGLE):
         meant = meant | {"angle"}
@@ -122,16 +153,57 @@ def _checked(candidate: Candidate) -> Candidate | str:
             f"{candidate.why}, but its unit {header.unknown!r} is not known: write a mapping with a unit such as "
             f'"{signal.unit}", or "0.5 {signal.unit}" for one of it'
         )
-    most = float(np.nanmax(np.abs(_si(candidate.column.values, header, signal)))) if header.unit and kind else 0.0
-    low, high = POSSIBLE.get(kind, (0.0, np.inf)) if kind is not None else (0.0, np.inf)
-    if most > high or (0.0 < most < low and signal.absolute) or (kind == u.TEMPERATURE and header.unit and most < low):
+    if COUNTS & set(words_of(header.stem)) and not header.unit:
+        return (
+            f"{candidate.why}, but in counts: write a mapping with a unit such as "
+            f'"0.5 {signal.unit}" for one of them, and offset'
+        )
+    return _possible(candidate)
+
+
+def _possible(candidate: Candidate) -> Candidate | str:
+    """Return a candidate whose values its signal can have, with a word on single ones that it can't; else why not."""
+    header, signal, kind = candidate.column.header, candidate.signal, candidate.signal.kind
+    if kind is None:
+        return candidate
+    low, high = POSSIBLE.get(kind, (0.0, np.inf))
+    factor, shift = conversion(unit_of(candidate.column, signal)[0], signal)
+    sizes = np.abs(candidate.column.values * factor + shift)
+    most = usual_most(sizes)
+    if not header.unit and most > high:
+        return (
+            f"{candidate.why}, but up to {usual_most(candidate.column.values):.3g}, which is too much for any usual "
+            "unit of it: write a mapping with its unit"
+        )
+    if most > high or (header.unit and 0.0 < most < low and (signal.absolute or kind == u.TEMPERATURE)):
         return (
             f"{candidate.why}, but up to {most:.3g} {signal.unit} by its stated unit {header.unit!r}, which can't be: "
             "write a mapping with the right unit"
         )
-    return candidate
+    beyond = int(np.sum(sizes > high))
+    if not beyond:
+        return candidate
+    told = f"{beyond} sample{'s' if beyond > 1 else ''} beyond what can be: `layflat log check` looks at them"
+    return replace(candidate, why=f"{candidate.why}; {told}")
 
 
-def _si(values: Array, header: Header, signal: Signal) -> Array:
-    factor, shift = conversion(header.unit, signal)
-    return values * factor + shift
+def usual_most(values: Array) -> float:
+    """Return the greatest finite magnitude of a column, without single samples that are far beyond the rest."""
+    sizes = np.abs(values[np.isfinite(values)])
+    if not sizes.size:
+        return 0.0
+    usual, most = float(np.percentile(sizes, MOST)), float(sizes.max())
+    return usual if usual > 0.0 and most > GLITCH * usual else most
+
+
+def unit_of(column: Column, signal: Signal) -> tuple[str, str]:
+    """Return the unit of a column, from its header or by its values, and why."""
+    if column.header.unit:
+        return column.header.unit, "unit as in the header"
+    most = usual_most(column.values)
+    if signal.kind is None:
+        return ("%" if most > 1.5 else "1"), f"unit by values up to {most:.3g}: check it"
+    if signal.kind not in RANGES:
+        return signal.unit, "no unit is said: check it"
+    unit = next(unit for limit, unit in RANGES[signal.kind] if most <= limit)
+    return unit, f"unit by values up to {most:.3g}: check it"

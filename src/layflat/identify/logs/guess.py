@@ -15,20 +15,11 @@ import numpy as np
 from layflat.description import units as u
 from layflat.errors import InputError
 from layflat.identify.logs.clocks import ClockChoice, choose_clock, rises, usual_step
-from layflat.identify.logs.evidence import Candidate, find_candidate
+from layflat.identify.logs.evidence import Candidate, find_candidate, hose_of, unit_of
 from layflat.identify.logs.mapping import Mapping, mapping_of
 from layflat.identify.logs.own import own_mapping
-from layflat.identify.logs.signals import AMBIENT, SIGNALS, Signal, channel_name, conversion
+from layflat.identify.logs.signals import AMBIENT, SIGNALS, channel_name, conversion
 from layflat.identify.logs.table import Column, Table, read_table
-
-RANGES: dict[u.Quantity, tuple[tuple[float, str], ...]] = {
-    u.ANGLE: ((7.0, "rad"), (np.inf, "deg")),
-    u.PRESSURE: ((20.0, "bar"), (160.0, "psi"), (5e3, "kPa"), (np.inf, "Pa")),
-    u.VOLTAGE: ((30.0, "V"), (np.inf, "mV")),
-    u.TEMPERATURE: ((150.0, "degC"), (np.inf, "K")),
-    u.LENGTH: ((2.0, "m"), (np.inf, "mm")),
-}
-"""Units by the greatest value that would be likely in them."""
 
 USUAL_STEPS = (1e-6, 0.7)  # s between two samples of a log of a motion
 CLEAR = 0.4  # points by which one of two columns for one signal must be ahead
@@ -71,7 +62,12 @@ def guess_mapping(
     clock = (
         choose_clock(table) if period is None else ClockChoice("", "s", "samples are evenly spaced, as was said", {})
     )
-    found = {name: find_candidate(one, known) for name, one in table.columns.items() if name != clock.column}
+    stems = [one.header.stem for one in table.columns.values()]
+    found = {
+        name: find_candidate(one, known, hose_of(one.header.stem, stems))
+        for name, one in table.columns.items()
+        if name != clock.column
+    }
     notes = {"": clock.why} | {name: why for name, why in found.items() if isinstance(why, str)} | dict(table.words)
     for name in clock.scores:
         if name != clock.column and isinstance(found.get(name), str) and clock.scores[name][0] >= 1.0:
@@ -177,7 +173,7 @@ def _chosen(channel: str, rivals: list[Candidate], notes: dict[str, str]) -> Can
 
 def _entry(candidate: Candidate, joint: str | None, notes: dict[str, str]) -> dict[str, Any]:
     header, signal = candidate.column.header, candidate.signal
-    unit, why = _unit(candidate.column, signal)
+    unit, why = unit_of(candidate.column, signal)
     entry: dict[str, Any] = {"from": header.name, "signal": signal.name, "unit": unit}
     entry |= {"joint": joint} if joint else {}
     notes[header.name] = f"{candidate.why}; {why}"
@@ -225,16 +221,3 @@ def _joints_of_groups(candidates: list[Candidate], joints: list[str]) -> dict[st
         numbers = sorted(sorted(numbers, key=lambda number: -moved[number])[: len(joints)], key=int)
     named = dict(zip(numbers, joints, strict=False))
     return named if len(joints) > 1 or not named else named | {"": joints[0]}
-
-
-def _unit(column: Column, signal: Signal) -> tuple[str, str]:
-    """Return a unit, and why."""
-    if column.header.unit:
-        return column.header.unit, "unit as in the header"
-    most = float(np.nanmax(np.abs(column.values)))
-    if signal.kind is None:
-        return ("%" if most > 1.5 else "1"), f"unit by values up to {most:.3g}: check it"
-    if signal.kind not in RANGES:
-        return signal.unit, "no unit is said: check it"
-    unit = next(unit for limit, unit in RANGES[signal.kind] if most <= limit)
-    return unit, f"unit by values up to {most:.3g}: check it"

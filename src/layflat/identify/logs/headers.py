@@ -22,7 +22,9 @@ _BEHIND = re.compile(
 )  # "p, kPa", "p / kPa", "p in kPa"
 _LINKS = {"of", "since", "per", "der", "des", "du", "pro", "seit"}  # words before one that is no unit: "time of day"
 _NUMBER = r"\d+(?:[.,]\d+)?(?:[eE][-+]?\d+|\^[-+]?\d+)?"
-_SCALED = re.compile(rf"[x*×·/]?\s*{_NUMBER}\s*[x*×·]?\s*(?P<unit>[^\d\s/.…-].*)|(?P<unit_first>.*\D)\s*[x*×·/]\s*{_NUMBER}")
+_SCALED = re.compile(
+    rf"[x*×·/]?\s*{_NUMBER}\s*[x*×·]?\s*(?P<unit>[^\d\s/.…-].*)|(?P<unit_first>.*\D)\s*[x*×·/]\s*{_NUMBER}"
+)  # "0.1 ms", "x 10 bar"; "kPa*10"
 _FACTOR = re.compile(rf"[x*×·/]{_NUMBER}|\d+[.,]\d+|{_NUMBER}[x*×·]")  # beside a unit: "p /10 mbar"
 _PREFIXED = re.compile(r"[µμumcdhkMG](?:V|W|Pa|bar|deg|rad|Hz|N|Nm)|[µμumk]A")  # a unit, known or not: mA, dV, mdeg
 _NUMBERED = re.compile(r" \(column \d+\)$")  # behind names that stand there twice
@@ -126,6 +128,15 @@ def _with_zero(header: Header) -> Header:
 def _suffixed(name: str) -> Header | None:
     """Return a header with a unit among its words, as in "pressure_b_kPa_raw", or in its last letters."""
     parts = [part for part in _SEPARATORS.split(name) if part]
+    if len(parts) > 1 and _PREFIXED.fullmatch(parts[-1]) and unit_written(parts[-1], listed=True) is None:
+        found = unit_written(parts[-1])
+        stem = " ".join(parts[:-1])
+        return Header(name, *found, stem) if found else Header(name, stem=stem, unknown=parts[-1])
+    return _among(name, parts) or _in_last_letters(name)
+
+
+def _among(name: str, parts: list[str]) -> Header | None:
+    """Return a header with a unit among its words."""
     for end in range(len(parts), 0, -1):
         for first in range(max(end - 2, 0), end):
             tail, rest = parts[first:end], parts[:first] + parts[end:]
@@ -134,11 +145,7 @@ def _suffixed(name: str) -> Header | None:
                 continue  # read with the unit before it
             if found == ("Pa", None) and first == 0:
                 continue  # the pressure of hose A
-            if found is None and end == len(parts) and len(tail) == 1 and rest and _PREFIXED.fullmatch(tail[0]):
-                found = unit_written(tail[0])
-                if found is None:
-                    return Header(name, stem=" ".join(rest), unknown=tail[0])
-            elif found is None or not rest or not _is_unit_word(tail, parts, end):
+            if found is None or not rest or not _is_unit_word(tail, parts, end):
                 continue
             if first and parts[first - 1].lower() in _LINKS:
                 continue
@@ -148,6 +155,11 @@ def _suffixed(name: str) -> Header | None:
             if gauge is None and kind_of_unit(unit) == PRESSURE:
                 gauge, rest = _zero_of(rest, first)
             return Header(name, unit, gauge, " ".join(rest))
+    return None
+
+
+def _in_last_letters(name: str) -> Header | None:
+    """Return a header with a unit in the last letters of its name, as in "timeMs"."""
     for size in (4, 3, 2):
         stem, end_word = name[:-size], name[-size:]
         if not stem:

@@ -4,7 +4,7 @@
 
     [time]
     column = "t"                   # not needed where each column has times of its own
-    unit = "s"                     # or, for a log without a clock, period = "5 ms" alone
+    unit = "s"                     # or such as "0.1 ms"; or, for a log without a clock, period = "5 ms" alone
 
     [[column]]
     from = "rpa5"                  # or a list of columns that measure the same: their mean
@@ -62,7 +62,7 @@ class TimeColumn(Part):
     @classmethod
     def _is_time(cls, unit: str) -> str:
         try:
-            u.TIME.convert(f"1 {unit}")
+            _seconds(unit)
         except ValueError:
             raise wrong(f"{unit!r} is not a unit of a time", 'give one such as "s" or "ms"') from None
         return unit
@@ -70,7 +70,12 @@ class TimeColumn(Part):
     @property
     def seconds(self) -> float:
         """The unit in s."""
-        return u.TIME.convert(f"1 {self.unit}")
+        return _seconds(self.unit)
+
+
+def _seconds(unit: str) -> float:
+    """Return a unit of time, which may have a number as "0.1 ms" has, in s."""
+    return u.TIME.convert(unit if unit[:1].isdigit() or unit[:1] == "." else f"1 {unit}")
 
 
 class MappedColumn(Part):

@@ -18,6 +18,10 @@ from layflat.identify.logs.text.cells import read_cells
 Cells = Array | list[str]
 
 LONG = (("signal", "channel", "name"), ("time", "t"), ("value",))  # columns of a table with a sample a row
+CODES = (999.0, 9999.0, 99999.0, 999999.0, 999.9, 9999.9, 99999.9, 999.99, 9999.99)  # in place of a missing sample
+OVERFLOW = 9e36  # from which numbers are such codes too
+LEAST_REST = 10  # other samples that tell how far out a code stands
+FAR_OUT = 2.5  # times the greatest magnitude of the rest that a code has at least
 
 
 @dataclass(frozen=True)
@@ -128,7 +132,8 @@ def arranged(
     columns, words = {}, {}
     for name, values in cells.items():
         if isinstance(values, np.ndarray):
-            columns[name] = Column(values, headers[name], notes=tuple(notes.get(name, ())))
+            known, told = without_codes(values)
+            columns[name] = Column(known, headers[name], notes=(*notes.get(name, ()), *told))
             continue
         read = read_cells(values, None, name) if name not in notes else None
         if read is None or read.values is None:
@@ -137,6 +142,19 @@ def arranged(
             header = header_of(name, units.get(name, "") or read.unit)
             columns[name] = Column(read.values, header, notes=tuple(read.notes))
     return columns, None, words
+
+
+def without_codes(values: Array) -> tuple[Array, list[str]]:
+    """Return values without such as -9999, which loggers write for what is missing, and a note; they stand far out."""
+    sizes = np.abs(values)
+    coded = np.isfinite(values) & (np.isin(sizes, CODES) | (sizes >= OVERFLOW))
+    rest = sizes[np.isfinite(values) & ~coded]
+    if not coded.any() or rest.size < LEAST_REST or sizes[coded].min() < FAR_OUT * rest.max():
+        return values, []
+    codes = ", ".join(f"{code:g}" for code in np.unique(values[coded]))
+    count = int(coded.sum())
+    told = f"{count} sample{'s' if count > 1 else ''} of {codes} {'are' if count > 1 else 'is'} taken for missing"
+    return np.where(coded, np.nan, values), [told]
 
 
 def _pivoted(

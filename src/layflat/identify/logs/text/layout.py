@@ -15,6 +15,26 @@ WIDE_BLANKS = "  "  # two blanks or more
 DELIMITERS = ("\t", ";", ",", "|", WIDE_BLANKS, BLANKS)
 COMMENTS = ("#", "%", "//")
 HEADING_ROWS = 5  # rows above the samples among which names and units are sought
+TYPES = frozenset(
+    [
+        "string",
+        "datetime",
+        "bool",
+        "double",
+        "single",
+        "float",
+        "float32",
+        "float64",
+        "real",
+        "lreal",
+        "int",
+        "dint",
+        "int16",
+        "int32",
+        "int64",
+    ]
+)
+"""Words of a row that says how numbers are kept."""
 MAX_JOINED = 2000  # characters of a header
 MAJORITY = 0.6  # fraction of a column's cells that makes it one of numbers
 SPARSE = 0.1  # fraction of filled cells below which a column tells nothing of the layout
@@ -125,7 +145,8 @@ def _heading(lines: Sequence[str], rows: Sequence[list[str]], kinds: Sequence[li
             return False
         filled = [kind for kind in row if kind != "missing"]
         words = [kind for kind in filled if kind == "text"]
-        return 2 * len(filled) > used and len(words) == len(filled)
+        kinds_of_numbers = sum(cell.lower() in TYPES for cell in rows[i])
+        return 2 * len(filled) > used and len(words) == len(filled) > 2 * kinds_of_numbers
 
     first = next((i for i, row in enumerate(kinds) if is_sample(row)), None)
     if first is None:  # words alone
@@ -135,6 +156,7 @@ def _heading(lines: Sequence[str], rows: Sequence[list[str]], kinds: Sequence[li
     unit_row = next((i for i in reversed(heads) if i != above[0] and is_units(rows[i])), None)
     named = [i for i in heads if unit_row is None or i < unit_row]
     odd = [i for i in above if i != unit_row and kinds[i][0] == "text" and _may_name(kinds[i], width)]
+    odd = [i for i in odd if 2 * sum(cell.lower() in TYPES for cell in rows[i]) < len(rows[i])]
     if not named and odd and odd[-1] == (above[-1] if unit_row is None else unit_row - 1):
         named = odd[-1:]  # names of which some are numbers, or more or fewer than there are columns
     if named:
