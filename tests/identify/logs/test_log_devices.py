@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from recordings import Array
+from recordings import Array, ticks
 
 from layflat.errors import InputError
 from layflat.identify.logs import guess_mapping, read_log, read_table
@@ -12,7 +12,7 @@ from layflat.identify.logs.clocks import unwrap_counter
 from layflat.identify.logs.guess import Guess
 
 COUNT = 120
-TIME = 0.01 * np.arange(COUNT)
+TIME = ticks(0.01, COUNT)
 DEGREES = 40.0 * np.sin(5.0 * TIME)
 BAR = 2.0 + 1.5 * np.sin(5.0 * TIME)
 
@@ -35,6 +35,10 @@ def guessed(folder: Path, header: str, *columns: Array | list[str]) -> tuple[Gue
     return guess, {str(name): log[name].values.ravel() for name in log.data_vars}, log["time"].values
 
 
+def number(value: float) -> str:
+    return f"{value:.6f}".replace(".", ",")
+
+
 @pytest.mark.parametrize("clocked", [True, False])
 @pytest.mark.parametrize("size", [40, 600])
 def test_all_segments_of_a_labview_file(tmp_path: Path, clocked: bool, size: int) -> None:
@@ -43,7 +47,6 @@ def test_all_segments_of_a_labview_file(tmp_path: Path, clocked: bool, size: int
         f"X_Columns\t{'One' if clocked else 'No'}\n***End_of_Header***\t\n\n"
     )
     time, angle = 0.01 * np.arange(3 * size), 40.0 * np.sin(0.05 * np.arange(3 * size))
-    number = lambda value: f"{value:.6f}".replace(".", ",")  # noqa: E731
     for first in range(0, 3 * size, size):
         text += (
             f"Channels\t1\t\t\nSamples\t{size}\t\t\nY_Unit_Label\tdeg\t\nX_Dimension\tTime\t\nX0\t{number(time[first])}\t\n"
@@ -108,7 +111,7 @@ def test_parts_of_a_day(tmp_path: Path) -> None:
 @pytest.mark.parametrize("turn", [65536.0, 2.0**32, 86.4e6, 65.536, 86400.0])
 def test_counters_and_days_that_start_anew_go_on(turn: float) -> None:
     step = 1e-2 if turn in {65.536, 86400.0} else 10.0
-    stamps, anew = unwrap_counter((turn - 20.0 * step + step * np.arange(60)) % turn)
+    stamps, anew = unwrap_counter((turn - 20.0 * step + ticks(step, 60)) % turn)
     assert np.diff(stamps) == pytest.approx(step, rel=1e-6)
     assert anew == [21]
 
