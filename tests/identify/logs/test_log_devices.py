@@ -174,6 +174,6 @@ def test_a_row_of_types_names_nothing(tmp_path: Path) -> None:
 
 def test_a_clock_that_never_falls_goes_before_one_that_does(tmp_path: Path) -> None:
     seconds = [f"2024/03/01 10:00:{int(2.5 * i // 100):02d}" for i in range(COUNT)]
-    milliseconds = 25.0 * np.arange(COUNT) % 1000.0
+    milliseconds = ticks(25.0, COUNT) % 1000.0
     _, _, time = guessed(tmp_path, "Date&Time,ms,angle_deg", seconds, milliseconds, DEGREES)
     assert time - time[0] == pytest.approx(2.5 * TIME)
