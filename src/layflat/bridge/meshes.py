@@ -87,6 +87,8 @@ def read(file: Path, *, engine: bool) -> bytes:
     else:
         mesh = solid(file)
         triangles = np.asarray(mesh.vertices[mesh.faces], float)
+    if not np.isfinite(triangles).all():
+        raise InputError("has corners that are infinite or none", where=str(file), right="give another mesh")
     return _obj(_split(triangles)) if is_obj else binary_stl(_split(triangles))
 
 

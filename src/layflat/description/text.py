@@ -28,6 +28,13 @@ def exists(path: Path) -> bool:
     return False
 
 
+def is_file(path: Path) -> bool:
+    """Return whether there is a file of a name, however odd or long the name."""
+    with suppress(OSError, ValueError):
+        return path.is_file()
+    return False
+
+
 def check_regular(path: Path, where: str, right: str, kind: type[InputError] = InputError) -> int:
     """Make sure that a file can be read to its end, and return its size in bytes.
 

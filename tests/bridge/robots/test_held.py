@@ -68,3 +68,10 @@ def test_constraints_that_act_on_the_arm_close_it(equality: str, tmp_path: Path)
     file = written(tmp_path, GRIPPER.format(equality=equality, tendon="bend"), "robot.xml")
     with pytest.raises(InputError, match=r"the equality constraint .* a closed chain; an arm here is an open chain"):
         import_arm(file, to="hand")
+
+
+@pytest.mark.parametrize("axis", ["0 0 0", "0 1e200 0"])
+def test_a_slide_of_any_axis_is_held(axis: str, tmp_path: Path) -> None:
+    text = fingers('<mimic joint="open" offset="0.03"/>').replace('"0 1 0"', f'"{axis}"')
+    moved = centre(urdf(text), tmp_path) - centre(urdf(text.replace('"0.03"', '"0"')), tmp_path)
+    assert moved == pytest.approx(0.0 if axis == "0 0 0" else 0.01)

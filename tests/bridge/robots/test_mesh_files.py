@@ -7,6 +7,8 @@ from robot_files import BASE, UPPER, urdf, written
 from layflat.bridge.robots import ImportedArm, import_arm
 from layflat.errors import InputError
 
+LONG = f"{'a' * 5000}.stl"
+
 
 def with_mesh(name: str, more: str = "") -> str:
     mesh = f'<visual><geometry><mesh filename="{name}"/></geometry></visual></link>'
@@ -65,6 +67,8 @@ def test_meshes_of_what_is_not_of_the_arm_do_not_matter(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(("name", "expected"), [
     ("none.stl", "is not there; looked for {folder}/none.stl; put it there, or leave meshes out: --no-meshes"),
+    pytest.param(LONG, f"is not there; looked for {{folder}}/{LONG}; put it there, or leave meshes out: --no-meshes",
+                 id="long"),
     ("https://x.org/w.stl", "is not on this computer; give a file, or leave meshes out: --no-meshes"),
     ("a.step", "is of an unknown format; give STL, OBJ or DAE, or use --no-meshes"),
 ])  # fmt: skip

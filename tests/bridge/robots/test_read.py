@@ -52,3 +52,5 @@ def test_a_model_without_a_name_is_called_as_its_file(tmp_path: Path) -> None:
     assert not any("is called" in note for note in arm.notes())
     named = written(tmp_path, MJCF.replace("branching", "v1.2 picker"), "picker.xml")
     assert "the machine is called 'v1-2-picker', the robot 'v1.2 picker'" in import_arm(named, to="fore").notes()
+    odd = import_arm(written(tmp_path, MJCF.replace("branching", "***"), "picker.xml"), to="fore")
+    assert "the machine is called 'picker', the robot '***'" in odd.notes()

@@ -16,8 +16,10 @@ def limits(text: str) -> str:
     return ELBOW.partition("<limit")[0] + text + "</joint>"
 
 
-@pytest.mark.parametrize("text", ['<limit effort="5" velocity="1"/>', '<limit lower="0" upper="0" effort="0"/>',
-                                  '<limit lower="1" upper="-1"/>', '<limit lower="0.3" upper="0.3"/>'])  # fmt: skip
+@pytest.mark.parametrize("text", [
+    '<limit effort="5" velocity="1"/>', '<limit lower="0" upper="0" effort="0"/>', '<limit lower="1" upper="-1"/>',
+    '<limit lower="0" upper="1e-7"/>', '<limit lower="0.3" upper="0.3"/>',
+])  # fmt: skip
 def test_limits_within_which_nothing_turns_matter_only_where_they_are_used(text: str, tmp_path: Path) -> None:
     file = written(tmp_path, urdf(elbow=limits(text)))
     with pytest.raises(InputError, match=r"joint 'elbow' has limits from .* rad; hoses turn .* give --stroke \"elbow="):
@@ -36,6 +38,7 @@ def test_limits_within_which_nothing_turns_matter_only_where_they_are_used(text:
         ((0.0, 2.0), 0.5, 1.0, 1.0),  # what lies beyond the limits does not count
         ((2.0, 3.0), 0.0, 1.65, 2.0),  # all of it beyond: none
         ((0.0, 0.0), 0.0, 1.65, 2.0),
+        ((0.999999, 1.0), 0.0, 1.65, 2.0),
     ],
 )
 def test_soft_limits_are_where_a_joint_works(
@@ -69,3 +72,6 @@ def test_a_stroke_may_be_given_by_the_name_in_the_robot_or_here(tmp_path: Path) 
         assert list(arm.machine.joints) == ["arm-shoulder-1", "elbow"]
         assert arm.turning[0].middle == pytest.approx(0.5)
     assert "joints are called otherwise here: 'arm.shoulder:1' is 'arm-shoulder-1'" in arm.notes()
+    both = {"arm.shoulder:1": (0.0, 1.0), "arm-shoulder-1": (0.0, 0.5)}
+    with pytest.raises(InputError, match=r"'arm\.shoulder:1' and 'arm-shoulder-1' are one joint; give one of both"):
+        import_arm(file, stroke=both)

@@ -8,6 +8,7 @@ from urllib.parse import unquote
 from layflat.bridge.meshes import FORMATS, unit_of
 from layflat.bridge.robots.robot import Look, Robot
 from layflat.bridge.robots.serial import Serial
+from layflat.description.text import is_file
 from layflat.errors import InputError
 
 IN_PACKAGES = ("package", "model")  # schemes of names that begin with a package of ROS
@@ -47,7 +48,7 @@ def _with_file(look: Look, robot: Robot, packages: Mapping[str, Path]) -> Look:
     tried: list[Path] = []
     for text in dict.fromkeys((path, unquote(path))):
         tried += _in_package(text, robot, packages) if in_package else _beside(text, robot)
-    file = next((one for one in tried if one.is_file()), None)
+    file = next((one for one in tried if is_file(one)), None)
     if file is None:
         places = [str(one) for one in dict.fromkeys(tried)]
         more = f" and {len(places) - MAX_NAMED} more" if len(places) > MAX_NAMED else ""

@@ -32,7 +32,17 @@ def read_mjcf(file: Path, text: str = "", *, meshes: bool = True) -> Robot:
     """
     mj = engine("view")
     spec, model, notes = compile_mjcf(mj, file, text, meshes=meshes)
-    for what in ("body_mass", "body_inertia", "body_ipos", "body_pos", "jnt_pos", "geom_pos", "site_pos"):
+    for what in (
+        "body_mass",
+        "body_inertia",
+        "body_ipos",
+        "body_pos",
+        "jnt_pos",
+        "geom_pos",
+        "site_pos",
+        "qpos0",
+        "jnt_range",
+    ):
         if not np.isfinite(getattr(model, what)).all() or not np.isfinite(model.opt.gravity).all():
             raise InputError("has numbers that are infinite or none", where=str(file), right="mend its numbers")
     try:

@@ -7,6 +7,7 @@ from typing import TypeVar
 from layflat.bridge.robots.robot import Robot
 from layflat.bridge.robots.serial import Serial
 from layflat.description.names import problem
+from layflat.errors import InputError
 
 Value = TypeVar("Value")
 
@@ -31,7 +32,14 @@ def with_key_names(chain: Serial) -> tuple[Serial, dict[str, str]]:
 
 
 def translated(values: Mapping[str, Value], renamed: Mapping[str, str]) -> dict[str, Value]:
-    """Return values by the names of joints here, of values that may be by their names in the robot."""
+    """Return values by the names of joints here, of values that may be by their names in the robot.
+
+    Raises:
+        InputError: there are values by both names of a joint.
+    """
+    for old, new in renamed.items():
+        if old in values and new in values:
+            raise InputError(f"{old!r} and {new!r} are one joint", where="--stroke", right="give one of both")
     return {renamed.get(name, name): value for name, value in values.items()}
 
 
@@ -40,5 +48,6 @@ def machine_name(robot: Robot) -> tuple[str, tuple[str, ...]]:
     for name in (robot.name, robot.file.stem):
         tidy = "".join(one if one.isalnum() or one in "-_+" else "-" for one in name).strip("-_+")
         if tidy and not problem(tidy):
-            return tidy, () if tidy == name else (f"the machine is called {tidy!r}, the robot {name!r}",)
+            kept = tidy == (robot.name or robot.file.stem)
+            return tidy, () if kept else (f"the machine is called {tidy!r}, the robot {robot.name or name!r}",)
     return "arm", (f"the machine is called 'arm', the robot {robot.name!r}",)

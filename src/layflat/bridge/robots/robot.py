@@ -35,6 +35,12 @@ def at(place: Sequence[float] | Array) -> Pose:
     return Pose(np.eye(3), np.array(place, float))
 
 
+def unit_vector(way: Array) -> Array:
+    """Return the direction (3,) of a vector that is not zero, however long."""
+    scaled: Array = way / np.abs(way).max()
+    return scaled / np.linalg.norm(scaled)
+
+
 class Inertial(NamedTuple):
     """Mass of a body."""
 
@@ -98,9 +104,9 @@ class Link:
 
     def displaced(self, way: float) -> Pose:
         """Return the pose of the child's frame in the parent's once a hinge or slide has moved from `zero`."""
-        if way == 0.0 or self.axis is None or self.kind not in {HINGE, SLIDE}:
+        if way == 0.0 or self.axis is None or not self.axis.any() or self.kind not in {HINGE, SLIDE}:
             return self.pose
-        axis = self.axis / np.linalg.norm(self.axis)
+        axis = unit_vector(self.axis)
         if self.kind == SLIDE:
             return self.pose.then(at(way * axis))
         return self.pose.then(at(self.anchor)).then(Pose(about(axis, way), np.zeros(3))).then(at(-self.anchor))

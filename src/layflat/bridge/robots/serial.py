@@ -8,7 +8,7 @@ import numpy as np
 from layflat.arrays import Array
 from layflat.bridge.robots.held import HeldJoints
 from layflat.bridge.robots.merging import merged
-from layflat.bridge.robots.robot import FIXED, HINGE, Inertial, Link, Look, Pose, Robot, at
+from layflat.bridge.robots.robot import FIXED, HINGE, Inertial, Link, Look, Pose, Robot, at, unit_vector
 from layflat.description.hints import did_you_mean
 from layflat.errors import InputError
 from layflat.physics.arms.chain.description import NO_WAY
@@ -147,7 +147,7 @@ class _Chooser:
                 else:
                     right += "; to hold it still, make it fixed"
                 self._refuse(f"joint {link.name!r}", f"is {link.kind}", right)
-            if link.axis is None or float(np.sum(np.square(link.axis))) < NO_WAY:
+            if link.axis is None or float(np.abs(link.axis).max()) < NO_WAY**0.5:
                 what = "has no axis" if link.axis is None else "has an axis without direction"
                 self._refuse(f"joint {link.name!r}", what, 'give one such as <axis xyz="0 0 1"/>')
             if link.mimic is not None:
@@ -180,8 +180,7 @@ class _Chooser:
         return found
 
     def _axis(self, joint: Link) -> Array:
-        axis: Array = np.array(joint.axis, float)
-        return axis / np.linalg.norm(axis)
+        return unit_vector(np.array(joint.axis, float))
 
     def _is_payload(self, joint: Link) -> bool:
         body = self.robot.bodies.get(PAYLOAD)

@@ -11,6 +11,7 @@ from layflat.errors import InputError
 from layflat.machine.parts import Joint
 
 ROOM = 1e-9  # rad
+MIN_STROKE = 1e-4  # within which no joint turns, rad
 
 
 class Turning(NamedTuple):
@@ -68,7 +69,7 @@ def _limits(chain: Serial, joint: Link, most: float) -> tuple[float, float]:
     """Return a joint's own limits; refuse those within which nothing can turn."""
     if joint.limits is None:
         what = f"joint {joint.name!r} turns without limits"
-    elif not joint.limits[0] < joint.limits[1]:
+    elif not joint.limits[1] - joint.limits[0] > MIN_STROKE:
         what = f"joint {joint.name!r} has limits from {joint.limits[0]:g} to {joint.limits[1]:g} rad"
     else:
         return joint.limits
@@ -82,4 +83,4 @@ def _soft_limits(joint: Link, limits: tuple[float, float]) -> tuple[float, float
     if joint.soft_limits is None:
         return None
     lower, upper = max(joint.soft_limits[0], limits[0]), min(joint.soft_limits[1], limits[1])
-    return (lower, upper) if lower < upper else None
+    return (lower, upper) if upper - lower > MIN_STROKE else None
