@@ -12,11 +12,15 @@ from commands import refused
 from few_tomatoes import FEW
 from typer.testing import CliRunner
 
+from layflat.cell import load
+from layflat.cell.work.records import Delivery, Verdict, VisionErrors
 from layflat.cli import app
+from layflat.cli.pack_run import nothing_packed
 from layflat.errors import CameraError, CellError, InputError
 
 pytest.importorskip("mujoco")
 
+from layflat.cell.work.run import Run  # needs it
 
 MOVED = """\
 extends = "few.toml"
@@ -165,3 +169,20 @@ def test_a_page_needs_its_extra(few: str, tmp_path: Path, monkeypatch: pytest.Mo
     line = refused("pack", "--watch", "--cell", few, "--no-browser", cwd=tmp_path)
     assert line == "layflat: --watch: needs nicegui, not installed; install it: pip install 'layflat[panel]'"
     assert not (tmp_path / "build").exists()
+
+
+@pytest.mark.parametrize(("machine", "advised"), [("paper-arm-fast", True), ("paper-arm-tracking", False)])
+def test_a_run_without_a_successful_pick_is_an_error_that_names_a_law_which_follows_no_belt(
+    machine: str, advised: bool, tmp_path: Path
+) -> None:
+    file = tmp_path / "slow.toml"
+    file.write_text(f'extends = "belt"\nname = "slow"\nmachine = "{machine}"\n', encoding="utf-8")
+    cell = load(file)
+    missed, placed = (
+        Delivery(0, (), (Verdict(correct=correct),), (), (), 1.0, VisionErrors()) for correct in (False, True)
+    )
+    error = nothing_packed(cell, [Run(cell, 0, (missed,), None)])
+    assert error is not None
+    assert "in cell 'slow'" in str(error)
+    assert ("control law 'paper' does not follow a belt" in str(error)) == advised
+    assert nothing_packed(cell, [Run(cell, 0, (missed,), None), Run(cell, 1, (placed,), None)]) is None

@@ -9,7 +9,18 @@ import typer
 
 from layflat.cli.app import app, expanded, print_table
 from layflat.cli.bars import steps_bar
-from layflat.cli.pack_run import CALIBRATION, RESULTS, SHEET, Asked, calibration_of, end, error_of, one_run, report
+from layflat.cli.pack_run import (
+    CALIBRATION,
+    RESULTS,
+    SHEET,
+    Asked,
+    calibration_of,
+    end,
+    error_of,
+    nothing_packed,
+    one_run,
+    report,
+)
 from layflat.cli.pages import PageOptions
 from layflat.errors import InputError, LayflatError, StoppedError
 
@@ -141,4 +152,4 @@ def _study(cell: Cell, calibration: Path | None, seeds: range, picks: int, out: 
     runs.sort(key=lambda run: run.seed)
     if runs:
         report(cell, runs, results, [], partial=error is not None)
-    end(error or next((run.error for run in runs if run.error is not None), None))
+    end(error or next((run.error for run in runs if run.error is not None), nothing_packed(cell, runs)))

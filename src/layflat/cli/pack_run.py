@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from layflat.cli.app import print_table
+from layflat.cli.app import counted, print_table
 from layflat.cli.bars import steps_bar
 from layflat.cli.rig import FAULT
 from layflat.errors import InputError, LayflatError, NoDrawingError, StoppedError
@@ -88,11 +88,26 @@ def one_run(asked: Asked, calibration: "Calibration | None", *observers: "Observ
 
 
 def error_of(asked: Asked, run: "Run") -> LayflatError | None:
-    """Return what ended a run early, with where its results are kept where a person did."""
+    """Return what ended a run early, with where its results are kept where a person did; or that it packed nothing."""
     if not isinstance(run.error, StoppedError):
-        return run.error
+        return run.error or nothing_packed(asked.cell, [run])
     done = sum(len(delivery.picks) for delivery in run.deliveries)
     return StoppedError(f"{done} of {asked.picks} picks", asked.results)
+
+
+def nothing_packed(cell: "Cell", runs: "list[Run]") -> LayflatError | None:
+    """Return the error that no pick of these runs succeeded, with the likely cause; None where one did."""
+    from layflat.cell.work.results import Summary  # noqa: PLC0415
+
+    found = Summary(delivery for run in runs for delivery in run.deliveries)
+    if found.correct:
+        return None
+    what = f"none of {counted(found.picks, 'pick')} succeeded in cell {cell.name!r}"
+    law = cell.machine.control_law
+    if cell.conveyor is None or law.plans:
+        return LayflatError(what)
+    right = 'give the machine [controller] kind = "tracking"'
+    return LayflatError(f"{what}; control law {law.name!r} does not follow a belt: {right}")
 
 
 def report(
