@@ -36,12 +36,12 @@ class Command:
 
     @property
     def forced(self) -> bool:
-        """Whether the user lets it replace anything."""
+        """True where the user lets it replace anything."""
         return FORCE in self.typed
 
     @property
     def words(self) -> list[str]:
-        """What makes its results what they are: all but where they go, and --force."""
+        """Words that determine its results: all but where they go, and --force."""
         found: list[str] = []
         skipped = False
         for word in self.typed:
@@ -76,7 +76,7 @@ _running: Command | None = None
 
 @contextmanager
 def running(command: Command) -> Iterator[None]:
-    """Let files be written by a command: what it does not own is not replaced, and what it writes is recorded."""
+    """Run a command: in this block, files that it does not own are not replaced, and what it writes is recorded."""
     global _running  # noqa: PLW0603  # a process runs one command; its threads write for it
     before, _running = _running, command
     try:

@@ -1,4 +1,4 @@
-"""What a format of robots can't carry of an arm, or carries where few look."""
+"""Properties of an arm that a format of robots can't carry, or carries where few look."""
 
 from collections.abc import Mapping
 

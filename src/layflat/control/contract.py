@@ -6,14 +6,14 @@ from layflat.physics.adjustable import Shares
 
 
 class Sensed(NamedTuple):
-    """What the sensors say in this cycle; tuples with an item per joint, from base to tip."""
+    """Readings of the sensors in this cycle; tuples with an item per joint, from base to tip."""
 
     angle: tuple[float, ...]  # rad
     differential_pressure: tuple[float, ...]  # hose A less hose B, Pa
 
 
 class Demand(NamedTuple):
-    """What is asked of the joints in this cycle; a step has zero rates."""
+    """Demand of each joint in this cycle, with its rates; a step has zero rates."""
 
     angle: tuple[float, ...]  # rad
     velocity: tuple[float, ...]  # rad/s
@@ -22,7 +22,7 @@ class Demand(NamedTuple):
 
 
 class Command(NamedTuple):
-    """What a law commands in this cycle; tuples with an item per joint."""
+    """Commands of a law in this cycle; tuples with an item per joint."""
 
     voltage: tuple[float, ...]  # to the valves' drivers, V
     shares: tuple[Shares, ...]  # of brake, dither and supply, where the machine lets them be adjusted; 1 leaves all

@@ -24,7 +24,7 @@ class Labelled(Protocol):
 
     @property
     def attrs(self) -> Any:
-        """What is noted of it."""
+        """Notes that the table carries, such as its units, by name."""
 
 
 Steps = Sequence[tuple[Value, Angles]]

@@ -1,4 +1,4 @@
-"""How fast an arm oscillates on its air, and how fast its velocities decay: what a step has to be short for.
+"""Rates of an arm: of its oscillation on its air, and of the decay of its velocities; steps are short beside both.
 
 A joint between its hoses is a mass between springs of air.
 

@@ -139,6 +139,6 @@ def _values_in(model: Model, found: Fit) -> Array:
 
 
 def _comparison(order: Sequence[str], scores: Mapping[str, CrossValidation], taken: str) -> str:
-    """Which model is taken, and by how much each misses left-out logs."""
+    """Return the remark that says which model is taken, and by how much each misses left-out logs."""
     each = "; ".join(f"{name}, {'' if scores[name].errors else 'at least '}{scores[name].percent} %" for name in order)
     return f"Left-out logs are missed by, of their range: {each}. Taken: {taken}."

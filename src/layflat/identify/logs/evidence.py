@@ -1,4 +1,4 @@
-"""What speaks for a column being a signal: its name, its unit, and whether its values can be such."""
+"""Evidence for a column being a signal: its name, its unit, and whether its values can be such."""
 
 import re
 from collections.abc import Iterable

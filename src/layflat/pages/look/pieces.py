@@ -15,7 +15,7 @@ class Pieces:
         self._client, self._since = ui.context.client, monotonic()
 
     async def pause(self) -> None:
-        """Let others have a turn, if it is time for that; cancel the work where the page is gone."""
+        """Yield to other handlers, if it is time for that; cancel the work where the page is gone."""
         if monotonic() - self._since < PIECE:
             return
         await asyncio.sleep(0)

@@ -1,4 +1,4 @@
-"""What libraries log about pages, in one line each: a person at a terminal reads no traceback."""
+"""Log messages of the libraries that serve pages, in one line each: a person at a terminal reads no traceback."""
 
 import logging
 import sys
@@ -44,7 +44,7 @@ def one_line(record: logging.LogRecord) -> str:
 
 
 def log_in_lines() -> None:
-    """Let everything that serves pages log in lines, instead of what handlers it had."""
+    """Give every library that serves pages the handler that logs in lines, in place of its own."""
     handler = OneLineHandler()
     for name in LIBRARIES:
         logger = logging.getLogger(name)

@@ -38,7 +38,7 @@ class Turn(NamedTuple):
 
     @property
     def slow(self) -> bool:
-        """Whether people at the pages feel it."""
+        """True where people at the pages feel it."""
         return self.work > SLOW_TURN or self.duration > WAITED_TURN
 
     def __str__(self) -> str:

@@ -18,7 +18,7 @@ END = "***End_of_Header***"
 
 @dataclass
 class LabView:
-    """What a heading says; empty for any other file."""
+    """Heading of a LabVIEW file; the defaults are those of any other file."""
 
     delimiter: str = ""
     decimal: Decimal | None = None
