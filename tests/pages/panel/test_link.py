@@ -28,7 +28,8 @@ def until(condition: Callable[[], bool], seconds: float = 30.0) -> None:
 
 @pytest.fixture
 def link(tmp_path: Path) -> Iterator[RigLink]:
-    link = RigLink(ARM, lambda machine: (partial(simulated_rig, machine), "simulated"), tmp_path, Lease())
+    folder = tmp_path / "not" / "there"
+    link = RigLink(ARM, lambda machine: (partial(simulated_rig, machine), "simulated"), folder, Lease())
     try:
         until(lambda: link.at_rest)
         yield link

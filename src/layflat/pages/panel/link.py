@@ -114,6 +114,7 @@ class RigLink:
     def _open(self) -> None:
         machine = self.machine
         driver, address = self._reached(machine)
+        self._folder.mkdir(parents=True, exist_ok=True)
         with Recorded.in_folder(machine, driver, address, self._folder, f"{machine.name}-panel", self._lease) as rig:
             self.place = rig.place
             self._recorded, self.standing, self.trouble = rig, Standing.OPEN, ""

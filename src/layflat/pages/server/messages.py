@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from starlette.types import Message, Receive, Scope
 
 LOG = logging.getLogger(__name__)
+TOGETHER = 4  # messages, of many that came at once, that share a turn of the event loop
 MAX_TOLD = 3  # malformed messages of a connection that are told one by one
 MAX_FRAME = 10**6  # characters of a message, as of Engine.IO; a longer one ends its connection
 MAX_MALFORMED = 200  # of a connection, which then ends: no page of ours sends any
@@ -111,12 +112,14 @@ def problem_of_socket(scope: "Scope") -> str:
 
 def checked(receive: "Receive") -> "Receive":
     """Return what receives the messages of a socket that follow the grammar; others are told, and ignored."""
-    malformed = 0
+    malformed = count = 0
 
     async def receiving() -> "Message":
-        nonlocal malformed
+        nonlocal malformed, count
         while True:
-            await asyncio.sleep(0)  # of many messages that came at once each has a turn of the loop
+            count += 1
+            if count % TOGETHER == 0:
+                await asyncio.sleep(0)
             message = await receive()
             if message["type"] != "websocket.receive":
                 return message
