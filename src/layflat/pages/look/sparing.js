@@ -16,6 +16,7 @@ export default {
       last = now;
       draw(scene, camera);
     };
+    for (const one of [found.text_renderer, found.text3d_renderer]) one?.domElement?.remove(); // wide as it once was
     found.text_renderer = found.text3d_renderer = { render() {}, setSize() {} }; // there are no texts
   },
 };
