@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from math import inf, pi, radians, sqrt
+from math import inf, radians
 from typing import Any
 
 import pytest
 
 from layflat.design import Finding, design_joint, refuse_errors, strap_stress
-from layflat.design.shaft import least_diameter, shear_stress
 from layflat.errors import DesignError
 from layflat.machine import Machine, load, names
 
@@ -58,22 +57,6 @@ def test_the_papers_strip_bears_its_rollers_but_only_just() -> None:
 def test_built_in_joints_have_no_errors(name: str) -> None:
     for joint in load(name).joints:
         assert all(f.severity != "error" for f in design_joint(name, joint).findings)
-
-
-def test_a_shaft_that_would_be_sheared_in_the_cams_bore_is_told() -> None:
-    (finding,) = found(ARM, "shaft")
-    assert finding.severity == "note"
-    design = design_joint(ARM, "large")
-    assert design.outline is not None
-    torque, bore = float(design.torque[1].max()), design.outline.bore
-    assert f"{16.0 * torque / (pi * bore**3) / 1e6:.3g} MPa" in finding.what
-    assert shear_stress(torque, least_diameter(torque)) == pytest.approx(490e6 / sqrt(3.0) / 1.5)
-    assert not found(changed(output={"kind": "roller"}), "shaft")
-
-
-def test_a_thin_joint_of_little_torque_needs_no_other_shaft() -> None:
-    weak = ARM.model_copy(update={"supply": ARM.supply.model_copy(update={"pressure_gauge": 0.02e5})})
-    assert not found(weak, "shaft")
 
 
 def test_wrap_over_120_deg_is_a_warning() -> None:

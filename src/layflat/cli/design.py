@@ -100,6 +100,8 @@ def _print(design: "JointDesign") -> None:
     """Print what was designed, the cam's columns, the strap's stresses, and what the rules found."""
     import numpy as np  # noqa: PLC0415
 
+    from layflat.design.shaft import shaft_advice  # noqa: PLC0415
+
     joint, (angle, torque) = design.joint, design.torque
     rows = [
         ["torque", f"{torque.min():.1f} to {torque.max():.1f} N m at {design.pressure / 1e5:g} bar gauge"],
@@ -110,6 +112,8 @@ def _print(design: "JointDesign") -> None:
         ["mass", f"{design.mass.body:.2f} kg, of which {design.mass.counted:.2f} kg hose, cylinder, shell, strap, cam"],
         ["air per stroke", f"{design.air.normal_litres:.2f} normal litres"],
     ]
+    if design.outline is not None:
+        rows.append(["shaft", shaft_advice(float(torque.max()), design.outline.bore)])
     print_table(["quantity", "value"], rows, f"{design.machine.name}, {design.name} joint")
     if design.cam is not None:
         columns = design.columns()

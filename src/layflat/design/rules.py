@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from layflat.design.shaft import SHEAR_SAFETY, allowed_shear_stress, least_diameter, shear_stress
 from layflat.errors import DesignError
 
 if TYPE_CHECKING:
@@ -49,7 +48,7 @@ def check(design: "JointDesign") -> tuple[Finding, ...]:
     """Return the findings of all rules, worst first."""
     found = [
         Finding(severity, rule, f"{design.where}.{key}" if key else design.characteristic.source, what, right)
-        for rules in (_sizes, _strap, _torque, _shaft)
+        for rules in (_sizes, _strap, _torque)
         for severity, rule, key, what, right in rules(design)
     ]
     return tuple(sorted(found, key=lambda finding: ORDER.index(finding.severity)))
@@ -130,18 +129,3 @@ def _torque(design: "JointDesign") -> Found:
         what = f"points lie up to {100 * characteristic.fit_error:.2g} % from the curve through them"
         right = "check for outliers; of a hysteresis curve, give the mean of both directions"
         yield "warning", "measured table", "", what, right
-
-
-def _shaft(design: "JointDesign") -> Found:
-    if design.outline is None:
-        return
-    torque, bore = float(design.torque[1].max()), design.outline.bore
-    stress, allowed = shear_stress(torque, bore), allowed_shear_stress()
-    if stress > allowed:
-        what = (
-            f"a shaft of {bore * 1e3:.3g} mm, the cam's bore, would bear {torque:.3g} N m at {stress / 1e6:.3g} MPa in "
-            f"shear; C45 may bear {allowed / 1e6:.3g} MPa (safety {SHEAR_SAFETY:g})"
-        )
-        thick = f"{least_diameter(torque) * 1e3:.2g} mm"
-        right = f"bolt the cam to the link, so that the shaft is only an axle, or take a shaft of {thick}"
-        yield "note", "shaft", "output", what, right

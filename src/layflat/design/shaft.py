@@ -23,6 +23,15 @@ def allowed_shear_stress() -> float:
     return SHAFT_YIELD / sqrt(3.0) / SHEAR_SAFETY
 
 
+def shaft_advice(torque: float, bore: float) -> str:
+    """Return how thick a shaft has to be that carries a torque (N m), and what to do if a bore (m) is thinner."""
+    thinnest, stress = least_diameter(torque), shear_stress(torque, bore)
+    text = f"{thinnest * 1e3:.1f} mm at least if it carries the torque (C45 with a safety of {SHEAR_SAFETY:g})"
+    if bore >= thinnest:
+        return text
+    return f"{text}; in the bore of {bore * 1e3:.3g} mm it would bear {stress / 1e6:.0f} MPa: bolt the cam to the link"
+
+
 def least_diameter(torque: float) -> float:
     """Return the diameter (m) of the thinnest shaft that may bear a torque (N m)."""
     return cbrt(16.0 * torque / (pi * allowed_shear_stress()))
