@@ -189,7 +189,7 @@ def test_viscous_losses_vanish_when_slow_and_a_spring_draws_back(examples: Path)
     assert slow.hysteresis == pytest.approx(0.0, abs=1e-12)
     sprung = load(examples / "sprung_arm.toml")
     even = ("4 bar", "4 bar")
-    run = rollout(sprung, "0 deg", start="20 deg", opening=0.0, brake=0.0, pressures=even, duration="1 s")
+    run = rollout(sprung, start="20 deg", opening=0.0, brake=0.0, pressures=even, duration="1 s")
     assert run["angle"][-1, 0] < np.radians(18.0)
 
 

@@ -183,9 +183,10 @@ class Table(Generic[K]):
         single = mapped(parameters, lambda leaf: leaf if np.ndim(leaf) == 0 else np.ravel(leaf)[0])
         if any(leaf != leaf for leaf in leaves(single)):  # noqa: PLR0124
             raise _misfit(kind, "yields a number that is none (nan)", "give floats in SI units")
-        if self._tried[kind.name] != single:
+        shown = repr(single)  # exact, and comparable whatever numbers it holds
+        if self._tried[kind.name] != shown:
             kind.try_laws(single, *described)
-            self._tried[kind.name] = single
+            self._tried[kind.name] = shown
 
     def is_from_outside(self, kind: K) -> bool:
         """Return whether a kind was registered later than those that are built in."""

@@ -114,7 +114,7 @@ def test_a_machine_is_found_and_predicts_another_run(bench: Path) -> None:
     run = rollout(load(bench / "real.toml"), lambda t: [0.3 * np.sin(4.0 * t)], duration=2.0, start=0.0, seed=7)
     rows = run["voltage"].to_numpy()[:-1]
     angles = {
-        name: rollout(machine, np.zeros_like(rows), duration=2.0, start=0.0, noise=False, voltage=rows)["angle"]
+        name: rollout(machine, duration=2.0, start=0.0, noise=False, voltage=rows)["angle"]
         for name, machine in (
             ("found", found),
             ("before", load("paper-small-joint")),

@@ -6,6 +6,7 @@ from layflat.arrays import Array
 from layflat.machine import Machine
 from layflat.motion.kinematics import Kinematics
 from layflat.motion.path import half_strokes
+from layflat.physics.arms.planar import PlanarArmPart
 
 POSTURES = 200  # at which levers are computed
 MIN_LEVER = 1e-3  # below which a joint does not move the tip, m
@@ -22,4 +23,6 @@ def tip_levers(machine: Machine) -> Array:
 
 def joints_beside_tip(machine: Machine) -> list[str]:
     """Return the names of the joints that do not move the tip, as their axes always pass through it."""
+    if isinstance(machine.arm, PlanarArmPart):  # its links have lengths, and no kernel need be compiled to say so
+        return []
     return [name for name, lever in zip(machine.joints, tip_levers(machine), strict=True) if lever < MIN_LEVER]

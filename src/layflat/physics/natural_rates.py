@@ -40,9 +40,12 @@ def natural_rates(arm: Any, joints: tuple[Joint, ...], around: Surroundings) -> 
 
 
 def _greatest(of_joints: Array, mobilities: Array) -> float:
-    """Return the greatest eigenvalue of M^-1 diag(of_joints), of stacked inverses of M."""
+    """Return the greatest eigenvalue of M^-1 diag(of_joints), of stacked inverses of M; 0 where none is positive.
+
+    A search may ask for links that can't be bodies, whose masses are negative.
+    """
     roots = np.sqrt(of_joints)
-    return float(np.linalg.eigvalsh(roots[:, None] * mobilities * roots)[..., -1].max())
+    return max(0.0, float(np.linalg.eigvalsh(roots[:, None] * mobilities * roots)[..., -1].max()))
 
 
 def _air_stiffness(joint: Joint, around: Surroundings) -> Any:

@@ -72,7 +72,7 @@ def test_a_bare_number_has_the_unit_of_the_field(design: Design, path: str, type
 def test_limits_are_said_in_the_unit_that_is_shown(design: Design) -> None:
     assert field_at(design, "joint.large.hose.wrap").limits == "above 0 to 720 deg"
     assert field_at(design, "joint.large.hose.loss_share").limits == "0 to 1"
-    assert field_at(design, "joint.large.hose.width").limits == "above 0 to 100 m"
+    assert field_at(design, "joint.large.hose.width").limits == "0.001 to 20 m"
     assert field_at(design, "valve.critical_ratio").limits == "0 to below 0.99"
 
 

@@ -28,6 +28,7 @@ def start_recorder(ring: Ring, place: Path, heading: Heading) -> SpawnProcess:
     called NAME.mcap.part until it is finished; OutputError is raised if it can't be written, TakenError if it is there.
     """
     check_place(place)
+    place.parent.mkdir(parents=True, exist_ok=True)
     try:
         os.close(os.open(part_of(place), os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o644))
     except FileExistsError:
