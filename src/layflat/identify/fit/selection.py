@@ -17,6 +17,7 @@ from layflat.identify.fit.search import STARTS, Progress, fit, fit_near, search_
 from layflat.identify.model import Model
 
 SEARCHED = 0.3  # share of the work that is the first search
+MIN_PARTS = 3  # left out in turn, with fewer of which the rest is too little to choose unknowns by
 MIDDLE = 0.5  # share of an interval's half in which the described value is as good as the one found
 
 
@@ -59,7 +60,9 @@ def fit_selected(model: Model, *, starts: int = STARTS, seed: int = 0, progress:
     found = fit(model, starts=starts, seed=seed, progress=lambda share, text: report(SEARCHED * share, text))
     if found.partial:
         return found
-    family = {"all": model, **model.simpler(), **_without_noise(model, found)}
+    family: dict[str, Model] = {"all": model}
+    if len(split_folds(model)) >= MIN_PARTS:
+        family |= {**model.simpler(), **_without_noise(model, found)}
     part = (1.0 - SEARCHED) / len(family)
     fits, scores = dict[str, Fit](), dict[str, CrossValidation]()
     for number, (name, one) in enumerate(family.items()):
