@@ -130,7 +130,7 @@ def test_an_error_of_a_library_is_one_line_that_no_terminal_obeys() -> None:
     except ValueError as error:
         record = logging.LogRecord("nicegui", 40, "x.py", 1, error, None, (type(error), error, error.__traceback__))
     line = one_line(record)
-    assert line.startswith("ValueError: wrong at test_messages.py:")
+    assert line.startswith("ValueError: wrong at test_page_messages.py:")
     assert line.isprintable()
     record = logging.LogRecord("asyncio", 40, "x.py", 1, "Task \x1b failed\nfuture: ...%s", ("a" * 999,), None)
     assert one_line(record) == "Task   failed"
