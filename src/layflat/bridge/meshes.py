@@ -38,7 +38,7 @@ class Meshes:
                 self._names[piece.file] = self._free(piece.file)
 
     def __bool__(self) -> bool:
-        """Whether there are any."""
+        """Return whether there are any."""
         return bool(self._names)
 
     def name(self, file: Path) -> str:

@@ -60,7 +60,7 @@ def main() -> None:
 
 @contextmanager
 def _ending_orderly() -> Iterator[list[int]]:
-    """Let SIGTERM end a command as Ctrl-C does, so that nothing half done stays; yields a list of those that came."""
+    """End a command on SIGTERM as on Ctrl-C, so that nothing half done stays; yield the list of those that came."""
     terminated: list[int] = []
 
     def interrupt(number: int, _frame: object) -> None:
@@ -75,7 +75,7 @@ def _ending_orderly() -> Iterator[list[int]]:
 
 
 def _outputs(words: list[str]) -> AbstractContextManager[None]:
-    """Let nothing be replaced that the command does not own, unless its page asks before."""
+    """Return a context in which nothing is replaced that the command does not own, unless its page asks before."""
     if words and words[0] in ASKING:
         return nullcontext()
     groups = [name for name, place in app.modules.items() if ":" in place]
@@ -99,6 +99,6 @@ def _fail(text: str, status: int = 2) -> NoReturn:
 
 
 def _silence(stream: object) -> None:
-    """Let what is still to be written to a stream that refuses it go nowhere, so that the interpreter ends quietly."""
+    """Discard the rest of a stream that refuses to be written, so that the interpreter ends quietly."""
     with suppress(OSError, ValueError, AttributeError):
         os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())  # type: ignore[attr-defined]

@@ -79,7 +79,7 @@ Seed = Annotated[int, typer.Option(min=0, max=2**32 - 1, help="of the random num
 
 
 def expanded(command: Callable[..., Any]) -> Callable[..., Any]:
-    """Let a command take a dataclass of options: typer sees an option for each of its fields."""
+    """Wrap a command that takes a dataclass of options: typer sees an option for each of its fields."""
     own = signature(command, eval_str=True).parameters
     name = next(key for key, one in own.items() if is_dataclass(one.annotation))
     options: Any = own[name].annotation
@@ -136,7 +136,7 @@ def known_joint(machine: "Machine", joint: str) -> str:
 
 @contextmanager
 def naming_options(options: Mapping[str, str]) -> Iterator[None]:
-    """Let an error name the option that the user gave, which stands in `options` by the argument that it became."""
+    """Name in errors the option that the user gave, which stands in `options` by the argument that it became."""
     try:
         yield
     except InputError as error:

@@ -1,4 +1,4 @@
-"""What commands that pack share: a calibration, a run, and what is printed and written of it."""
+"""Parts that commands which pack share: a calibration, a run, and what is printed and written of it."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -25,7 +25,7 @@ RESULTS, CALIBRATION, SHEET = "results.json", "calibration.toml", "sheet.png"
 
 @dataclass(frozen=True)
 class Asked:
-    """What a run of a cell is asked for."""
+    """Request of a run of a cell."""
 
     cell: "Cell"
     seed: int

@@ -1,4 +1,4 @@
-"""What `layflat pack --watch` does: a run, and a page in the browser that shows it."""
+"""Work of `layflat pack --watch`: a run, and a page in the browser that shows it."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING

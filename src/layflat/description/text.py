@@ -77,14 +77,7 @@ def read_text(path: Path, where: str, right: str, kind: type[InputError] = Input
 def read_bytes(
     path: Path, where: str, right: str, kind: type[InputError] = InputError, most: int = MOST_BYTES
 ) -> bytes:
-    """Return the bytes of a file.
-
-    Args:
-        path: of the file.
-        where: how it is named in messages.
-        right: what to give in place of a file that can't be read.
-        kind: of error.
-        most: bytes that it may have.
+    """Return the bytes of a file; arguments as of `read_text`.
 
     Raises:
         InputError: of class `kind`: it can't be read, or is too large.

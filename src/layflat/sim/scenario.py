@@ -84,7 +84,7 @@ class Scenario:
 
     @property
     def asks_for_angles(self) -> bool:
-        """Whether a demand is given, not the default or a table that names no joint."""
+        """True where a demand is given, not the default or a table that names no joint."""
         none = isinstance(self.demand, (int, float)) and self.demand == 0
         return not (none or (isinstance(self.demand, Mapping) and not self.demand))
 

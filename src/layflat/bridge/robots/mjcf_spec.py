@@ -18,7 +18,7 @@ ADVICE = {
     "opening file": "put the file there, or leave meshes out: --no-meshes",
     "inertia from mesh": "give the body an inertial: without its mesh nobody knows its mass",
 }
-"""What would be right, by a part of what MuJoCo says."""
+"""Advice by a part of MuJoCo's message."""
 
 
 def compile_mjcf(mj: Any, file: Path, text: str, *, meshes: bool) -> tuple[Any, Any, list[str]]:

@@ -16,7 +16,7 @@ HINGE, FIXED, SLIDE = "hinge", "fixed", "prismatic"
 
 
 class Pose(NamedTuple):
-    """Where a frame lies in another one."""
+    """Position and orientation of a frame in another one."""
 
     axes: Array  # columns: its axes, (3, 3)
     place: Array  # of its origin, m, (3,)
@@ -55,7 +55,7 @@ class Inertial(NamedTuple):
 
 @dataclass(frozen=True)
 class Look:
-    """Something that a body is drawn by; sizes as in a description's shapes, m."""
+    """Shape by which a body is drawn; sizes as in a description's shapes, m."""
 
     kind: str
     pose: Pose  # in the body's frame

@@ -1,4 +1,4 @@
-"""How far joints of hose turn in place of a robot's own."""
+"""Strokes of joints of hose that take the place of a robot's own."""
 
 from collections.abc import Mapping
 from math import degrees

@@ -41,7 +41,7 @@ AMBIGUOUS = {
     "cycles": "turn or 1",
 }  # degrees in German, a hundredth of a right angle in English
 DATES = {"hh:mm:ss", "h:m:s", "hh:mm:ss.fff", "hh:mm:ss.000", "utc", "ts", "datetime", "date", "dd.mm.yyyy"}
-"""What stands in place of a unit above dates and clock times."""
+"""Words that stand in place of a unit above dates and clock times."""
 
 _EXACT = {"mPa": "mPa", "Grad": "deg", "MN": "MN"}  # which in small letters would be another unit
 SHORT_NAME = 4  # letters

@@ -22,7 +22,7 @@ BANDS = ((0, 4, 0.15), (1, 3, 0.3))
 
 @dataclass(frozen=True)
 class Content:
-    """What a report is about; it travels to the process that writes it."""
+    """Content of a report; it travels to the process that writes it."""
 
     design: Design
     step: Step

@@ -58,7 +58,7 @@ class Identity(NamedTuple):
         return cls._make((MAGIC, VERSION, joints, *bits, *voltages, flags, *map(round, times)))
 
     def words(self) -> list[int]:
-        """As it goes over the wire; negative numbers are those of two's complement.
+        """Return the number as it goes over the wire; negative ones are those of two's complement.
 
         Raise WireError if a number does not fit into a word, which would go out as another.
         """
