@@ -1,5 +1,6 @@
 """Logs as devices and spreadsheets write them, each against what it truly holds."""
 
+import gzip
 from pathlib import Path
 
 import numpy as np
@@ -177,3 +178,28 @@ def test_a_clock_that_never_falls_goes_before_one_that_does(tmp_path: Path) -> N
     milliseconds = ticks(25.0, COUNT) % 1000.0
     _, _, time = guessed(tmp_path, "Date&Time,ms,angle_deg", seconds, milliseconds, DEGREES)
     assert time - time[0] == pytest.approx(2.5 * TIME)
+
+
+@pytest.mark.parametrize(
+    ("content", "advice"),
+    [
+        (gzip.compress(b"t,a\n0,1\n"), "is compressed by gzip; unpack it first"),
+        (b"PK\x03\x04" + bytes(40), "save its sheet as CSV"),
+        (b'{"time": 0.0, "angle": 1.0}\n{"time": 0.1, "angle": 1.0}\n', "holds JSON; write it as CSV"),
+        (b'[{"time": 0.0, "angle": 1.0}]', "holds JSON; write it as CSV"),
+        (b"<!DOCTYPE html>\n<table></table>", "holds a page of HTML; write its table as CSV"),
+        (b"\n<?xml version='1.0'?><log/>", "holds XML; write its table as CSV"),
+    ],
+)
+def test_files_without_a_table_say_what_would_do(content: bytes, advice: str, tmp_path: Path) -> None:
+    path = tmp_path / "log.csv"
+    path.write_bytes(content)
+    with pytest.raises(InputError, match=advice):
+        read_table(path)
+
+
+@pytest.mark.parametrize("order", ["reversed", "shuffled"])
+def test_rows_out_of_order_are_to_be_ordered(order: str, tmp_path: Path) -> None:
+    rows = np.arange(COUNT)[::-1] if order == "reversed" else np.random.default_rng(0).permutation(COUNT)
+    with pytest.raises(InputError, match="order the rows by it"):
+        guessed(tmp_path, "time [s],angle [deg]", TIME[rows], DEGREES[rows])

@@ -106,7 +106,8 @@ def choose_clock(table: Table) -> ClockChoice:
     scores = {name: score for name, column in table.columns.items() if (score := _score(column)) is not None}
     named = {name: score for name, score in scores.items() if score[0] >= 1.0} or scores
     if not named:
-        raise InputError(f"no column rises as a clock does{_why_not(table)}", where=str(table.path), right=RIGHT)
+        why, right = _why_not(table)
+        raise InputError(f"no column rises as a clock does{why}", where=str(table.path), right=right)
     chosen = max(named, key=lambda name: named[name][0])
     unit, why = _unit(table.columns[chosen])
     said = "".join(f"; {note}" for note in table.columns[chosen].notes)
@@ -175,18 +176,20 @@ def _unit(column: Column) -> tuple[str, str]:
     return unit, f"unit by its steps of {step:.4g}: check it"
 
 
-def _why_not(table: Table) -> str:
-    """Return what keeps columns that sound like a clock from being one."""
+def _why_not(table: Table) -> tuple[str, str]:
+    """Return the reason that keeps a column that sounds like a clock from being one, and what would do."""
     for name, why in table.words.items():
         if "clock" in meanings(words_of(name)):
-            return f": column {name!r} {why}"
+            return f": column {name!r} {why}", RIGHT
     for name, column in table.columns.items():
         if "clock" in meanings(words_of(column.header.stem)):
             unit = column.header.unit or column.header.unknown
             falls = np.flatnonzero(np.diff(column.values[np.isfinite(column.values)]) < 0.0)
             if unit and kind_of_unit(unit) != TIME:
-                return f': the unit {unit!r} of column {name!r} is not one of time; a mapping may say unit = "0.1 ms"'
+                why = f': the unit {unit!r} of column {name!r} is not one of time; a mapping may say unit = "0.1 ms"'
+                return why, RIGHT
             if falls.size:
-                return f": column {name!r} falls {falls.size} times, first at sample {falls[0] + 2}"
+                why = f": column {name!r} falls {falls.size} times, first at sample {falls[0] + 2}"
+                return why, f"order the rows by it if they are out of order, or {RIGHT}"
     counted = next((name for name, column in table.columns.items() if _counts(column.values)), None)
-    return f": column {counted!r} counts samples" if counted is not None else ""
+    return f": column {counted!r} counts samples" if counted is not None else "", RIGHT

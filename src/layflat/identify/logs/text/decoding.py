@@ -18,6 +18,17 @@ _BLOCK = 1 << 20  # bytes read at once
 _HEAD = 4096  # bytes in which an encoding may be declared
 _CONTROLS = bytes(set(range(32)) - set(b"\t\n\r\f\v\x1a\x1b"))
 WINDOWS = "cp1252"
+FOREIGN = (
+    (b"\x1f\x8b", "is compressed by gzip", "unpack it first: gunzip"),
+    (b"pk\x03\x04", "is a workbook of a spreadsheet, or an archive", "save its sheet as CSV, or unpack it"),
+    (b"\xd0\xcf\x11\xe0", "is a workbook of an old spreadsheet", "save its sheet as CSV"),
+    (b'{"', "holds JSON", "write it as CSV: a header, and a row a sample"),
+    (b"[{", "holds JSON", "write it as CSV: a header, and a row a sample"),
+    (b"<html", "holds a page of HTML", "write its table as CSV"),
+    (b"<!doctype", "holds a page of HTML", "write its table as CSV"),
+    (b"<?xml", "holds XML", "write its table as CSV"),
+)
+"""Beginnings of files that hold no table of text, in small letters, with the message and the advice."""
 RIGHT = "give a table of text, or a file that ends in .parquet, .nc or .mcap"
 
 
@@ -25,10 +36,13 @@ def encoding_of(path: Path) -> tuple[str, str]:
     """Return the encoding of a text file, and a note where it had to be guessed.
 
     Raises:
-        InputError: it is not a text file.
+        InputError: it is not a text file, or one that holds no table.
     """
     with path.open("rb") as file:
         head = file.read(_HEAD)
+        for begins, what, right in FOREIGN:
+            if head.lstrip().lower().startswith(begins):
+                raise InputError(what, where=str(path), right=right)
         marked = next((name for mark, name in _MARKS if head.startswith(mark)), "") or _without_mark(head)
         if not marked and sum(byte in _CONTROLS for byte in head) > GARBAGE * len(head):
             raise InputError("is not a text file", where=str(path), right=RIGHT)
