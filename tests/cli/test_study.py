@@ -53,7 +53,8 @@ def test_a_study_its_summary_and_a_change(folder: Path) -> None:
     changed = layflat("study", "study.toml", "--out", "out", cwd=folder)
     assert changed.returncode == 2
     assert changed.stderr.splitlines() == [
-        "layflat: out: holds a study that differs from this one; give another folder, or the study as it was",
+        "layflat: out: holds a study that differs from this one;"
+        " give another folder, the study as it was, or --force to replace it",
         "  study.vary.joint.small.brake.torque.high: 4.0 N*m -> 3.0 N*m",
     ]
 

@@ -74,12 +74,14 @@ def test_a_page_is_served_until_it_is_stopped() -> None:
         [*LAYFLAT, "view", "paper-arm", "--port", "0"], stdout=subprocess.PIPE, text=True, env=environment
     ) as page:
         assert page.stdout is not None
-        line = page.stdout.readline()
-        address = line.removeprefix("paper-arm at ").partition(";")[0]
-        with urlopen(address, timeout=20) as answer:
-            assert answer.status == 200
-        page.send_signal(signal.SIGINT)
-        assert page.wait(20) == 0
+        try:
+            assert page.stdout.readline() == "paper-arm is at the link below; Ctrl-C ends it\n"
+            with urlopen(page.stdout.readline().strip(), timeout=20) as answer:
+                assert answer.status == 200
+            page.send_signal(signal.SIGINT)
+            assert page.wait(20) == 0
+        finally:
+            page.kill()
         assert page.stdout.read() == ""
 
 
