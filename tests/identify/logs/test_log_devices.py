@@ -183,7 +183,7 @@ def test_a_clock_that_never_falls_goes_before_one_that_does(tmp_path: Path) -> N
 @pytest.mark.parametrize(
     ("content", "advice"),
     [
-        (gzip.compress(b"t,a\n0,1\n"), "is compressed by gzip; unpack it first"),
+        (gzip.compress(b"t,a\n0,1\n", mtime=0), "is compressed by gzip; unpack it first"),
         (b"PK\x03\x04" + bytes(40), "save its sheet as CSV"),
         (b'{"time": 0.0, "angle": 1.0}\n{"time": 0.1, "angle": 1.0}\n', "holds JSON; write it as CSV"),
         (b'[{"time": 0.0, "angle": 1.0}]', "holds JSON; write it as CSV"),
