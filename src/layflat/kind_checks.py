@@ -11,9 +11,9 @@ from typing import Any
 
 import numpy as np
 
-from layflat.errors import KindError, LayflatError
+from layflat.errors import KindError
 from layflat.jit import Law
-from layflat.jit.outside import FAILURES, first_line, place_in_kinds
+from layflat.jit.outside import NO_FAILURES, first_line, place_in_kinds
 
 
 class MisfitError(Exception):
@@ -114,9 +114,9 @@ def naming_law(kind: str, entry: str, law: Callable[..., Any], when: str = "") -
         yield
     except MisfitError as error:
         raise KindError(f"`{entry}` of {kind} returns a wrong result{when}: {error}", where=place_of(law)) from None
-    except LayflatError:
+    except NO_FAILURES:
         raise
-    except FAILURES as error:
+    except BaseException as error:
         if _is_compiled_otherwise(law, error):
             raise
         what = f"`{entry}` of {kind} fails{when}: {first_line(error)}"

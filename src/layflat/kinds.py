@@ -94,6 +94,13 @@ class Kind:
         """
         return
 
+    def guarded(self) -> "Kind":
+        """Return the kind with laws that return not a number, which ends a run, where they return what they may not.
+
+        It is asked of kinds from outside alone, since the laws of the package return what they should.
+        """
+        return self
+
     def entries(self) -> Mapping[type, Any]:
         """What holds the laws, by class of the parameters."""
         return dict.fromkeys(self.parameter_types, self)
@@ -146,8 +153,12 @@ class Table(Generic[K]):
             self._tried[kind.name] = None
         Table.registered += 1
         for find, laws in self._choices.items():
-            laws.update({cls: find(entry) for cls, entry in kind.entries().items()})
+            laws.update({cls: find(entry) for cls, entry in self._entries(kind)})
         return kind
+
+    def _entries(self, kind: K) -> Iterable[tuple[type, Any]]:
+        """Return what holds the laws that are run, by class of the parameters."""
+        return (kind.guarded() if self.is_from_outside(kind) else kind).entries().items()
 
     def named(self, name: object) -> K:
         """The kind of a name; raise KindError if there is none; names the known ones and the nearest."""
@@ -209,7 +220,7 @@ class Table(Generic[K]):
             find: name of the law in a kind, or what yields it from what holds a kind's laws.
         """
         finder: Callable[[Any], Any] = (lambda entry: getattr(entry, find)) if isinstance(find, str) else find
-        laws = {cls: finder(entry) for kind in self for cls, entry in kind.entries().items()}
+        laws = {cls: finder(entry) for kind in self for cls, entry in self._entries(kind)}
         self._choices[finder] = laws
         return by_kind(laws)
 

@@ -3,7 +3,9 @@
 from dataclasses import dataclass
 from typing import Annotated
 
+import pytest
 import typer
+from commands import refused
 from typer.testing import CliRunner
 
 from layflat.cli.app import expanded
@@ -38,3 +40,21 @@ def test_a_group_of_options_stands_among_the_others() -> None:
     text = CliRunner().invoke(command(), ["--help"]).output
     assert "Paint it." in text
     assert text.index("--size") < text.index("--colour") < text.index("--quick")
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ("simulate paper-arm --duration 1s --duration 2s", "'--duration': is given twice; give it once"),
+        ("simulate paper-arm -o one --out two", "'--out' / '-o': is given twice"),
+        ("rig run paper-arm --driver simulated --driver=serial://x", "'--driver': is given twice"),
+        ("arm import arm.urdf --name one --name two", "'--name': is given twice"),
+        ("log map log.csv -o one -o two", "is given twice"),
+        ("simulate paper-arm --out=", "is empty; leave it out, or give a value"),
+        ("loop paper-arm --joint=", "'--joint': is empty"),
+        ("simulate paper-arm --move=", "'--move': is empty"),
+        ("rig run paper-arm --driver=", "'--driver': is empty"),
+    ],
+)
+def test_an_option_that_has_one_value_is_given_once_and_not_empty(words: str, said: str) -> None:
+    assert said in refused(*words.split())

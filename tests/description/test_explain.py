@@ -115,6 +115,8 @@ CASES: list[tuple[dict[str, Any], str]] = [
     ),
     ({"plain": {"kind": "oval"}}, "f.toml: plain.kind: 'oval' is not a known kind; known kinds are"),
     ({"plain": {"radius": "1 m"}}, "f.toml: plain.kind: is missing"),
+    ({"plain": 3}, "f.toml: plain: 3 is not a table"),
+    ({"plain": [{"kind": "round"}]}, "f.toml: plain: [{'kind': 'round'}] is not a table"),
     ({"plain": {"kind": "round", "radius": 3}}, "f.toml: plain.radius: 3 is a bare number"),
     ({"maybe": {"radius": "-1 m"}}, "f.toml: maybe.radius: '-1 m' is out of range; give more than 0"),
     ({"maybe": 3}, "f.toml: maybe: 3 is not a table"),

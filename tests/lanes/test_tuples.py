@@ -1,9 +1,10 @@
 from typing import Any, NamedTuple
 
 import numpy as np
+import pytest
 
 from layflat.jit import by_kind, composition, kernel, law
-from layflat.lanes import Lanes, each, gather, slots
+from layflat.lanes import Lanes, each, gather, slots, zero_if_finite
 
 
 class Share(NamedTuple):
@@ -62,3 +63,18 @@ def test_items_may_be_lanes() -> None:
     after, product = each(both, (Share(Lanes((1.0, 2.0))),), (Lanes((3.0, 4.0)),))  # type: ignore[arg-type]
     assert after == (Share(Lanes((4.0, 6.0))),)  # type: ignore[arg-type]
     assert product == (Lanes((3.0, 8.0)),)
+
+
+@kernel
+def flaw(shares: Any, number: float) -> Any:
+    return zero_if_finite((shares, (number, number)))
+
+
+@pytest.mark.parametrize("number", [0.0, -1e308, np.inf, -np.inf, np.nan])
+def test_one_number_that_is_not_finite_is_found_wherever_it_stands(number: float) -> None:
+    good = (Share(0.5), Share(1e308))
+    for shares, last in ((good, number), ((Share(0.5), Share(number)), 1.0), ((Share(number), Share(0.5)), 1.0)):
+        expected = 0.0 if np.isfinite(number) else np.nan
+        assert np.array_equal(flaw(shares, last), expected, equal_nan=True)
+        assert np.array_equal(zero_if_finite((shares, (last, last))), expected, equal_nan=True)
+    assert np.array_equal(zero_if_finite((Lanes((1.0, number)), Lanes((2.0, 3.0)))), (0.0, expected), equal_nan=True)

@@ -80,6 +80,25 @@ def test_arrays_go_by_their_dimensions() -> None:
     assert np.all(rows(whole) == 0.0)
 
 
+def with_units(table: Any, units: Any, key: str = "units") -> Any:
+    table.attrs[key] = units
+    return table
+
+
+@pytest.mark.parametrize("name", ["t_ms", "time [ms]", "time (ms)", "ms"])
+def test_times_are_in_the_unit_that_the_index_names(name: str) -> None:
+    given = frame(pandas.Index([0.0, 500.0], name=name))
+    assert np.array_equal(rows(given), rows(frame((0.0, 0.5))))
+    assert np.array_equal(rows(frame(pandas.Index([0.0, 0.5], name="time"))), rows(frame((0.0, 0.5))))
+
+
+@pytest.mark.parametrize("key", ["units", "unit", "Units", "UNIT"])
+def test_a_unit_counts_however_its_attribute_is_spelt(key: str) -> None:
+    degrees = frame(large=[10.0, 20.0], small=[0.0, 0.0])
+    radians = frame(large=np.radians([10.0, 20.0]), small=[0.0, 0.0])
+    assert np.allclose(rows(with_units(degrees, "deg", key)), rows(radians), rtol=1e-15)
+
+
 @pytest.mark.parametrize(
     ("signal", "expected"),
     [
@@ -108,6 +127,11 @@ def test_arrays_go_by_their_dimensions() -> None:
         (xarray.DataArray([0.1, 0.2], dims="time"), "has no coordinate 'time'"),
         (xarray.DataArray([[0.1, 0.2]], {"time": [0.0]}, ("time", "joint")), "has no coordinate 'joint'"),
         (array([[0.1, 0.2], [0.3, 0.4]], units="bar"), "'1 bar' is not an angle"),
+        (array([[0.1, 0.2], [0.3, 0.4]], Unit="bar"), "'1 bar' is not an angle"),
+        (array([[0.1, 0.2], [0.3, 0.4]], unit="deg", units="rad"), "has attributes unit and units; give one: units"),
+        (with_units(frame(), {"lareg": "deg"}), "unknown joint 'lareg'"),
+        (frame(pandas.Index([0.0, 0.5], name="t [m]")), "'1 m' is not a time"),
+        (frame(pandas.to_datetime(["2024-01-01", "2024-01-02"]).tz_localize("UTC")), "has dates as times"),
     ],
 )
 def test_tables_that_are_no_signals_are_named(signal: Any, expected: str) -> None:

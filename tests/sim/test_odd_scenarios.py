@@ -1,5 +1,6 @@
 """Any value in any field of a scenario gives a run that is right, or one line that says what is wrong."""
 
+import sys
 from dataclasses import fields
 from decimal import Decimal
 from fractions import Fraction
@@ -75,6 +76,23 @@ def test_any_value_gives_a_run_or_one_line(name: str, value: Any) -> None:
 
 
 @pytest.mark.parametrize("name", NAMES)
-@pytest.mark.parametrize("value", [True, 1j, b"1", "", "nan", float("inf"), object(), [], [[]], {}, np.array([])])
+@pytest.mark.parametrize(
+    "value",
+    [
+        True,
+        1j,
+        b"1",
+        "",
+        "nan",
+        float("inf"),
+        object(),
+        [],
+        [[]],
+        {},
+        np.array([]),
+        np.timedelta64(1, "s"),
+        lambda time: sys.exit(str(time)),
+    ],
+)
 def test_the_same_odd_values_in_every_field(name: str, value: Any) -> None:
     test_any_value_gives_a_run_or_one_line.hypothesis.inner_test(name, value)  # type: ignore[attr-defined]

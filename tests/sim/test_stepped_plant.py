@@ -1,4 +1,5 @@
 from math import exp
+from typing import Any
 
 import numpy as np
 import pytest
@@ -206,3 +207,33 @@ def test_wrong_options(options: dict[str, str], expected: str) -> None:
 def test_a_rig_without_valves_is_refused() -> None:
     with pytest.raises(InputError, match="has no valve or sensors"):
         SteppedPlant(load("rig-kevlar"))
+
+
+@pytest.mark.parametrize("wrong", [None, "x", 1j, True, b"1", [1.0, 2.0, 3.0], float("nan"), float("inf"), {"x": 1}])
+def test_what_moves_a_plant_is_checked(wrong: Any) -> None:
+    plant = SteppedPlant("paper-arm-fast", noise=False)
+    for move in (
+        plant.drive,
+        plant.advance,
+        lambda value: plant.grip(0, value),
+        lambda value: plant.grip(value, 1.0),
+        lambda value: setattr(plant, "payload", value),
+    ):
+        with pytest.raises(InputError) as caught:
+            move(wrong)
+        assert "\n" not in str(caught.value)
+    plant.advance(0.1)
+    assert np.isfinite(plant.angles).all()
+    assert plant.payload == load("paper-arm-fast").arm.payload
+
+
+def test_what_no_plant_can_do_is_refused() -> None:
+    plant = SteppedPlant(ARM, noise=False)
+    with pytest.raises(InputError, match="until: 1e\\+09 s is too far away"):
+        plant.advance(1e9)
+    with pytest.raises(InputError, match="joint: 2 is out of range; give 0 to 1"):
+        plant.grip(2, 1.0)
+    with pytest.raises(InputError, match="payload: -1 kg is out of range"):
+        plant.payload = -1.0
+    plant.payload = "2 kg"
+    assert plant.payload == 2.0

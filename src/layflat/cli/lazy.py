@@ -54,14 +54,50 @@ class LazyTyper(typer.Typer):
         place, _, group = self.modules[name].partition(":")
         module = import_module(f"layflat.cli.{place}")
         if group:
-            return get_command(getattr(module, group))
+            several = get_command(getattr(module, group))
+            for command in filter(None, several.commands.values()):  # type: ignore[attr-defined]  # none of a lazy group
+                refuse_unclear(command)
+            return several
         single = typer.Typer(add_completion=False, rich_markup_mode=None)
         single.registered_commands = [
             info
             for info in self.registered_commands
             if info.callback is not None and name == (info.name or get_command_name(info.callback.__name__))
         ]
-        return with_force(get_command(single)) if name not in ASKING else get_command(single)
+        return refuse_unclear(with_force(get_command(single)) if name not in ASKING else get_command(single))
+
+
+def refuse_unclear(command: Any) -> Any:
+    """Let a command refuse an option that is given twice and has one value, and one that is given empty.
+
+    The last would win without a word, and an empty value, such as a script's variable that is not set, would be as
+    none, or the folder in which the command runs.
+    """
+    make_parser = command.make_parser
+
+    def made(context: Any) -> Any:
+        parser = make_parser(context)
+        parse = parser.parse_args
+
+        def parsed(args: list[str]) -> Any:
+            found = parse(args=args)
+            seen: set[str] = set()
+            for parameter in found[2]:
+                single = parameter.param_type_name == "option" and not (parameter.multiple or parameter.is_flag)
+                if single and parameter.name in seen:
+                    raise typer.BadParameter("is given twice; give it once", ctx=context, param=parameter)
+                given = found[0].get(parameter.name)
+                if parameter.param_type_name == "option" and "" in (given if parameter.multiple else [given]):
+                    right = "is empty; leave it out, or give a value"
+                    raise typer.BadParameter(right, ctx=context, param=parameter)
+                seen.add(parameter.name)
+            return found
+
+        parser.parse_args = parsed
+        return parser
+
+    command.make_parser = made
+    return command
 
 
 def with_force(command: Any) -> Any:

@@ -45,6 +45,9 @@ def check_step(result: Any, memory: Any, joints: int, report: type) -> None:
     check_items(command.shares, joints, "`shares`")
     for one in command.shares:
         check_record(one, Shares, "an item of `shares`")
+        for name, share in one._asdict().items():
+            if not 0.0 <= share <= 1.0:
+                raise MisfitError(f"{name} of an item of `shares` is {share:g}, not a share from 0 to 1")
     check_items(reports, joints, "the report")
     for one in reports:
         check_record(one, report, "an item of the report")

@@ -1,13 +1,14 @@
 """What a kind of control law has to offer: what it is given of the arm in a control cycle, and what it commands."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from pydantic import BaseModel
 
 from layflat.control import checks
 from layflat.control.contract import Command
+from layflat.control.guard import guard_step
 from layflat.control.plain import CycleClock, PlainStep, PlainWake
 from layflat.description import units as u
 from layflat.errors import KindError
@@ -91,6 +92,13 @@ class ControlKind(Kind):
             object.__setattr__(self, "wake", PlainWake(self.name, self.wake, clock))
         if not isinstance(self.step, Law | PlainStep):
             object.__setattr__(self, "step", PlainStep(self.name, self.step, self.report, clock))
+
+    def guarded(self) -> "ControlKind":
+        """Return the kind with voltages that are not numbers where its law returns what it may not.
+
+        A law in plain Python is checked itself.
+        """
+        return replace(self, step=guard_step(self.step)) if self.compiled else self
 
     def try_laws(self, parameters: Any, *described: Any) -> None:
         """Try the law at rest: see `layflat.control.checks.try_law`."""

@@ -1,10 +1,12 @@
 """Control laws in plain Python: what they return is checked in every cycle, since nothing compiles it."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from typing import Any
 
 from layflat.control.checks import check_memory, check_step
+from layflat.control.contract import Demand, Sensed
+from layflat.errors import KindError
 from layflat.kind_checks import naming_law
 
 
@@ -48,3 +50,29 @@ class PlainStep:
             check_step(result, memory, len(sensed.angle), self.report)
         self.clock.time += elapsed
         return result
+
+
+def find_flaw(kind: Any, settings: Any, cycles: Iterable[tuple[Sensed, Demand]], cycle: float) -> str:
+    """Return what is wrong with what a law returned in a run, found by repeating its cycles in plain Python.
+
+    Args:
+        kind: the `ControlKind`.
+        settings: of its law.
+        cycles: what it was given in each cycle, from the first on.
+        cycle: length of one, s.
+
+    Returns:
+        Kind, file, line, time and value; empty where nothing is wrong in these cycles.
+    """
+    clock = CycleClock()
+    wake, step = PlainWake(kind.name, kind.wake, clock), PlainStep(kind.name, kind.step, kind.report, clock)
+    memory = None
+    try:
+        for sensed, demand in cycles:
+            memory = wake(settings, sensed) if memory is None else memory
+            memory, _, _ = step(settings, memory, sensed, demand, cycle)
+    except KindError as error:
+        return str(error)
+    except (ArithmeticError, ValueError):  # of plain Python alone: compiled, 1/0 is infinite and may be left out
+        return ""
+    return ""

@@ -67,6 +67,8 @@ def _said(error: ErrorDetails, place: Place, complete: str) -> tuple[Steps, str,
         return steps, context["what"] if context["named"] else f"{shown(value)} {context['what']}", context["right"]
     if kind == "missing" and steps and isinstance(steps[-1], int):
         return steps[:-1], "has too few values", f"give {place.size}" if place.size else "give more"
+    if kind.startswith("union_tag") and not isinstance(value, (dict, BaseModel)):
+        return steps, *_plain("dict_type", value, context, place)
     if kind.startswith("union_tag"):
         return (*steps, "kind"), *_kind(value, context)
     if kind in {"value_error", "assertion_error"}:

@@ -25,6 +25,8 @@ _TOKEN = re.compile(
 )
 _RAISED = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻⁺", "0123456789-+")
 
+THOUSANDS = 3  # digits behind a comma that may stand between thousands
+
 LONGEST = 100  # characters of a quantity; more is not a quantity
 
 GREATEST_EXPONENT = 9
@@ -51,8 +53,11 @@ def split(text: str) -> tuple[float, str]:
         return float(found[1]), found[2]
     comma = _COMMA.fullmatch(text)
     if comma:
-        point = f"{comma[1]}.{comma[2]} {comma[3]}".strip()
-        raise QuantityError("has a comma in its number", f'write "{point}"')
+        number, unit = f"{comma[1]}.{comma[2]}", f" {comma[3]}".rstrip()
+        right = f'write "{number}{unit}"'
+        if len(comma[2]) == THOUSANDS:
+            right += f', or "{comma[1]}{comma[2]}{unit}" if it stands between thousands'
+        raise QuantityError("has a comma in its number", right)
     word, _, unit = text.strip().partition(" ")
     if word.lower().lstrip("+-") in {"nan", "inf", "infinity"}:
         return float(word), unit

@@ -1,6 +1,7 @@
 """A kind of quantity: text with a unit outside, an SI float inside, and the range in which it makes sense."""
 
 import math
+import re
 from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -80,6 +81,7 @@ class Quantity:
             number, unit = split(value)
             source = dict(unit_of(unit))
         except UnknownUnitError:
+            self._refuse_reference(value)
             raise QuantityError(f"is not a number with a unit of {self.name}", self._nearest(value, unit)) from None
         except QuantityError as error:
             raise QuantityError(error.what, error.right or self.right) from None
@@ -88,6 +90,7 @@ class Quantity:
         if not math.isfinite(number):
             raise QuantityError("is not finite", self.right)
         if not self._measures(source):
+            self._refuse_reference(value)
             raise QuantityError(f"is not {self.article}", self._nearest(value, unit))
         return self._converted(number, source)
 
@@ -122,6 +125,14 @@ class Quantity:
         else:
             number = float(registry().Quantity(value, _pint(source)).to(_pint(target)).magnitude)
         return f"{number:.{digits}g} {unit}"
+
+    def _refuse_reference(self, text: str) -> None:
+        """Raise QuantityError if a pressure says in its unit against what it counts, which is not for it to say."""
+        found = REFERENCE.fullmatch(text.strip()) if self.unit == "Pa" else None
+        if found is not None:
+            what = "is a gauge pressure" if found["gauge"] else "is an absolute pressure"
+            right = f'write "{found["plain"]}" only if that is meant here: names tell which pressures are gauge'
+            raise QuantityError(what, right)
 
     def _nearest(self, text: str, unit: str) -> str:
         """What to say of a text with a unit that is none of this kind."""
@@ -174,6 +185,12 @@ class Quantity:
             "examples": [self.example],
             "pattern": r"^\s*[-+.\d].*[^\d\s.].*$",
         }
+
+
+REFERENCE = re.compile(
+    r"(?P<plain>.*?(?:[Pp][Aa]|[Bb][Aa][Rr]|psi|at|atm))\s*\(?(?:(?P<gauge>g|ga|gauge|ü)|(?P<absolute>a|abs|absolute))\.?\)?"
+)
+"""A pressure whose unit says against what it counts: "4 barg", "60 psi(a)", "5 bar abs"."""
 
 
 def _roots(product: Product) -> Product:

@@ -32,6 +32,9 @@ def parsed(text: str, where: str, example: str) -> Plain:
     except tomllib.TOMLDecodeError as error:
         what, right = _explained(str(error), text)
         raise InputError(what, where=where, right=right or f"values look like {example}") from None
+    except ValueError:  # a whole number of thousands of digits, or a date that is none
+        right = "numbers have up to 15 digits, dates are such as 2026-01-31"
+        raise InputError("holds a number or a date that can't be", where=where, right=right) from None
     except RecursionError:
         raise InputError(TOO_DEEP[0], where=where, right=TOO_DEEP[1]) from None
     if _too_deep(plain):

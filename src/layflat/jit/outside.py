@@ -25,7 +25,7 @@ NO_CAUSE = re.compile(
 
 RAISED = re.compile(r"\s*Raised from .*")  # the place, which stands before
 
-FAILURES = (Exception, SystemExit, GeneratorExit)  # in code of a user; Ctrl-C is none
+NO_FAILURES = (LayflatError, KeyboardInterrupt)  # in code of a user: all else that is raised there is one
 
 COLOUR = re.compile(r"\x1b\[[0-9;]*m")
 
@@ -91,9 +91,9 @@ def blame_outside(running: Path | None = None) -> Iterator[None]:
         if place is None or any(str(path) in error.where for path in _loaded):
             raise
         raise KindError(error.what, where=f"{place}: {error.where}".removesuffix(": "), right=error.right) from None
-    except LayflatError:
+    except NO_FAILURES:
         raise
-    except FAILURES as error:
+    except BaseException as error:
         place = place_in_kinds(error) or (str(running) if running is not None else None)
         if place is None:
             raise

@@ -316,6 +316,12 @@ def total(numbers: tuple[Any, ...]) -> Any:
     return first
 
 
+def zero_if_finite(value: Any) -> Any:
+    """Return zero if all numbers of a nested tuple are finite, else not a number; of lanes for each lane."""
+    numbers = list(leaves(value))
+    return total(tuple(number - number for number in numbers))
+
+
 def each(law: Callable[..., Any], *args: Any) -> Any:
     """A law called with the first items of some tuples, with the second ones and so on: the tuple of what it returns.
 

@@ -12,7 +12,7 @@ from numba.core.typing import signature
 from numba.core.typing.templates import AbstractTemplate, infer_global
 from numba.np.arrayobj import make_array
 
-from layflat.lanes import each, gather, total
+from layflat.lanes import each, gather, total, zero_if_finite
 from layflat.lanes.slotting import SlotsType
 
 
@@ -52,6 +52,31 @@ class _Total(AbstractTemplate):
 @lower_builtin(total, types.BaseTuple)
 def _total(context: Any, builder: Any, sig: Any, args: Any) -> Any:  # noqa: ARG001
     return reduce(builder.fadd, cgutils.unpack_tuple(builder, args[0]))
+
+
+@infer_global(zero_if_finite)
+class _ZeroIfFinite(AbstractTemplate):
+    key = zero_if_finite
+
+    def generic(self, args: Any, kws: Any) -> Any:  # noqa: ARG002
+        return signature(_first_leaf(args[0]), args[0])
+
+
+@lower_builtin(zero_if_finite, types.BaseTuple)
+def _zero_if_finite(context: Any, builder: Any, sig: Any, args: Any) -> Any:  # noqa: ARG001
+    leaves = _leaves(builder, sig.args[0], args[0])
+    return reduce(builder.fadd, [builder.fsub(leaf, leaf) for leaf in leaves])
+
+
+def _first_leaf(kind: Any) -> Any:
+    return _first_leaf(kind.types[0]) if isinstance(kind, types.BaseTuple) else kind
+
+
+def _leaves(builder: Any, kind: Any, value: Any) -> list[Any]:
+    if not isinstance(kind, types.BaseTuple):
+        return [value]
+    items = zip(kind.types, cgutils.unpack_tuple(builder, value), strict=True)
+    return [leaf for item, inner in items for leaf in _leaves(builder, item, inner)]
 
 
 def _plain(kind: Any) -> bool:

@@ -3,6 +3,7 @@
 Neither library is imported here: who gives such a table has imported it.
 """
 
+import re
 from typing import Any
 
 import numpy as np
@@ -15,6 +16,12 @@ from layflat.motion.signal_values import SignalKind, check_names, check_real, re
 
 CLASSES = {("pandas", "DataFrame"), ("pandas", "Series"), ("xarray", "DataArray")}
 OTHERS = {("xarray", "Dataset"), ("pandas", "Index")}  # that are no signals
+UNIT_KEYS = {"unit", "units"}
+UNIT_IN_NAME = re.compile(r".*[\[(](?P<bracketed>[^\])]*)[\])]|(?:.*_)?(?P<bare>[^\W\d_]+)")
+"""Name of an index that ends in a unit: "time [ms]", "t (ms)", "t_ms", "ms"."""
+
+UNITS_OF_TIME = {"ms": 1e-3, "us": 1e-6, "ns": 1e-9}  # as words in names, s; "min" and "h" may mean else
+
 TIMES = "give times as numbers in s, as timedeltas, or as texts with units"
 
 
@@ -38,7 +45,7 @@ def labelled_row(signal: Any, kind: SignalKind) -> Any:
     if ("pandas", "Series") in classes and len(signal) and all(map(_is_name, signal.index)):
         check_names(signal.index, kind)
         _refuse_repeated(signal.index, kind)
-        scale = _scale(signal.attrs.get("units"), kind)
+        scale = _scale(_unit_of(signal, kind), kind)
         return {name: _scaled(value, scale, kind) for name, value in signal.items()}
     return None
 
@@ -55,14 +62,15 @@ def labelled_steps(signal: Any, kind: SignalKind) -> tuple[Array, Array]:
     elif ("pandas", "Series") in classes:
         columns, times = dict.fromkeys(kind.names, signal.to_numpy()), signal.index
         columns = {
-            name: _values(values, _scale(signal.attrs.get("units"), kind), kind) for name, values in columns.items()
+            name: _values(values, _scale(_unit_of(signal, kind), kind), kind) for name, values in columns.items()
         }
     else:
         _refuse_levels(signal.columns, kind)
         _refuse_repeated(signal.columns, kind)
         _check_columns(signal, kind)
-        units = signal.attrs.get("units")
+        units = _unit_of(signal, kind)
         each = units if isinstance(units, dict) else dict.fromkeys(signal.columns, units)
+        check_names(each, kind)
         columns = {
             name: _values(signal[name].to_numpy(), _scale(each.get(name), kind), kind) for name in signal.columns
         }
@@ -95,7 +103,7 @@ def _row_of_array(array: Any, kind: SignalKind) -> Any:
             raise InputError(f"has no coordinate {name!r}", where=kind.where, right=right)
     if "time" in array.dims:
         return None
-    scale = _scale(array.attrs.get("units"), kind)
+    scale = _scale(_unit_of(array, kind), kind)
     if not array.dims:
         return _scaled(array.to_numpy()[()], scale, kind)
     labels = array[kind.noun].to_numpy().tolist()
@@ -104,11 +112,10 @@ def _row_of_array(array: Any, kind: SignalKind) -> Any:
 
 
 def _columns_of_array(array: Any, kind: SignalKind) -> tuple[dict[str, Array], Any]:
-    scale, time = _scale(array.attrs.get("units"), kind), array["time"]
+    scale, time = _scale(_unit_of(array, kind), kind), array["time"]
     times = time.to_numpy()
     if times.dtype.kind in "iuf":
-        unit = time.attrs.get("units", "s")
-        times = times * (1.0 if unit == "s" else _scale(unit, SignalKind(kind.where, u.TIME, ())))
+        times = times * _scale(_unit_of(time, kind), SignalKind(kind.where, u.TIME, ()))
     if kind.noun not in array.dims:
         return dict.fromkeys(kind.names, _values(array.to_numpy(), scale, kind)), times
     labels = array[kind.noun].to_numpy().tolist()
@@ -135,6 +142,14 @@ def _refuse_repeated(labels: Any, kind: SignalKind) -> None:
     twice = next((name for name in names if names.count(name) > 1), None)
     if twice is not None:
         raise InputError(f"has {twice!r} twice", where=kind.where, right="give each once")
+
+
+def _unit_of(table: Any, kind: SignalKind) -> Any:
+    """Return the unit that a table says it is in, by the attribute `units` or `unit`; None: it says none."""
+    said = {key: unit for key, unit in table.attrs.items() if isinstance(key, str) and key.lower() in UNIT_KEYS}
+    if len(said) > 1:
+        raise InputError(f"has attributes {' and '.join(said)}", where=kind.where, right="give one: units")
+    return next(iter(said.values()), None)
 
 
 def _scale(unit: object, kind: SignalKind) -> float:
@@ -169,13 +184,19 @@ def _times(index: Any, where: str) -> Array:
     if type(index).__name__ == "RangeIndex" and index.start == 0 and index.step == 1:
         raise InputError("has row numbers in place of times", where=where, right=f"{TIMES}, as its index")
     labels = np.asarray(index)
-    if labels.dtype.kind == "m":
-        times = labels / np.timedelta64(1, "s")
-    elif labels.dtype.kind == "M":
+    if getattr(index, "tz", None) is not None or labels.dtype.kind == "M":
         right = "give times since the start: frame.index - frame.index[0]"
         raise InputError("has dates as times", where=where, right=right)
+    if labels.dtype.kind == "m":
+        times = labels / np.timedelta64(1, "s")
     elif labels.dtype.kind in "iufUOT":
-        times = np.array([read_number(label, u.TIME, where) for label in labels.tolist()])
+        scale = _scale_in_name(getattr(index, "name", None), where)
+        times = np.array(
+            [
+                read_number(x, u.TIME, where) if isinstance(x, str) else scale * read_number(x, u.TIME, where)
+                for x in labels.tolist()
+            ]
+        )
     else:
         raise InputError(f"has times of type {labels.dtype}", where=where, right=TIMES)
     if not np.isfinite(times).all():
@@ -183,3 +204,13 @@ def _times(index: Any, where: str) -> Array:
     if times[0] < 0.0 or np.any(np.diff(times) <= 0.0):
         raise InputError("its times do not grow from zero", where=where, right=TIMES)
     return np.asarray(times, dtype=np.float64)
+
+
+def _scale_in_name(name: object, where: str) -> float:
+    """Return the factor to s of times in an index whose name says a unit; 1 where it says none."""
+    found = UNIT_IN_NAME.fullmatch(name.strip()) if isinstance(name, str) else None
+    if found is None:
+        return 1.0
+    if found["bracketed"] is not None:
+        return read_number(f"1 {found['bracketed']}", u.TIME, where)
+    return UNITS_OF_TIME.get(found["bare"], 1.0)

@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 
 from layflat.arrays import Array
 from layflat.description import units as u
-from layflat.errors import InputError, LayflatError
+from layflat.errors import InputError
+from layflat.jit.outside import NO_FAILURES
 from layflat.motion.aliasing import check_function_rate, check_table_rate
 from layflat.motion.labelled import is_labelled, labelled_row, labelled_steps
 from layflat.motion.signal_values import Angles, SignalKind, Value, check_real, read_number, read_row
@@ -148,9 +149,9 @@ def _function(signal: Callable[[float], Any], kind: SignalKind, before: Array, t
     for k, time in enumerate(times.tolist()):
         try:
             values = signal(time)
-        except LayflatError:
+        except NO_FAILURES:
             raise
-        except Exception as error:  # whatever a user's function raises
+        except BaseException as error:  # whatever a user's function raises
             what = f"its function fails at {time:g} s ({type(error).__name__}: {' '.join(str(error).split())})"
             raise InputError(what, where=kind.where, right="give a function of the time in s") from error
         rows[k] = last = read_row(values, kind, last)

@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Mapping, Sequence
 from math import inf, isfinite
 from numbers import Real
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, SupportsFloat, TypeGuard
 
 import numpy as np
 
@@ -48,6 +48,11 @@ def single_kind(where: str, quantity: u.Quantity | None) -> SignalKind:
     return SignalKind(where, quantity, (where,), "")
 
 
+def is_real(value: object) -> TypeGuard[SupportsFloat]:
+    """Return whether something is a real number; truth values and times of NumPy, which are its integers, are none."""
+    return isinstance(value, Real) and not isinstance(value, (bool, np.bool_, np.timedelta64))
+
+
 def read_number(value: object, quantity: u.Quantity | None, where: str) -> float:
     """Return the SI float of a text with a unit, or of a finite real number, which is in SI units.
 
@@ -63,7 +68,7 @@ def read_number(value: object, quantity: u.Quantity | None, where: str) -> float
         value = value[()]
     if isinstance(value, str) and quantity is not None:
         return u.quantity(str(value), quantity, where)
-    if isinstance(value, (bool, np.bool_)) or not isinstance(value, Real):
+    if not is_real(value):
         article = "a number" if quantity is None else quantity.article
         raise InputError(f"{shown(value)} is not {article}", where=where, right=single_kind(where, quantity).right)
     try:

@@ -1,22 +1,23 @@
 """A machine that others move on bit by bit: the plant of a rollout without its controller."""
 
 from collections.abc import Mapping
+from pathlib import Path
 
 import numpy as np
 
 from layflat.arrays import Array
 from layflat.description import units as u
-from layflat.errors import DivergedError
+from layflat.errors import DivergedError, InputError
 from layflat.lanes import leaves, write_numbers
-from layflat.machine import Machine, parameters
+from layflat.machine import Machine, load, parameters
 from layflat.machine.signal_ranges import check_signal
-from layflat.motion.signal_values import read_number
+from layflat.motion.signal_values import SignalKind, read_number, read_row
 from layflat.physics.driven import AIR, Plant
 from layflat.physics.joint import Surroundings
 from layflat.physics.noise import noise_samples
 from layflat.physics.step import STEP
 from layflat.sim.run import start_angles, timing_of
-from layflat.sim.scenario import Angles, Pair, Scenario, Value, start_pressures
+from layflat.sim.scenario import MAX_DURATION, Angles, Pair, Scenario, Value, check_whole, start_pressures
 from layflat.sim.stepping import Setting, kept_at_rest, stepping
 
 
@@ -27,7 +28,7 @@ class SteppedPlant(Plant):
     number k of its sensors has the noise of the rollout's.
 
     Args:
-        machine: the machine.
+        machine: a description, its file, or the name of a built-in machine.
         start: angles at which it rests at first.
         pressures: absolute pressures of the hoses A and B at first, of all joints or by joint; where not given those
             that hold the arm.
@@ -42,7 +43,7 @@ class SteppedPlant(Plant):
 
     def __init__(
         self,
-        machine: Machine,
+        machine: str | Path | Machine,
         *,
         start: Angles = 0.0,
         pressures: Pair | Mapping[str, Pair] | None = None,
@@ -51,6 +52,7 @@ class SteppedPlant(Plant):
         step: Value = STEP,
         payload: Value | None = None,
     ) -> None:
+        self._described = machine = load(machine)
         cycle = machine.cycle
         timing = timing_of(cycle, step, 1, machine)
         scenario, n = Scenario(start=start, pressures=pressures, seed=seed, noise=noise), len(machine.joints)
@@ -84,19 +86,33 @@ class SteppedPlant(Plant):
         return float(self._around[AIR.payload])
 
     @payload.setter
-    def payload(self, mass: float) -> None:
-        self._around[AIR.payload] = mass
+    def payload(self, mass: Value) -> None:
+        self._around[AIR.payload] = check_signal(self._described, "payload", read_number(mass, u.MASS, "payload"))
 
     def drive(self, voltages: Array) -> None:
         """Give the valves' drivers voltages (V, (joints,)), which hold until the next.
 
         Where the valves' delay counts control cycles, every call in a new instant counts as one; without calls, time.
+
+        Raises:
+            InputError: they are not one finite number a joint.
         """
-        self._voltages[:] = voltages
+        row = np.asarray(voltages)
+        if row.dtype != np.float64 or row.shape != self._voltages.shape or not np.isfinite(row).all():
+            row = read_row(voltages, SignalKind("voltages", u.VOLTAGE, self.joints), self._voltages)
+        self._voltages[:] = row
         self._due = -1
 
     def advance(self, until: float) -> None:
-        """Let time pass up to the last whole step before `until` (s); raise DivergedError if the machine diverged."""
+        """Let time pass up to the last whole step before `until` (s).
+
+        Raises:
+            DivergedError: the machine diverged.
+            InputError: it is no time, or further away than a run may last.
+        """
+        until = read_number(until, u.TIME, "until")
+        if until - self.time > MAX_DURATION:
+            raise InputError(f"{until:g} s is too far away", where="until", right=f"give {MAX_DURATION:g} s at a time")
         # A deadline that is a whole number of steps may be a hair short of it.
         last = int(until / self._h + 1e-6)
         if last > self._at:
@@ -117,8 +133,12 @@ class SteppedPlant(Plant):
         return out[0], out[1]
 
     def grip(self, joint: int, torque: float) -> None:
-        """Hold a joint as a brake does, by so much more than its own (N m); 0 lets it go."""
-        self._grips[joint] = torque
+        """Hold a joint, by its number, as a brake does, by so much more than its own (N m); 0 lets it go.
+
+        Raises:
+            InputError: there is no such joint, or the torque is no number.
+        """
+        self._grips[check_whole(joint, "joint", 0, len(self.joints) - 1)] = read_number(torque, u.TORQUE, "torque")
         self._write_joints()
 
     def _write_joints(self) -> None:

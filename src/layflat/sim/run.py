@@ -16,12 +16,12 @@ from layflat.description import units as u
 from layflat.description.wrong import shown
 from layflat.errors import DivergedError, InputError
 from layflat.jit.outside import blame_outside
-from layflat.kind_checks import place_of
 from layflat.lanes import Like, leaves
 from layflat.machine import Machine, load, parameters
 from layflat.memory import check_memory
 from layflat.motion.signal_values import read_number
 from layflat.physics.step import STEP
+from layflat.sim.cause import find_cause
 from layflat.sim.kernel import Case, Sample, Signals, Timing, all_cycles, run_cycles
 from layflat.sim.scenario import (
     Scenario,
@@ -93,7 +93,8 @@ def rollout(
     run = dataset(described, case, prepared, rows, report)
     if diverged >= 0:
         names = list(described.joints)
-        raise DivergedError(float(run.time[-1]), names[diverged], run, _cause(described, prepared, run))
+        cause = find_cause(described, prepared.case, prepared.signals, prepared.timing, run)
+        raise DivergedError(float(run.time[-1]), names[diverged], run, cause)
     return run
 
 
@@ -116,15 +117,6 @@ def _telling(prepared: "Prepared", progress: Callable[[float], None] | None) -> 
     finally:
         over.set()
         thread.join()
-
-
-def _cause(machine: Machine, prepared: "Prepared", run: "xarray.Dataset") -> str:
-    """Return why a run diverged, as far as laws from outside may be why."""
-    law = CONTROL_LAWS.of(prepared.case.settings)
-    if CONTROL_LAWS.is_from_outside(law) and not np.isfinite(run["voltage"].to_numpy()).all():
-        return f"control law {law.name!r} commands a voltage that is no number ({place_of(law.step)})"
-    files = ", ".join(Path(path).name for path in machine.kinds)
-    return f"laws of {files} take part in it: see what they return there" if files else ""
 
 
 def rollout_as_far(machine: str | Path | Machine, demand: Signal | None = None, **options: Any) -> "xarray.Dataset":

@@ -15,7 +15,7 @@ from layflat.machine import Machine, parameters
 from layflat.machine.signal_ranges import check_signal
 from layflat.motion.labelled import is_labelled, labelled_row
 from layflat.motion.signal_rows import Signal, Steps, is_steps
-from layflat.motion.signal_values import Angles, SignalKind, Value, check_names, read_number, read_row
+from layflat.motion.signal_values import Angles, SignalKind, Value, check_names, is_real, read_number, read_row
 
 __all__ = ["Angles", "Pair", "Scenario", "Signal", "Steps", "Value", "checked_options"]
 
@@ -125,7 +125,7 @@ def check_whole(value: object, where: str, lower: int, upper: int | None = None)
         InputError: naming `where`: it is no whole number, or out of bounds.
     """
     right = f"give a whole number, {lower} or more" if upper is None else f"give {lower} to {upper}"
-    if isinstance(value, (bool, np.bool_)) or not isinstance(value, (int, np.integer)):
+    if not (is_real(value) and isinstance(value, (int, np.integer))):
         raise InputError(f"{shown(value)} is not a whole number", where=where, right=right)
     if value < lower or (upper is not None and value > upper):
         raise InputError(f"{shown(value)} is out of range", where=where, right=right)

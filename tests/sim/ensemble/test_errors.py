@@ -33,6 +33,7 @@ CASE = Scenario(duration="0.01 s")
         ({"start.angle.small": ["100 deg"]}, "vary: start.angle.small: 100 deg is outside"),
         ({"start.pressure_a.small": [3.0]}, "vary: start.pressure_a.small: 3 Pa is out of range"),
         ({"valve.dither.frequency": [50.0, 3000.0]}, "step: 0.5 ms is too long for the 3000 Hz"),
+        ({"arm.gravity_direction": [0.0, 1.0], "seed": [1.5, 2.0]}, "vary: seed: holds what is no seed"),
         ([1.0], "vary: .* is no table of what varies"),
     ],
 )
@@ -47,6 +48,9 @@ def test_what_can_not_vary(vary: dict[str, Any], message: str) -> None:
         ({"thread": 1}, "ensemble: unknown option 'thread'; did you mean 'threads'?"),
         ({"traces": ["angel"]}, "'angel' is not a signal"),
         ({"every": 0}, "every"),
+        ({"every": 10**50}, "every: 1000.* is out of range"),
+        ({"device": np.array([1.0, 2.0])}, r"device: array\(\[1., 2.\]\) is not a device"),
+        ({"runs": np.timedelta64(1, "s")}, "runs: .* is not a whole number"),
         ({"step": "1 s"}, "step"),
         ({"band": "1 kg"}, "band"),
         ({"band": -0.1}, "band: -0.1 rad is out of range"),
@@ -97,3 +101,10 @@ def test_only_the_metrics_that_are_asked_for_are_kept() -> None:
     assert all(some[name].identical(whole[name]) for name in some)
     with pytest.raises(InputError, match="metrics: 'speed' is not a metric; use settling, overshoot, "):
         ensemble("paper-arm", scenario, runs=1, metrics=("speed",))
+
+
+def test_a_joint_that_is_not_on_the_arm_can_not_vary() -> None:
+    with pytest.raises(
+        InputError, match=r"vary: joint\.large\.brake\.torque: joint 'large' is not on the arm; give one"
+    ):
+        ensemble("paper-small-joint", CASE, {"joint.large.brake.torque": [1.0, 2.0]})

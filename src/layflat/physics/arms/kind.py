@@ -1,15 +1,18 @@
 """What a kind of arm has to offer: how torques become motion, and where the arm is."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from math import nan
 from typing import Annotated, Any, ClassVar, Self
 
 from pydantic import Field, model_validator
 
 from layflat.description import units as u
 from layflat.errors import KindError
+from layflat.jit import law
 from layflat.kind_checks import MisfitError, check_items, check_numbers, naming_law, tolerating_arithmetic
 from layflat.kinds import REQUIRED, Kind, KindPart
+from layflat.lanes import select
 from layflat.physics.arms.bodies import RigidArm
 
 Law = Callable[..., Any]
@@ -73,6 +76,11 @@ class ArmKind(Kind):
                     f"{cls.__name__} has no laws for one to {MOST} joints", where=f"kind {self.name!r} of arm"
                 )
 
+    def guarded(self) -> "ArmKind":
+        """Return the kind with a mass matrix that is not a number where its first item is not positive."""
+        laws = {cls: replace(own, dynamics=_positive(own.dynamics)) for cls, own in self.laws.items()}
+        return replace(self, laws=laws)
+
     def try_laws(self, parameters: Any, *described: Any) -> None:
         """Hold an arm at two postures, and check what the laws return; raise KindError if that is something else."""
         laws, count, thing = self.laws[type(parameters)], len(described[0].joints), f"arm {self.name!r}"
@@ -96,3 +104,12 @@ class ArmKind(Kind):
     def entries(self) -> Mapping[type, Any]:
         """What holds the laws, by class of the parameters."""
         return self.laws
+
+
+def _positive(dynamics_of: Law) -> Law:
+    @law
+    def dynamics(arm, payload, q, v):
+        masses, of_velocities, of_angles = dynamics_of(arm, payload, q, v)
+        return (select(masses[0] > 0.0, masses[0], nan), *masses[1:]), of_velocities, of_angles
+
+    return dynamics

@@ -34,7 +34,7 @@ class PlanarArmPart(ArmPart):
 
     kind: Literal["planar"] = "planar"
     joints: Annotated[tuple[str, ...], Field(min_length=1, max_length=2)]
-    gravity: u.Acceleration = Field(description="in the arm's plane; zero for an arm that moves horizontally")
+    gravity: u.Gravity = Field(description="in the arm's plane; zero for an arm that moves horizontally")
     gravity_direction: u.Angle = Field(description="from link 1 at mid-stroke")
     elbow: u.Angle = Field(description="angle between the links when the second joint is in mid-stroke")
 

@@ -1,12 +1,15 @@
 """What a kind of friction has to offer: the torque at which an output shaft slips in its brake, bearings and seals."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from math import nan
 from typing import Any
 
 from layflat.errors import KindError
+from layflat.jit import law
 from layflat.kind_checks import MisfitError, check_number, described, naming_law, tolerating_arithmetic
 from layflat.kinds import REQUIRED, Kind, KindPart
+from layflat.lanes import select
 
 Law = Callable[..., Any]
 
@@ -42,6 +45,10 @@ class FrictionKind(Kind):
             what = f"plain of kind {self.name!r} is {described(self.plain)}, not its parameters"
             raise KindError(what, where=type(self).__name__, right=f"give a {self.parameter_types[0].__name__}")
 
+    def guarded(self) -> "FrictionKind":
+        """Return the kind with a level that is not a number where it would be negative."""
+        return replace(self, level=_not_negative(self.level))
+
     def try_laws(self, parameters: Any, *described: Any) -> None:  # noqa: ARG002
         """Make sure that the level is a number and not negative; raise KindError if it is not."""
         with tolerating_arithmetic(self.level), naming_law(f"friction {self.name!r}", "level", self.level):
@@ -51,3 +58,12 @@ class FrictionKind(Kind):
                 check_number(level, what)
                 if level < 0.0:
                     raise MisfitError(f"{what} is {level:g} N m, which would drive the joint")
+
+
+def _not_negative(level_of: Law) -> Law:
+    @law
+    def level(friction, brake, speed, pull):
+        found = level_of(friction, brake, speed, pull)
+        return select(found < 0.0, nan, found)
+
+    return level

@@ -1,7 +1,8 @@
 """What a kind of valve has to offer: how what a driver asks for becomes the conductances of a joint's two paths."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from math import nan
 from typing import Annotated, Any, NamedTuple, Self
 
 from pydantic import Field, model_validator
@@ -20,6 +21,7 @@ from layflat.kind_checks import (
     tolerating_arithmetic,
 )
 from layflat.kinds import REQUIRED, Kind, KindPart
+from layflat.lanes import select
 
 Law = Callable[..., Any]
 
@@ -159,6 +161,10 @@ class ValveKind(Kind):
             if lacking:
                 raise KindError(f"{cls.__name__} lacks {', '.join(lacking)}", where=f"kind {self.name!r} of valve")
 
+    def guarded(self) -> "ValveKind":
+        """Return the kind with conductances that are not numbers where they would be negative."""
+        return replace(self, move=_not_negative(self.move))
+
     def try_laws(self, parameters: Any, *_: Any) -> None:
         """Drive a valve, and check what the laws return; raise KindError if they return something else."""
         thing, h = f"valve {self.name!r}", 5e-4
@@ -190,3 +196,12 @@ class ValveKind(Kind):
         """What holds the laws, by class of the parameters."""
         own = super().entries()
         return own if self.mean is None else {**own, self.mean.parameter_type: self.mean}
+
+
+def _not_negative(move_of: Law) -> Law:
+    @law
+    def move(valve, state, command, wave, h):
+        after, filling, venting = move_of(valve, state, command, wave, h)
+        return after, select(filling < 0.0, nan, filling), select(venting < 0.0, nan, venting)
+
+    return move

@@ -50,6 +50,7 @@ SCENARIO_NUMBERS, COPIES = 40, 2.0
 """Numbers of each joint and cycle that a scenario is, with intermediate results; copies of results in memory."""
 
 MAX_THREADS = 4096
+MAX_EVERY = 2**31  # control cycles from record to record
 LONGEST_SINGLE = 60.0  # runs in single precision, s: time itself is kept in it where the dither is begun anew
 
 TIP_BAND = 2e-3  # within this of its goal the tip has settled, m: section 5 of the paper
@@ -130,7 +131,7 @@ def ensemble(
     if number is np.float32:
         _check_single(prepared)
     bands = _band(chosen.band, u.ANGLE, "band"), _band(chosen.tip_band, u.LENGTH, "tip_band")
-    check_whole(chosen.every, "every", 1)
+    check_whole(chosen.every, "every", 1, MAX_EVERY)
     workers = os.cpu_count() or 1 if chosen.threads is None else check_whole(chosen.threads, "threads", 1, MAX_THREADS)
     if chosen.progress is not None and not callable(chosen.progress):
         raise InputError(f"{shown(chosen.progress)} can't be called", where="progress", right="give a function")
@@ -204,7 +205,7 @@ def _band(value: Value, quantity: u.Quantity, where: str) -> float:
 
 def _number(precision: str) -> type[np.floating[Any]]:
     if not isinstance(precision, str) or precision not in PRECISIONS:
-        raise InputError(f"{precision!r} is not a precision", where="precision", right='use "double" or "single"')
+        raise InputError(f"{shown(precision)} is not a precision", where="precision", right='use "double" or "single"')
     return PRECISIONS[precision]
 
 
@@ -262,12 +263,14 @@ def check_device(device: str) -> None:
     Raises:
         InputError: it is unknown, or can't be used.
     """
+    if not isinstance(device, str):
+        raise InputError(f"{shown(device)} is not a device", where="device", right='use "cpu" or "cuda"')
     if device == "cuda":
         from layflat.sim.ensemble.cuda import check_device as tried  # noqa: PLC0415  # a compiler of its own
 
         tried()
     elif device != "cpu":
-        raise InputError(f"{device!r} is not a device", where="device", right='use "cpu" or "cuda"')
+        raise InputError(f"{shown(device)} is not a device", where="device", right='use "cpu" or "cuda"')
 
 
 def _runner(device: str, workers: int) -> Callable[[Cases, Timing, tuple[float, float], Results], Iterator[int]]:

@@ -104,9 +104,7 @@ class ChainPart(ArmPart):
     link: dict[Key, LinkPart] = Field(description="by the joint that turns it")
     tool: Place = Field(description="of the payload and of the tip, in the frame of the last link")
     tool_turn: Turn = Field(default=NO_TURN, description="of the tool's frame, likewise")
-    gravity: tuple[u.AnyAcceleration, u.AnyAcceleration, u.AnyAcceleration] = Field(
-        description="in the frame of the base"
-    )
+    gravity: tuple[u.AnyGravity, u.AnyGravity, u.AnyGravity] = Field(description="in the frame of the base")
     bodies: Literal["carried", "in links"] = Field(
         default="carried",
         description="whether each link carries the body of the next joint on top of its mass, or has it in its mass",
