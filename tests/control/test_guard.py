@@ -62,7 +62,8 @@ NOTHING = Sensed((0.0,), (0.0,)), Demand(*[(0.0,)] * 4)
 def test_a_number_that_is_none_spoils_the_voltage_at_once_and_is_found_again(flaw: str, value: float) -> None:
     flawed, said = FLAWS[flaw]
     step = step_with(flawed(value))
-    guarded, memory = guard_step(step), Memory(0.0)
+    guarded: Any = guard_step(step)
+    memory = Memory(0.0)
     for k in range(5):
         after, command, report = guarded(None, memory, *NOTHING, 0.005)
         assert isfinite(command.voltage[0]) == (k < LATE)
