@@ -32,7 +32,7 @@ class Kind(NamedTuple):
 
 
 LATE = 3.0  # cycles after which a law goes wrong
-FLAWS = {
+FLAWS: dict[str, tuple[Any, str]] = {
     "voltage": (lambda x: (x, 0.0, 0.0, 1.0), "item 1 of `voltage` is"),
     "memory": (lambda x: (5.0, 0.0 * x, 0.0, 1.0), "cycles of the memory is nan"),
     "report": (lambda x: (5.0, 0.0, x, 1.0), "error of an item of the report is"),
@@ -62,7 +62,7 @@ NOTHING = Sensed((0.0,), (0.0,)), Demand(*[(0.0,)] * 4)
 def test_a_number_that_is_none_spoils_the_voltage_at_once_and_is_found_again(flaw: str, value: float) -> None:
     flawed, said = FLAWS[flaw]
     step = step_with(flawed(value))
-    guarded: Any = guard_step(step)
+    guarded = guard_step(step)
     memory = Memory(0.0)
     for k in range(5):
         after, command, report = guarded(None, memory, *NOTHING, 0.005)
