@@ -89,12 +89,7 @@ def map_log(
         typer.echo(f"{log.name}: {note}")
     if explain:
         _explain(table, guess)
-    clock = guess.mapping.time
-    rows = (
-        [[clock.column, _stated(table, clock.column), "time", clock.unit, guess.notes.get("", "")]]
-        if clock and clock.column
-        else []
-    )
+    rows = _clock_row(table, guess)
     rows += [
         [
             ", ".join(entry.columns),
@@ -115,6 +110,16 @@ def map_log(
     head = f"Guessed from {log.name} by `layflat log map`: look through every entry before you use it."
     typer.echo(f"{left} columns are left out" if left != 1 else "1 column is left out")
     typer.echo(f"wrote {write_mapping(guess.mapping, place, guess.notes, head)}: a guess, correct it before you use it")
+
+
+def _clock_row(table: "Table", guess: "Guess") -> list[list[str]]:
+    """Return the row of the clock: a column, or rows that are evenly spaced; nothing without one."""
+    clock, why = guess.mapping.time, guess.notes.get("", "")
+    if clock is None:
+        return []
+    if clock.period is not None:
+        return [["(each row)", "", "time", f"{1e3 * clock.period:.6g} ms", why]]
+    return [[clock.column, _stated(table, clock.column), "time", clock.unit, why]] if clock.column else []
 
 
 def _read(log: Path) -> "Table":

@@ -12,8 +12,9 @@ import numpy as np
 from layflat import extras
 from layflat.arrays import Array
 from layflat.errors import InputError
+from layflat.identify.logs.arrangement import arranged
 from layflat.identify.logs.messages import MAX_ITEMS, reason_of
-from layflat.identify.logs.table import Cells, Content, arranged
+from layflat.identify.logs.table import Cells, Content
 
 if TYPE_CHECKING:
     import xarray
@@ -54,8 +55,8 @@ def read_parquet(path: Path) -> Content:
             cells[name] = found
             if unit or stated is not None:
                 units[name] = unit or str(stated)
-    arranged_columns, clock, words = arranged(cells, units)
-    return Content(arranged_columns, clock, words | left_out)
+    content = arranged(cells, units)
+    return content._replace(words={**content.words, **left_out})
 
 
 def _listed_columns(name: str, column: Any) -> list[tuple[str, Any, str | None]]:
@@ -171,8 +172,8 @@ def read_netcdf(path: Path) -> Content:
         cells.update(columns)
         stated = str(variable.attrs.get("units", "")).partition(" since ")[0]
         units.update(dict.fromkeys(columns, stated))
-    arranged_columns, clock, words = arranged(cells, {name: unit for name, unit in units.items() if unit})
-    return Content(arranged_columns, clock, words | left_out)
+    content = arranged(cells, {name: unit for name, unit in units.items() if unit})
+    return content._replace(words={**content.words, **left_out})
 
 
 def _opened(path: Path, *, classic: bool) -> "tuple[xarray.Dataset, list[str]]":

@@ -11,7 +11,7 @@ from layflat.description import units as u
 from layflat.identify.logs.headers import words_of
 from layflat.identify.logs.own import SENSED
 from layflat.identify.logs.signals import FORCE, SIGNALS, Signal, conversion
-from layflat.identify.logs.table import Column
+from layflat.identify.logs.table import Column, Table
 from layflat.identify.logs.units import kind_of_unit, measures
 from layflat.identify.logs.vocabulary import FILTERED, RAW, STATISTICS, meanings, signal_of
 
@@ -32,6 +32,10 @@ RANGES: dict[u.Quantity, tuple[tuple[float, str], ...]] = {
     u.LENGTH: ((2.0, "m"), (np.inf, "mm")),
 }
 """Units by the greatest value that would be likely in them."""
+
+_CHANNELS = "ch chan channel kanal canal ai ain ao aout analog adc dac dev input port slot module"
+CHANNELS = frozenset(_CHANNELS.split())
+"""Words before the number of a recorder's channel, which is neither a joint's nor a hose's."""
 
 COUNTS = frozenset(["counts", "dac", "adc", "pwm", "lsb", "digit", "digits", "bits", "inc", "incr", "increments"])
 """Words of numbers that are no quantity before their scale."""
@@ -56,7 +60,7 @@ class Candidate:
 def hose_of(stem: str, stems: Iterable[str]) -> str:
     """Return the hose of a numbered name: "p1" beside "p2", or alone, is of hose A, and so is "p0" beside "p1"."""
     numbers = list(re.finditer(r"\d+", stem))
-    if not numbers:
+    if not numbers or not CHANNELS.isdisjoint(words_of(stem)):
         return ""
     head, number, tail = stem[: numbers[-1].start()], numbers[-1][0], stem[numbers[-1].end() :]
     pattern = re.compile(rf"{re.escape(head)}(\d+){re.escape(tail)}")
@@ -103,9 +107,20 @@ def find_candidate(column: Column, joints: list[str], hose: str = "") -> Candida
     return _checked(Candidate(column, SIGNALS[name], f"{name} by its name{counted}", score, joint, group))
 
 
+def find_unused(table: Table, used: Iterable[str | None]) -> list[str]:
+    """Return the columns that may be signals, beside those that are used.
+
+    Args:
+        table: of the log.
+        used: names of columns.
+    """
+    left = [name for name in table.columns if name not in set(used)]
+    return [name for name in left if isinstance(find_candidate(table.columns[name], []), Candidate)]
+
+
 def _roles(words: list[str], kind: u.Quantity | None, jointed: bool, stem: str, hose: str) -> tuple[set[str], str, str]:
     """Return the roles of a name's words, the number that may be a joint's, and a word on a number taken for a hose."""
-    numbers = [word for word in words if word.isdigit()]
+    numbers = [word for before, word in zip(["", *words], words, strict=False) if _numbers_joint(before, word)]
     group = numbers[-1] if numbers and not stem.isdigit() else ""
     meant, counted = meanings(words), ""
     pressed = "pressure" in meant or kind == u.PRESSURE
@@ -114,6 +129,11 @@ def _roles(words: list[str], kind: u.Quantity | None, jointed: bool, stem: str, 
     if "position" in meant and (jointed or "joint" in words or kind == u.ANGLE):
         meant = meant | {"angle"}
     return meant, group, counted
+
+
+def _numbers_joint(before: str, word: str) -> bool:
+    """Return whether a word is a number that may be a joint's or a hose's: none behind one of a recorder's channels."""
+    return word.isdigit() and before not in CHANNELS
 
 
 def _signal_of(meant: set[str], kind: u.Quantity | None) -> str | None:

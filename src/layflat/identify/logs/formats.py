@@ -5,7 +5,8 @@ from pathlib import Path
 
 from layflat.errors import InputError
 from layflat.identify.logs import arrays, bag, rosbag
-from layflat.identify.logs.table import Content, arranged
+from layflat.identify.logs.arrangement import arranged
+from layflat.identify.logs.table import Content
 from layflat.identify.logs.text import read_text
 
 Reader = Callable[[Path], Content]
@@ -30,7 +31,8 @@ def read_content(path: Path, start: bytes, progress: Callable[[float], None] | N
     if path.suffix.lower() in BY_SUFFIX:
         return BY_SUFFIX[path.suffix.lower()](path)
     text = read_text(path, progress)
-    return Content(*arranged(text.columns, text.units, text.notes), tuple(text.notes.get("", ())))
+    content = arranged(text.columns, text.units, text.notes, text.starts)
+    return content._replace(notes=(*text.notes.get("", ()), *content.notes))
 
 
 def _packed(program: str) -> Reader:

@@ -28,6 +28,7 @@ class Clock:
 
     time: Array
     rows: NDArray[np.intp]
+    firsts: NDArray[np.intp]  # first row with the stamp of each of these rows
     period: float  # median, s; 0 for less than two samples
     jitter: float  # rms deviation of the steps from the period, gaps left out, s
     even: bool  # the stamps are those of an even clock, with none missing
@@ -53,12 +54,13 @@ def clock_of(stamps: Array, where: str) -> Clock:
     time = stamps[rows]
     last = np.append(np.diff(time) > 0.0, True) if rows.size else np.zeros(0, dtype=bool)
     duplicates = int(rows.size - last.sum())
+    firsts = rows[np.append(True, last[:-1])] if rows.size else rows
     rows, time = rows[last], time[last]
     if time.size < 2 and duplicates > 0:
         what = f"all {rows.size + duplicates} samples have the stamp {time[0]:g} s"
         raise InputError(what, where=where, right="name a column that rises as its clock")
     period, jitter, even = _period(time) if time.size > 1 else (0.0, 0.0, False)
-    return Clock(time, rows, period, jitter, even, duplicates, undated, reset, cut, first_undated, reset_at)
+    return Clock(time, rows, firsts, period, jitter, even, duplicates, undated, reset, cut, first_undated, reset_at)
 
 
 def _period(time: Array) -> tuple[float, float, bool]:

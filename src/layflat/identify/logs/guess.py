@@ -3,6 +3,7 @@
 It is a proposal with reasons, for a person to look through; nothing applies it by itself.
 """
 
+from collections import Counter
 from collections.abc import Mapping as Map
 from collections.abc import Sequence
 from contextlib import suppress
@@ -14,8 +15,8 @@ import numpy as np
 
 from layflat.description import units as u
 from layflat.errors import InputError
-from layflat.identify.logs.clocks import ClockChoice, choose_clock, rises, usual_step
-from layflat.identify.logs.evidence import Candidate, find_candidate, hose_of, unit_of
+from layflat.identify.logs.clocks import ClockChoice, choose_clock, describe_stamps, rises, usual_step
+from layflat.identify.logs.evidence import Candidate, find_candidate, find_unused, hose_of, unit_of
 from layflat.identify.logs.mapping import Mapping, mapping_of
 from layflat.identify.logs.own import own_mapping
 from layflat.identify.logs.signals import AMBIENT, SIGNALS, channel_name, conversion
@@ -87,8 +88,9 @@ def guess_mapping(
         if name in table.columns and table.columns[name].notes and name != clock.column:
             notes[name] += "".join(f"; {note}" for note in table.columns[name].notes)
     time = {"column": clock.column, "unit": clock.unit}
-    if period is not None:
-        time = {"period": f"{u.quantity(period, u.TIME, 'period')!r} s"}
+    if period is not None or clock.period is not None:
+        step = clock.period if period is None else u.quantity(period, u.TIME, "period")
+        time = {"period": f"{step!r} s"}
     mapping = mapping_of({"time": time, "column": entries}, str(table.path))
     mapped = {column for entry in mapping.column for column in entry.columns} | {"", clock.column}
     return Guess(mapping, notes, {name: why for name, why in notes.items() if name not in mapped}, scores)
@@ -100,7 +102,8 @@ def _own_notes(own: Mapping, table: Table) -> dict[str, str]:
     if own.time is not None and own.time.column is not None:
         clock = table.columns[own.time.column]
         unit = "unit as in the header" if clock.header.unit else "in s, as nothing else is said"
-        notes[""] = "; ".join(("the clock by its name", unit, *clock.notes))
+        told, _ = describe_stamps(clock.values, own.time.unit, [], f"{table.path}: {own.time.column}")
+        notes[""] = "; ".join(("the clock by its name", unit, *clock.notes)) + told
     for entry in own.column:
         column = table.columns[entry.columns[0]]
         unit = "unit as in the header" if column.header.unit else f"in {entry.unit}, as nothing else is said"
@@ -112,12 +115,18 @@ def _is_whole(own: Mapping, table: Table) -> bool:
     """Tell whether a log has layflat's own names alone, with values that they can have in SI."""
     used = {column for entry in own.column for column in entry.columns} | {own.time.column if own.time else None}
     simulated = any(name.startswith("measured_angle") for name in used if name)
-    if not simulated and table.clock is None and any(name not in used for name in table.columns):
+    beside = [name for name in table.columns if name not in used] if table.clock is None else find_unused(table, used)
+    if beside and not simulated:
         return False
+    stamps = next((column.stamps for column in table.columns.values() if column.stamps is not None), None)
+    if table.clock is not None and not table.clock.unit and stamps is not None:
+        return USUAL_STEPS[0] < usual_step(stamps) < USUAL_STEPS[1]
     if own.time is not None and own.time.column is not None:
         clock = table.columns[own.time.column]
         step = usual_step(clock.values)
-        if not rises(clock.values) or not (clock.header.unit or USUAL_STEPS[0] < step < USUAL_STEPS[1]):
+        shared = np.any(np.diff(clock.values) == 0.0)
+        stated = clock.header.unit or USUAL_STEPS[0] < step < USUAL_STEPS[1]
+        if not rises(clock.values) or shared or not stated:
             return False
     for entry in own.column:
         column, signal = table.columns[entry.columns[0]], SIGNALS[entry.signal]
@@ -205,12 +214,21 @@ def _falls(column: Column, entry: Map[str, Any]) -> bool:
     return float(np.nanmin(column.values)) * conversion(entry["unit"], SIGNALS[entry["signal"]])[0] < 0.8 * AMBIENT
 
 
+def _are_joints(candidates: list[Candidate], numbers: list[str]) -> bool:
+    """Return whether numbers in names are those of joints: some signal, or all, must be there for two of them.
+
+    Numbers of which each has a signal of its own count the columns, and a single one tells nothing apart.
+    """
+    signals = Counter(one.signal.name for one in candidates if one.group)
+    return len(numbers) > 1 and max(signals.values()) > 1
+
+
 def _joints_of_groups(candidates: list[Candidate], joints: list[str]) -> dict[str, str]:
     """Return the joint by the number in the names of its columns, "" for none; empty where the log has no joints."""
     mine = [one for one in candidates if one.signal.by_joint and not one.joint]
     numbers = sorted({one.group for one in mine if one.group}, key=int)
-    if len(joints) == 1 and not numbers:
-        return {"": joints[0]}
+    if not _are_joints(mine, numbers):
+        return dict.fromkeys(("", *numbers), joints[0]) if len(joints) == 1 else {}
     if not joints:
         return {number: f"joint{number}" for number in numbers}
     if len(numbers) > len(joints):

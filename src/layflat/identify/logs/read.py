@@ -108,6 +108,8 @@ def _series(table: Table, plan: Mapping, joints: list[str] | None, where: str) -
             stamps = common if column.stamps is None else column.stamps
             if carried is not None:
                 stamps = _carried(table, column, carried, where)
+            if column.stamps is not None and plan.time is not None and plan.time.period is not None:
+                stamps = _evenly(column.stamps, plan.time.period, table)
             key = stamps.tobytes()
             if key not in clocks:
                 clocks[key] = clock_of(stamps * seconds, str(table.path))
@@ -130,6 +132,8 @@ def _clock(table: Table, plan: Mapping, where: str) -> tuple[float, Array, str |
     time = plan.time
     if table.clock is not None:
         seconds = time.seconds if time is not None else u.TIME.convert(f"1 {table.clock.unit or 's'}")
+        if time is not None and time.period is not None:
+            return 1.0, np.empty(0), None
         if time is None or time.column in {None, table.clock.name}:
             return seconds, np.empty(0), None
         units = {u.TIME.convert(f"1 {c.header.unit}") for c in _clocks_in(table, str(time.column)) if c.header.unit}
@@ -148,6 +152,14 @@ def _clock(table: Table, plan: Mapping, where: str) -> tuple[float, Array, str |
     if time.column not in table.columns:
         raise _no_column(time.column, table, f"{where}: time.column")
     return time.seconds, unwrap_counter(table.columns[time.column].values)[0], None
+
+
+def _evenly(stamps: Array, period: float, table: Table) -> Array:
+    """Return stamps, s, that are evenly spaced from the first one on, for a column with times of its own."""
+    stated = table.clock.unit if table.clock is not None else ""
+    first = stamps[np.isfinite(stamps)][:1].sum() * (u.TIME.convert(f"1 {stated}") if stated else 0.0)
+    even: Array = first + period * np.arange(stamps.size, dtype=np.float64)
+    return even
 
 
 def _clocks_in(table: Table, name: str) -> list[Column]:
@@ -185,7 +197,7 @@ def _joint(entry: MappedColumn, plan: Mapping, joints: list[str] | None, where: 
 
 def _one(column: Column, entry: MappedColumn, joint: str | None, ambient: float, clock: Clock) -> Series:
     factor, shift = conversion(entry.unit, SIGNALS[entry.signal])
-    raw = np.where(np.isfinite(column.values), column.values, np.nan)[clock.rows]
+    raw = _last_known(np.where(np.isfinite(column.values), column.values, np.nan), clock)
     values = entry.sign * (raw - entry.offset) * entry.scale * factor + shift + (ambient if entry.gauge else 0.0)
     source: dict[str, object] = {"column": column.header.name, "unit": entry.unit, "sign": entry.sign}
     if column.notes:
@@ -193,6 +205,12 @@ def _one(column: Column, entry: MappedColumn, joint: str | None, ambient: float,
     if entry.gauge is not None:
         source |= {"gauge": entry.gauge, "ambient": ambient}
     return Series(entry.signal, joint, clock, values, source)
+
+
+def _last_known(values: Array, clock: Clock) -> Array:
+    """Return the values of the rows that a clock keeps: of several with one stamp the last that has any."""
+    last = np.maximum.accumulate(np.where(np.isfinite(values), np.arange(values.size), -1))[clock.rows]
+    return np.where(last >= clock.firsts, values[np.maximum(last, 0)], np.nan)
 
 
 def _dataset(table: Table, series: list[Series], grid: Grid) -> Dataset:

@@ -12,16 +12,9 @@ from numpy.typing import NDArray
 from layflat.arrays import Array
 from layflat.description.text import check_regular
 from layflat.errors import InputError
-from layflat.identify.logs.headers import Header, header_of
-from layflat.identify.logs.text.cells import read_cells
+from layflat.identify.logs.headers import Header
 
-Cells = Array | list[str]
-
-LONG = (("signal", "channel", "name"), ("time", "t"), ("value",))  # columns of a table with a sample a row
-CODES = (999.0, 9999.0, 99999.0, 999999.0, 999.9, 9999.9, 99999.9, 999.99, 9999.99)  # in place of a missing sample
-OVERFLOW = 9e36  # from which numbers are such codes too
-LEAST_REST = 10  # other samples that tell how far out a code stands
-FAR_OUT = 2.5  # times the greatest magnitude of the rest that a code has at least
+Cells = Array | list[str]  # numbers of a column, or its words
 
 
 @dataclass(frozen=True)
@@ -103,79 +96,3 @@ def read_table(path: str | Path, progress: Callable[[float], None] | None = None
         raise InputError(f"holds no numbers{first}", where=str(path), right="give a table of samples")
     columns = join_stamps(columns) if clock is None else columns
     return Table(path, sha256, columns, clock, notes, dict(words))
-
-
-def arranged(
-    cells: Mapping[str, Cells], units: Mapping[str, str], notes: Mapping[str, list[str]] | None = None
-) -> tuple[dict[str, Column], Header | None, dict[str, str]]:
-    """Return columns from cells: one for each header, or for each signal of a table in long format.
-
-    Args:
-        cells: numbers, or words, of each column.
-        units: that are stated beside the names.
-        notes: on single columns; default: those that come of reading words.
-
-    Returns:
-        Columns by name; the clock's header where columns have times of their own; names of columns of words, and why.
-    """
-    notes = notes or {}
-    headers = {name: header_of(name, units.get(name, "")) for name in cells}
-    for name in [name for name, header in headers.items() if header.unit == "Pa" and not units.get(name)]:
-        if "Pa" in name and name.replace("Pa", "Pb") in cells:  # the pressures of two hoses
-            headers[name] = Header(name, stem=name)
-    stems = {header.stem.lower(): name for name, header in headers.items()}
-    signal, time, value = (next((stems[word] for word in words if word in stems), "") for words in LONG)
-    if signal and time and value and not isinstance(cells[signal], np.ndarray):
-        stated = cells.get(next((stems[word] for word in ("unit", "units") if word in stems), ""))
-        columns, clock = _pivoted(list(cells[signal]), cells[time], cells[value], stated, headers[time])
-        return columns, clock, {}
-    columns, words = {}, {}
-    for name, values in cells.items():
-        if isinstance(values, np.ndarray):
-            known, told = without_codes(values)
-            columns[name] = Column(known, headers[name], notes=(*notes.get(name, ()), *told))
-            continue
-        read = read_cells(values, None, name) if name not in notes else None
-        if read is None or read.values is None:
-            words[name] = "; ".join(notes.get(name, read.notes if read else []))
-        else:
-            header = header_of(name, units.get(name, "") or read.unit)
-            columns[name] = Column(read.values, header, notes=tuple(read.notes))
-    return columns, None, words
-
-
-def without_codes(values: Array) -> tuple[Array, list[str]]:
-    """Return values without such as -9999, which loggers write for what is missing, and a note; they stand far out."""
-    sizes = np.abs(values)
-    coded = np.isfinite(values) & (np.isin(sizes, CODES) | (sizes >= OVERFLOW))
-    rest = sizes[np.isfinite(values) & ~coded]
-    if not coded.any() or rest.size < LEAST_REST or sizes[coded].min() < FAR_OUT * rest.max():
-        return values, []
-    codes = ", ".join(f"{code:g}" for code in np.unique(values[coded]))
-    count = int(coded.sum())
-    told = f"{count} sample{'s' if count > 1 else ''} of {codes} {'are' if count > 1 else 'is'} taken for missing"
-    return np.where(coded, np.nan, values), [told]
-
-
-def _pivoted(
-    signals: list[str], time: Cells, value: Cells, units: Cells | None, clock: Header
-) -> tuple[dict[str, Column], Header]:
-    """Return columns of a table with a sample a row."""
-    times, unit, notes = _numbers(time)
-    values, _, _ = _numbers(value)
-    names = np.array([str(name).strip() for name in signals])
-    columns = {}
-    for name in dict.fromkeys(names.tolist()):
-        mine = np.flatnonzero(names == name)
-        header = header_of(name, "" if units is None else str(units[int(mine[0])]))
-        columns[header.name] = Column(values[mine], header, times[mine], notes)
-    return columns, header_of(clock.name, unit) if unit else clock
-
-
-def _numbers(cells: Cells) -> tuple[Array, str, tuple[str, ...]]:
-    """Return numbers of a column, their unit where the cells say it, and notes."""
-    if isinstance(cells, np.ndarray):
-        return cells, "", ()
-    read = read_cells(cells, None, "log")
-    values = np.full(len(cells), np.nan) if read.values is None else read.values
-    return values, read.unit, tuple(read.notes)

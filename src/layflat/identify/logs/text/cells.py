@@ -34,6 +34,7 @@ class Cells:
     proven: Decimal | None = None  # decimal sign that its numbers prove
     doubtful: bool = False  # its numbers would be others with the other decimal sign, and prove none
     notes: list[str] = field(default_factory=list)
+    start: float = 0.0  # the first stamp of dates and clock times, s
 
 
 def kind_of(cell: str) -> Kind:
@@ -91,7 +92,8 @@ def _stamped(cells: Sequence[str], filled: NDArray[np.bool_]) -> Cells:
         first = cells[int(np.flatnonzero(filled)[0])]
         return Cells(None, notes=[f"holds dates or times that can't be read as one kind, such as {first!r}"])
     unread = filled & ~np.isfinite(stamps.seconds)
-    return Cells(stamps.seconds, STAMPED, notes=[stamps.note, *_unread(cells, unread, "date or time")])
+    notes = [stamps.note, *_unread(cells, unread, "date or time")]
+    return Cells(stamps.seconds, STAMPED, notes=notes, start=stamps.start)
 
 
 def _undress(cells: Sequence[str]) -> tuple[list[str], str, str] | None:

@@ -33,7 +33,7 @@ class LabView:
     def complete(self, columns: dict[str, Array | list[str]], units: dict[str, str]) -> None:
         """Add units, and the clock of a file whose rows do not have it."""
         if self.timed:
-            units[CLOCK] = "s"
+            units.update(dict.fromkeys([name for name in columns if name.startswith(CLOCK)], "s"))
             held = columns.get(CLOCK)
             size = max((len(column) for column in columns.values()), default=0)
             if self.step > 0.0 and (held is None or not np.isfinite(np.asarray(held, dtype=np.float64)).any()):
@@ -42,9 +42,10 @@ class LabView:
                     columns.pop(CLOCK, None)  # rows are left out: which time the others have is not known
                 else:
                     columns[CLOCK] = clock
-        signals = [name for name in columns if name != CLOCK and not isinstance(columns[name], list)]
-        for name, unit in zip(signals, self.units, strict=False):
-            units[name] = units.get(name) or unit
+        names = list(columns)[1:] if next(iter(columns), "").startswith(CLOCK) else list(columns)
+        for name, unit in zip(names, self.units, strict=False):  # where each signal has its times, empty above these
+            if not name.startswith(CLOCK) and not isinstance(columns[name], list):
+                units[name] = units.get(name) or unit
 
     def _even_clock(self, size: int) -> Array | None:
         """Return the times of all rows; None where there are fewer rows than the segments have."""

@@ -21,10 +21,10 @@ _SAME = str.maketrans(
 )
 _EXPONENT = r"(?:[eEdD][-+]?\d+)?"
 _POINT = re.compile(rf"[-+]? ?(?:[1-9]\d{{0,2}}(?:([,' ])\d{{3}})(?:\1\d{{3}})*|\d+)?(?:\.\d*)?{_EXPONENT}")
-_COMMA = re.compile(rf"[-+]? ?(?:[1-9]\d{{0,2}}(?:([.' ])\d{{3}})(?:\1\d{{3}})*|\d+)?(?:,\d*)?{_EXPONENT}")
+_COMMA = re.compile(rf"[-+]? ?(?:[1-9]\d{{0,2}}(?:([.' ])\d{{3}})(?:\1\d{{3}})*|\d+)?(?:,\d+)?{_EXPONENT}")
 _PLAIN = re.compile(rf"[-+]?\d+{_EXPONENT}")
 _NO_NUMBER = re.compile(r"[-+]?nan(?:\(.*\))?|[-+]?1\.#\w+|[-+]?inf(?:inity)?", re.IGNORECASE)
-_FORMULA = re.compile(r'="([^"]*)"')
+_WRAPPED = re.compile(r'="([^"]*)"|(?:np|numpy)\.\w+\(([^()]*)\)|tensor\(([^()]*)\)')  # by a spreadsheet, by repr()
 SWITCHES = {"true": 1.0, "false": 0.0, "on": 1.0, "off": 0.0}
 
 MISSING = frozenset({"", "-", "--", "---", "na", "n/a", "#n/a", "null", "none", "ol", "missing", "?", "*"})
@@ -42,10 +42,10 @@ class Reading:
 
 
 def plain(cell: str) -> str:
-    """Return a cell with ASCII signs, ordinary blanks, and without a spreadsheet's formula around it."""
+    """Return a cell with ASCII signs, ordinary blanks, and without a spreadsheet's or Python's function around it."""
     text = cell.strip().translate(_SAME).strip()
-    formula = _FORMULA.fullmatch(text)
-    return formula[1].strip() if formula else text
+    wrapped = _WRAPPED.fullmatch(text)
+    return next(part for part in wrapped.groups() if part is not None).strip() if wrapped else text
 
 
 def is_missing(cell: str) -> bool:

@@ -22,6 +22,7 @@ from layflat.identify.logs.text.numbers import Decimal, number, plain
 HEAD_LINES = 400  # from which the layout is found
 CHUNK = 200_000  # rows that pandas reads at once
 RIGHT = "give a table with a row a sample"
+CLOCK = "time"  # name of the clock of a table whose heading says the step between samples
 
 
 @dataclass
@@ -31,6 +32,7 @@ class TextTable:
     columns: dict[str, Array | list[str]] = field(default_factory=dict)  # lists of words
     units: dict[str, str] = field(default_factory=dict)  # as stated in a row of units or in the cells
     notes: dict[str, list[str]] = field(default_factory=dict)  # of columns; "" of the table
+    starts: dict[str, float] = field(default_factory=dict)  # first stamps of columns of dates and clock times, s
 
 
 def read_text(path: Path, progress: Progress | None = None) -> TextTable:
@@ -73,6 +75,10 @@ def read_text(path: Path, progress: Progress | None = None) -> TextTable:
     table.notes[""] += table_notes
     _fill(table, layout, cells, words)
     labview.complete(table.columns, table.units)
+    if layout.step > 0.0 and CLOCK not in table.columns:
+        size = max(len(column) for column in table.columns.values())
+        table.columns[CLOCK], table.units[CLOCK] = layout.step * np.arange(size, dtype=np.float64), "s"
+        table.notes[CLOCK] = [f"by the step of {layout.step:g} s in the heading"]
     return table
 
 
@@ -212,6 +218,8 @@ def _fill(table: TextTable, layout: Layout, cells: dict[int, Cells], words: dict
         if column.label and name == str(1 + i) and column.label not in table.columns:
             name = column.label
         table.columns[name], table.notes[name] = column.values, column.notes
+        if column.unit == STAMPED:
+            table.starts[name] = column.start
         stated = layout.units[i] if i < len(layout.units) else ""
         differ = stated and column.unit and column.unit not in {stated, STAMPED}
         table.units[name] = f"{stated} and {column.unit}" if differ else column.unit or stated

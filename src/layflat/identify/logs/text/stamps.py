@@ -60,6 +60,7 @@ class Stamps:
     seconds: Array
     dated: bool
     note: str
+    start: float = 0.0  # the first stamp, s since the start of the first year, or of its day where it has no date
 
 
 def is_stamp(text: str) -> bool:
@@ -78,15 +79,18 @@ def read_stamps(cells: Sequence[str]) -> Stamps | None:
     if known[0].date is None:
         return _of_the_day(parts, known[0].hours)
     orders = ["ymd"] if known[0].order == "ymd" else ["dmy"] if known[0].order in ".-" else ["dmy", "mdy"]
-    readings = [(order, seconds) for order in orders if (seconds := _dated(parts, order)) is not None]
+    readings = [(order, reading) for order in orders if (reading := _dated(parts, order)) is not None]
     if not readings:
         return None
-    if len(readings) == 2 and not np.array_equal(readings[0][1], readings[1][1], equal_nan=True):
-        readings.sort(key=lambda reading: _roughness(reading[1]))
+    if len(readings) == 2 and not np.array_equal(readings[0][1][0], readings[1][1][0], equal_nan=True):
+        readings.sort(key=lambda reading: _roughness(reading[1][0]))
         first = next(plain(cell) for cell in cells if not is_missing(cell))
         order = {"dmy": "day/month", "mdy": "month/day"}[readings[0][0]]
-        return Stamps(readings[0][1], True, f"dates such as {first!r} are read as {order}, which is smoother: check it")
-    return Stamps(readings[0][1], True, "dates and times are read as seconds since the first")
+        note = f"dates such as {first!r} are read as {order}, which is smoother: check it"
+    else:
+        note = "dates and times are read as seconds since the first"
+    since, start = readings[0][1]
+    return Stamps(since, True, note, start)
 
 
 def _bare(known: list[_Stamp]) -> bool:
@@ -134,10 +138,13 @@ def _date_of(part: dict[str, str | None]) -> tuple[tuple[int, int, int] | None, 
     return (year + 2000 if year < 100 else year, month, day), "ymd"
 
 
-def _dated(parts: Sequence[_Stamp | None], order: str) -> Array | None:
-    """Return seconds since the first stamp with the numbers of dates in an order; None where these are no dates."""
+def _dated(parts: Sequence[_Stamp | None], order: str) -> tuple[Array, float] | None:
+    """Return seconds since the first stamp, and that stamp, with the numbers of dates in an order.
+
+    None where these are no dates.
+    """
     seconds = np.full(len(parts), np.nan)
-    start: tuple[int, float] | None = None
+    start: tuple[int, float] | None = None  # day and seconds of the first stamp
     for i, part in enumerate(parts):
         if part is None or part.date is None:
             continue
@@ -149,8 +156,10 @@ def _dated(parts: Sequence[_Stamp | None], order: str) -> Array | None:
             return None
         start = start or (days, part.seconds)
         seconds[i] = DAY * (days - start[0]) + (part.seconds - start[1]) + part.fraction
-    since: Array = seconds - seconds[np.flatnonzero(np.isfinite(seconds))[0]]
-    return since
+    if start is None:
+        return None
+    offset = float(seconds[np.flatnonzero(np.isfinite(seconds))[0]])
+    return seconds - offset, DAY * start[0] + start[1] + offset
 
 
 def _roughness(seconds: Array) -> float:
@@ -176,4 +185,4 @@ def _of_the_day(parts: Sequence[_Stamp | None], hours: bool) -> Stamps:
         note += f", on past {passed} at sample {known[back[0]] + 2}"
     result = np.full(len(parts), np.nan)
     result[known] = clock - clock[0]
-    return Stamps(result, False, note)
+    return Stamps(result, False, note, float(seconds[known[0]] + fractions[known[0]]))
