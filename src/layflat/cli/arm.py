@@ -51,6 +51,9 @@ def import_robot(
         list[str] | None,
         typer.Option(help='joints of hose: MACHINE:JOINT, or "NAME=MACHINE:JOINT" for one of the arm\'s; repeatable'),
     ] = None,
+    base: Annotated[
+        str, typer.Option("--from", metavar="LINK", help="that the arm stands on, held still  [default: the base]")
+    ] = "",
     to: Annotated[str, typer.Option(metavar="LINK", help="where the arm ends, in a robot with several")] = "",
     tool: Annotated[str, typer.Option(metavar="FRAME", help="link, body or site at the tip")] = "",
     stroke: Annotated[
@@ -80,6 +83,7 @@ def import_robot(
     found = import_arm(
         file,
         joints=joints or [],
+        base=base,
         to=to,
         tool=tool,
         name=name,

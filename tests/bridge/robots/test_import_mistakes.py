@@ -33,16 +33,16 @@ WRONG: list[tuple[dict[str, str], dict[str, Any], str]] = [
     ({"bolts": joint("bolts", "fixed", "lower", "flange")}, {}, "link 'flange': hangs on itself: a closed chain; an "
      "arm here is an open chain"),
     ({"shoulder": without(SHOULDER, "revolute", "prismatic"), "more": FEATHER + SECOND}, {}, "joint 'shoulder': is "
-     "prismatic; joints of hose turn about an axis; to hold it still, make it fixed"),
+     "prismatic; joints of hose turn about an axis; for the arm that stands on it: --from upper"),
     # joints
     ({"elbow": without(ELBOW, "revolute", "prismatic")}, {}, "joint 'elbow': is prismatic; joints of hose turn about "
      "an "
      "axis; to end the arm before it: --to flange"),
     ({"shoulder": without(SHOULDER, "revolute", "floating")}, {}, "joint 'shoulder': is floating; the base of an arm "
-     "stands still: make it fixed"),
+     "stands still: --from upper"),
     ({"shoulder": without(SHOULDER, "revolute", "planar")}, {}, "joint 'shoulder': is planar; the base of an arm "
      "stands "
-     "still: make it fixed"),
+     "still: --from upper"),
     ({"elbow": without(ELBOW, "revolute", "revolut")}, {}, "joint 'elbow': has the unknown type 'revolut'; did you "
      "mean "
      "'revolute'?"),

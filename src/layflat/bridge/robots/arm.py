@@ -14,6 +14,7 @@ from layflat.bridge.robots.mesh_files import with_meshes
 from layflat.bridge.robots.names import machine_name, translated, with_key_names
 from layflat.bridge.robots.read import read_robot
 from layflat.bridge.robots.serial import Serial, serial
+from layflat.bridge.robots.standing import stand_on
 from layflat.bridge.robots.strokes import ROOM, Turning, strokes
 from layflat.bridge.robots.template import templates
 from layflat.description.names import file_name
@@ -86,6 +87,7 @@ def import_arm(
     file: Path,
     *,
     joints: Sequence[str] = (),
+    base: str = "",
     to: str = "",
     tool: str = "",
     name: str = "",
@@ -100,6 +102,7 @@ def import_arm(
         file: the file.
         joints: which joints of hose: "MACHINE:JOINT" for all, "NAME=MACHINE:JOINT" for one; default: the paper's small
             joint.
+        base: body that the arm stands on, which is held still; default: the robot's base.
         to: body that the chain of joints ends at, of a robot with several.
         tool: frame of tip and payload.
         name: of the machine; default: that of the robot.
@@ -113,6 +116,8 @@ def import_arm(
         MissingExtraError: an MJCF, and MuJoCo is not installed.
     """
     robot = read_robot(file, meshes=meshes)
+    if base:
+        robot = stand_on(robot, base)
     if gravity is not None:
         robot = replace(robot, gravity=np.array(gravity, float))
     chain, renamed = with_key_names(with_meshes(serial(robot, to=to, tool=tool), packages or {}))

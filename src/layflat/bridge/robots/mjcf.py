@@ -84,10 +84,16 @@ class _Model:
             bodies,
             links,
             frames,
-            model.opt.gravity.copy(),
+            self._gravity(),
             self._loops(),
             self._left_out(),
         )
+
+    def _gravity(self) -> Array:
+        """Return gravity, m/s2, which an option may name and a flag switch off."""
+        gravity: Array = self.model.opt.gravity.copy()
+        disabled = self.model.opt.disableflags & self.mj.mjtDisableBit.mjDSBL_GRAVITY
+        return np.zeros(3) if disabled else gravity
 
     def _axes(self, quaternion: Array) -> Array:
         axes = np.zeros(9)

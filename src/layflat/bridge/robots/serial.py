@@ -143,9 +143,9 @@ class _Chooser:
                 if link is not joints[0]:
                     right += f"; to end the arm before it: --to {link.parent}"
                 elif link.kind in {"floating", "planar"}:
-                    right = "the base of an arm stands still: make it fixed"
+                    right = f"the base of an arm stands still: --from {link.child}"
                 else:
-                    right += "; to hold it still, make it fixed"
+                    right += f"; for the arm that stands on it: --from {link.child}"
                 self._refuse(f"joint {link.name!r}", f"is {link.kind}", right)
             if link.axis is None or float(np.abs(link.axis).max()) < NO_WAY**0.5:
                 what = "has no axis" if link.axis is None else "has an axis without direction"

@@ -13,7 +13,7 @@ from layflat.bridge.pieces import BODY
 from layflat.bridge.robots.robot import FIXED, HINGE, SLIDE, Body, Inertial, Link, Look, Mimic, Pose, Robot, at
 from layflat.description.hints import did_you_mean
 from layflat.errors import InputError
-from layflat.physics.arms.bodies import moments, turned_by
+from layflat.physics.arms.bodies import about, moments, turn_of, turned_by
 
 KINDS = {"revolute": HINGE, "continuous": HINGE, "fixed": FIXED, "prismatic": SLIDE}
 OTHERS = ("floating", "planar")
@@ -224,9 +224,19 @@ class _Reader:
         origin = element.find("origin")
         if origin is None:
             return at((0.0, 0.0, 0.0))
+        if origin.get("quat_xyzw") is not None:
+            what = "has an orientation as quat_xyzw, which most readers skip without a word"
+            self._refuse(f"{where}: origin", what, f'give rpy="{self._rpy(origin, where)}" in its place')
         turn = self._numbers(origin, "rpy", 3, f"{where}: origin", (0.0, 0.0, 0.0))
         place = self._numbers(origin, "xyz", 3, f"{where}: origin", (0.0, 0.0, 0.0))
         return Pose(turned_by(turn), np.array(place))
+
+    def _rpy(self, origin: Element, where: str) -> str:
+        """Return the angles that are the same as an orientation in a quaternion."""
+        x, y, z, w = self._numbers(origin, "quat_xyzw", 4, f"{where}: origin", None)
+        angle, way = 2.0 * np.arctan2(np.hypot(np.hypot(x, y), z), w), np.array([x, y, z])
+        axes = about(way / np.linalg.norm(way), angle) if way.any() else np.eye(3)
+        return " ".join(f"{value + 0.0:.9g}" for value in turn_of(axes))
 
     def _numbers(
         self, element: Element, key: str, count: int, where: str, otherwise: tuple[float, ...] | None
