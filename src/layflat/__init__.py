@@ -4,15 +4,9 @@ The names below are loaded when they are first used, so that importing layflat c
 """
 
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-if TYPE_CHECKING:
-    from layflat.design import design_joint, size_joint
-    from layflat.machine import Machine, changed, load, names
-    from layflat.sim import Scenario, rollout
-    from layflat.sim.ensemble import ensemble
-
-__version__ = "0.1.0"
+from layflat._version import __version__ as __version__
 
 _HOMES = {
     "Machine": "layflat.machine",

@@ -110,12 +110,12 @@ def test_built_in_studies_are_listed_and_can_be_started_from(tmp_path: Path) -> 
 
 STOPPED = """
 import sys
-from layflat.study import runs
+from layflat.study import chunks
 
 def stopped(*words, **options):
     raise KeyboardInterrupt
 
-runs.ensemble = stopped
+chunks.ensemble = stopped
 sys.argv = ["layflat", "study", "study.toml", "--out", "out"]
 from layflat.cli import main
 main()

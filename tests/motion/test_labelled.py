@@ -10,8 +10,8 @@ import xarray
 from layflat.arrays import Array
 from layflat.description import units as u
 from layflat.errors import InputError
-from layflat.motion.signal_rows import Sampling, expand_signal
-from layflat.motion.signal_values import SignalKind, single_kind
+from layflat.motion.signal_rows import expand_signal
+from layflat.motion.signal_values import Sampling, SignalKind, single_kind
 
 pandas = pytest.importorskip("pandas")
 

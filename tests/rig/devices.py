@@ -14,7 +14,7 @@ import numpy as np
 from layflat import changed, load
 from layflat.machine.model import Machine
 from layflat.rig.clock import Clock, VirtualClock
-from layflat.rig.device.exchange import Link, Spoil
+from layflat.rig.device.link import Link, Spoil
 from layflat.rig.device.modbus_server import ModbusStation
 from layflat.rig.device.process import DeviceProcess, ModbusPort, SerialPort
 from layflat.rig.device.serial_server import SerialStation

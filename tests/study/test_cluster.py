@@ -11,8 +11,9 @@ import pytest
 from studies import SMALL, written
 
 from layflat.errors import InputError
-from layflat.study import Study, cluster, read, run, runs
-from layflat.study.runs import _work, made_with, measured_there
+from layflat.study import Study, chunks, cluster, read, run
+from layflat.study.chunks import made_with, measured_there
+from layflat.study.runs import _work
 
 distributed = pytest.importorskip("distributed")
 
@@ -40,7 +41,7 @@ def die_in_a_chunk(when: Path) -> None:
             time.sleep(0.01)
         os.kill(os.getpid(), signal.SIGKILL)
 
-    runs.measured = killed
+    chunks.measured = killed
 
 
 def test_a_lost_worker_changes_nothing(tmp_path: Path, study: Study, client: Any) -> None:

@@ -1,7 +1,7 @@
 """ArUco markers and ChArUco boards: one rule of what OpenCV can read, for the scene's textures and for detection."""
 
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -9,11 +9,35 @@ from layflat.arrays import Picture
 from layflat.cell.extras import opencv
 from layflat.errors import CameraError
 
-if TYPE_CHECKING:
-    from layflat.cell.file.imaging import Board
-    from layflat.cell.vision.boards import CharucoBoard
-
 PIXELS = 48  # side of a square in a drawn picture, px
+
+
+class BoardSizes(Protocol):
+    """Sizes of a ChArUco board, as a cell describes it or a calibration is given it."""
+
+    @property
+    def columns(self) -> int:
+        """Squares side by side."""
+
+    @property
+    def rows(self) -> int:
+        """Squares one above the other."""
+
+    @property
+    def square(self) -> float:
+        """Side of a square, m."""
+
+    @property
+    def marker(self) -> float:
+        """Side of a marker, m."""
+
+    @property
+    def dictionary(self) -> str:
+        """OpenCV's name of the markers' dictionary."""
+
+    @property
+    def first_id(self) -> int:
+        """Number of its first marker; the others follow."""
 
 
 @lru_cache
@@ -31,14 +55,14 @@ def dictionary(name: str, last: int) -> Any:
     return words
 
 
-def charuco(board: "Board | CharucoBoard") -> Any:
+def charuco(board: BoardSizes) -> Any:
     """Return a board as `cv2.aruco.CharucoBoard`: its corners count from the first, x right, y down in its picture."""
     markers = np.arange(board.first_id, board.first_id + board.columns * board.rows // 2)
     words = dictionary(board.dictionary, int(markers[-1]))
     return opencv().aruco.CharucoBoard((board.columns, board.rows), board.square, board.marker, words, markers)
 
 
-def board_picture(board: "Board | CharucoBoard") -> Picture:
+def board_picture(board: BoardSizes) -> Picture:
     """Return the board without a margin, grey."""
     drawn: Picture = charuco(board).generateImage((PIXELS * board.columns, PIXELS * board.rows))
     return drawn

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from layflat import __version__
+from layflat._version import __version__
 from layflat.cli.lazy import LazyTyper
 from layflat.errors import InputError
 

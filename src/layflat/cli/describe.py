@@ -59,8 +59,8 @@ def check(machine: MachineName) -> None:
         typer.echo(f"{machine}: a valid description of a test bench")
         return
     from layflat.design.characteristic import stencils  # noqa: PLC0415
-    from layflat.design.rules import Finding  # noqa: PLC0415
-    from layflat.design.summary import design_joint  # noqa: PLC0415
+    from layflat.design.findings import Finding  # noqa: PLC0415
+    from layflat.design.joint import design_joint  # noqa: PLC0415
     from layflat.machine import load  # noqa: PLC0415
     from layflat.machine.stale import counted_twice, stale_values  # noqa: PLC0415
     from layflat.motion.levers import joints_beside_tip  # noqa: PLC0415

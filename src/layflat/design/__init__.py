@@ -13,15 +13,16 @@ if TYPE_CHECKING:
     from layflat.design.characteristic import Characteristic, of_cylinder, wrapped_hose
     from layflat.design.crude_table import Table1, Table1Constants, table1
     from layflat.design.drawing import cam_sheet, layout_sheet, write_drawings
+    from layflat.design.findings import Finding, refuse_errors
+    from layflat.design.joint import design_joint
     from layflat.design.measured import read_characteristic
     from layflat.design.outline import Outline, cam_outline
     from layflat.design.plates import Plate, of_plate
     from layflat.design.request import HOSE_WIDTHS, SizingRequest
-    from layflat.design.rules import Finding, refuse_errors
     from layflat.design.sizing import Sized, size_joint
     from layflat.design.strap import StrapStress, strap_stress
     from layflat.design.straplines import Lines, RollerLine, ShellLine
-    from layflat.design.summary import Air, JointDesign, Mass, design_joint
+    from layflat.design.summary import Air, JointDesign, Mass
 
 __all__ = [
     "HOSE_WIDTHS", "Air", "Cam", "Characteristic", "Finding", "JointDesign", "Lines", "Mass", "Outline", "Plate",

@@ -3,20 +3,14 @@
 An "error" is what can't be made or breaks, a "warning" what works badly, a "note" what the maker should know.
 """
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator
 from math import degrees, pi, radians
-from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from layflat.errors import DesignError
+from layflat.design.findings import ORDER, Finding, Severity
+from layflat.design.summary import JointDesign
 
-if TYPE_CHECKING:
-    from layflat.design.summary import JointDesign
-
-Severity = Literal["error", "warning", "note"]
-ORDER: tuple[Severity, ...] = ("error", "warning", "note")
 Found = Iterator[tuple[Severity, str, str, str, str]]
 """Severity, rule, key within the joint, what is so, and what would be right or what it leads to."""
 
@@ -29,22 +23,7 @@ SLACK = radians(1e-6)
 LEAST_SLOT = 0.5e-3
 
 
-@dataclass(frozen=True)
-class Finding:
-    """One thing that was found."""
-
-    severity: Severity  # "error", "warning" or "note"
-    rule: str  # short name of the rule
-    where: str  # machine, joint and key
-    what: str  # what is so, with its value
-    right: str = ""  # what would be right, or what it leads to
-
-    def __str__(self) -> str:
-        text = f"{self.where}: {self.what}"
-        return f"{text}; {self.right}" if self.right else text
-
-
-def check(design: "JointDesign") -> tuple[Finding, ...]:
+def check(design: JointDesign) -> tuple[Finding, ...]:
     """Return the findings of all rules, worst first."""
     found = [
         Finding(severity, rule, f"{design.where}.{key}" if key else design.characteristic.source, what, right)
@@ -54,14 +33,7 @@ def check(design: "JointDesign") -> tuple[Finding, ...]:
     return tuple(sorted(found, key=lambda finding: ORDER.index(finding.severity)))
 
 
-def refuse_errors(findings: Sequence[Finding]) -> None:
-    """Raise the first error among findings, if there is one, as DesignError with its text."""
-    for finding in findings:
-        if finding.severity == "error":
-            raise DesignError(finding.what, where=finding.where, right=finding.right)
-
-
-def _sizes(design: "JointDesign") -> Found:
+def _sizes(design: JointDesign) -> Found:
     wrap, cam = design.joint.hose.wrap, design.cam
     if wrap > WRAP_GREATEST + SLACK:
         right = "at most 180 deg; up to 120 deg works well"
@@ -80,7 +52,7 @@ def _sizes(design: "JointDesign") -> Found:
         yield "error", "strap width", "strap.width", what, f"at most {hose:.4g} mm"
 
 
-def _strap(design: "JointDesign") -> Found:
+def _strap(design: JointDesign) -> Found:
     for stress in design.stresses:
         what = (
             f"{stress.total / 1e6:.4g} MPa over the {stress.place} (tension {stress.tensile / 1e6:.4g}, bending over "
@@ -115,7 +87,7 @@ def _strap(design: "JointDesign") -> Found:
             yield "note", "slot", offset, what, right
 
 
-def _torque(design: "JointDesign") -> Found:
+def _torque(design: JointDesign) -> Found:
     characteristic, working = design.characteristic, design.joint.stops.working_stroke
     if design.stroke < working - SLACK:
         what = f"{degrees(working):.4g} deg, but the hose turns the output by {degrees(design.stroke):.4g} deg only"

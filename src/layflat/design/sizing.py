@@ -13,12 +13,14 @@ from tempfile import TemporaryDirectory
 from layflat.design import straplines
 from layflat.design.cam import Cam, synthesise
 from layflat.design.characteristic import Characteristic, of_cylinder
+from layflat.design.findings import Finding
+from layflat.design.joint import design_joint
 from layflat.design.outline import cam_outline
 from layflat.design.request import CONTACT_SHARE, RESERVE, SizingRequest, hoses_and_cylinders, too_much
-from layflat.design.rules import LEAST_SLOT, Finding
+from layflat.design.rules import LEAST_SLOT
 from layflat.design.sized import SizedJoint, description
 from layflat.design.strap import choose_strap
-from layflat.design.summary import JointDesign, design_joint
+from layflat.design.summary import JointDesign
 from layflat.errors import DesignError
 from layflat.files import write_text
 from layflat.machine import Joint, Machine, load

@@ -3,19 +3,17 @@
 from dataclasses import dataclass
 from functools import cached_property
 from math import pi
-from pathlib import Path
 
 import numpy as np
 
 from layflat.arrays import Array
-from layflat.design import straplines
-from layflat.design.cam import Cam, synthesise
-from layflat.design.characteristic import Characteristic, Through, of_cylinder, spline
-from layflat.design.outline import Outline, cam_outline
-from layflat.design.rules import Finding, check, refuse_errors
+from layflat.design.cam import Cam
+from layflat.design.characteristic import Characteristic
+from layflat.design.findings import Finding
+from layflat.design.outline import Outline
 from layflat.design.strap import StrapStress, strap_stress
-from layflat.errors import DesignError, MachineError
-from layflat.machine import Joint, Machine, load
+from layflat.errors import DesignError
+from layflat.machine import Joint, Machine
 from layflat.machine.mass import part_masses
 from layflat.physics.air import GAS_CONSTANT, NORMAL_DENSITY
 
@@ -57,6 +55,7 @@ class JointDesign:
     characteristic: Characteristic  # force of one hose over its travel
     cam: Cam | None  # the exact cam; None with a round roller
     outline: Outline | None  # the cam as a part to be cut; None with a round roller
+    findings: tuple[Finding, ...] = ()  # what the design rules find, worst first
 
     @property
     def where(self) -> str:
@@ -67,11 +66,6 @@ class JointDesign:
     def joint(self) -> Joint:
         """The described joint."""
         return self.machine.joint[self.name]
-
-    @cached_property
-    def findings(self) -> tuple[Finding, ...]:
-        """What the design rules find, worst first."""
-        return check(self)
 
     @cached_property
     def stresses(self) -> tuple[StrapStress, ...]:
@@ -148,47 +142,3 @@ class JointDesign:
         if self.cam is None:
             raise DesignError('"roller"', where=f"{self.where}.output.kind", right='give "cam" to have one')
         return self.cam
-
-
-def design_joint(
-    machine: str | Path | Machine, joint: str | None = None, *, measured: Characteristic | None = None,
-    bore: float | None = None, strict: bool = True, through: Through = spline,
-) -> JointDesign:  # fmt: skip
-    """Design one joint of a machine.
-
-    The cam keeps stroke and mean torque of the round roller of output.radius, as the machine's parameters do.
-
-    Args:
-        machine: a machine, its built-in name, or its file.
-        joint: the joint's name; not needed where there is one only.
-        measured: a measured curve in place of Eq. (1), from `read_characteristic`.
-        bore: diameter of the cam's bore, m.
-        strict: raise the first error that the rules find; otherwise it stands among the findings only.
-        through: lays a curve through what Eq. (1) gives; `stencils` finds the same without SciPy.
-
-    Raises:
-        MachineError: there is no such machine or joint.
-        DesignError: it can't be made, in one line that says why.
-    """
-    machine = load(machine)
-    names = list(machine.joints)
-    if joint is None and len(names) > 1:
-        raise MachineError("the joint is missing", where=machine.origin, right=f"name one of {', '.join(names)}")
-    name = joint or names[0]
-    if name not in machine.joint:
-        raise MachineError(f"unknown joint {name!r}", where=machine.origin, right=f"name one of {', '.join(names)}")
-    described = machine.joint[name]
-    characteristic = measured or of_cylinder(described, through=through)
-    cam = outline = None
-    if described.output.kind == "cam":
-        try:
-            stroke = characteristic.full_travel / described.output.radius
-            cam = synthesise(characteristic, straplines.of_joint(described), stroke)
-            outline = cam_outline(cam, bore) if cam.convex else None
-        except DesignError as error:
-            where = f"{machine.origin}: joint.{name}.output"
-            raise DesignError(error.what, where=where, right=error.right) from None
-    design = JointDesign(machine, name, machine.supply.pressure_gauge, characteristic, cam, outline)
-    if strict:
-        refuse_errors(design.findings)
-    return design

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
-import layflat
+from layflat._version import __version__
 from layflat.experiments.axis_one import TWICE
 from layflat.experiments.claim import Claim, texts_of
 from layflat.experiments.limits import AT, DURATION, WINDOWS
@@ -71,7 +71,7 @@ def write_report(found: Reproduction, assumed: list[Line], path: Path, answers: 
         "layflat.experiments",
         "report.html.j2",
         machine=found.bench.arm.title,
-        version=layflat.__version__,
+        version=__version__,
         summary=found.summary,
         claims=found.claims,
         number=number,

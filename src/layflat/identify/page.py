@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-import layflat
+from layflat._version import __version__
 from layflat.files import write_text
 from layflat.identify.fit import Fit
 from layflat.identify.identification import Identification
@@ -30,7 +30,7 @@ def write_page(session: Identification, found: Fit, path: Path) -> Path:
     html = page(
         "layflat.identify",
         "identified.html.j2",
-        version=layflat.__version__,
+        version=__version__,
         name=session.path.stem,
         session=session,
         found=found,

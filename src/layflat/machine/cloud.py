@@ -11,7 +11,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-from layflat import __version__
+from layflat._version import __version__
 from layflat.description.library import Layer
 from layflat.description.provenance import Provenance
 from layflat.description.tables import Plain, leaves

@@ -5,15 +5,12 @@ period is shorter than two readings does not.
 """
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from layflat.arrays import Array
 from layflat.errors import InputError
-
-if TYPE_CHECKING:
-    from layflat.motion.signal_rows import Sampling
+from layflat.motion.signal_values import Sampling
 
 MAX_TRIED = 2000  # control cycles in which a function is evaluated once more
 GOLDEN = 0.6180339887498949  # fractions of cycles that never repeat
@@ -24,7 +21,7 @@ MAX_EXCESS_OF_CHANGE = 0.23  # the same over the rms change from reading to read
 ROUNDING = 1e-9  # of the largest value
 
 
-def check_function_rate(function: Callable[[Array], Array], rows: Array, sampling: "Sampling", where: str) -> None:
+def check_function_rate(function: Callable[[Array], Array], rows: Array, sampling: Sampling, where: str) -> None:
     """Refuse a function of time that changes too fast for the control cycles.
 
     Args:
@@ -44,7 +41,7 @@ def check_function_rate(function: Callable[[Array], Array], rows: Array, samplin
     _refuse(between, rows[first], rows[first + 1], sampling, where)
 
 
-def check_table_rate(times: Array, values: Array, rows: Array, sampling: "Sampling", where: str) -> None:
+def check_table_rate(times: Array, values: Array, rows: Array, sampling: Sampling, where: str) -> None:
     """Refuse a table whose rows between the control cycles go elsewhere than those in them.
 
     Args:
@@ -64,7 +61,7 @@ def check_table_rate(times: Array, values: Array, rows: Array, sampling: "Sampli
     _refuse(values[inside], rows[first], rows[first + 1], sampling, where)
 
 
-def _refuse(between: Array, before: Array, after: Array, sampling: "Sampling", where: str) -> None:
+def _refuse(between: Array, before: Array, after: Array, sampling: Sampling, where: str) -> None:
     low, high = np.minimum(before, after), np.maximum(before, after)
     excess = np.sqrt(np.mean(np.maximum(0.0, np.maximum(between - high, low - between)) ** 2, axis=0))
     deviation = np.std(np.concatenate([between, before]), axis=0)

@@ -6,7 +6,7 @@ that it had, and before the first step all have the value that they start with.
 
 from collections.abc import Callable, Sequence
 from itertools import pairwise
-from typing import Any, NamedTuple, Protocol, TypeGuard
+from typing import Any, Protocol, TypeGuard
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +17,7 @@ from layflat.errors import InputError
 from layflat.jit.outside import NO_FAILURES
 from layflat.motion.aliasing import check_function_rate, check_table_rate
 from layflat.motion.labelled import is_labelled, labelled_row, labelled_steps
-from layflat.motion.signal_values import Angles, SignalKind, Value, check_real, read_number, read_row
+from layflat.motion.signal_values import Angles, Sampling, SignalKind, Value, check_real, read_number, read_row
 
 
 class Labelled(Protocol):
@@ -34,23 +34,6 @@ Signal = Angles | Steps | Callable[[float], Angles] | Array | Labelled
 (a DataFrame or Series of pandas, a DataArray of xarray) with times in its index and joints as names."""
 
 TIME_ROUNDING = 1e-9  # by which a time may miss a control cycle, s
-
-
-class Sampling(NamedTuple):
-    """Instants at which a signal is read: the beginnings of control cycles."""
-
-    cycle: float  # s
-    cycles: int
-
-    @property
-    def times(self) -> Array:
-        """The instants, s, (cycles,)."""
-        return self.cycle * np.arange(self.cycles, dtype=float)
-
-    @property
-    def end(self) -> float:
-        """End of the last cycle, s."""
-        return self.cycle * self.cycles
 
 
 def expand_signal(signal: Any, kind: SignalKind, before: Array, sampling: Sampling) -> Array:

@@ -43,6 +43,23 @@ class SignalKind(NamedTuple):
         )  # fmt: skip
 
 
+class Sampling(NamedTuple):
+    """Instants at which a signal is read: the beginnings of control cycles."""
+
+    cycle: float  # s
+    cycles: int
+
+    @property
+    def times(self) -> Array:
+        """The instants, s, (cycles,)."""
+        return self.cycle * np.arange(self.cycles, dtype=float)
+
+    @property
+    def end(self) -> float:
+        """End of the last cycle, s."""
+        return self.cycle * self.cycles
+
+
 def single_kind(where: str, quantity: u.Quantity | None) -> SignalKind:
     """Return the kind of a signal that all joints share."""
     return SignalKind(where, quantity, (where,), "")

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import xarray
 
-import layflat
+from layflat._version import __version__
 from layflat.arrays import Array
 from layflat.control import CONTROL_LAWS
 from layflat.errors import InputError
@@ -48,7 +48,7 @@ def dataset(machine: Machine, scenario: Scenario, prepared: Prepared, rows: Arra
     run.attrs = {
         "machine": machine.model_dump_json(),
         "machine_name": machine.name,
-        "layflat_version": layflat.__version__,
+        "layflat_version": __version__,
         "seed": scenario.seed,
         "step": timing.cycle / timing.steps,
         "scenario": json.dumps({k: v for k, v in asdict(scenario).items() if isinstance(v, (str, float, int, bool))}),

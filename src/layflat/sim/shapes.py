@@ -13,8 +13,8 @@ from layflat.machine import Machine, parameters
 from layflat.machine.signal_ranges import check_signal
 from layflat.motion.kinematics import tip_position
 from layflat.motion.rates import derived_rates, lasting_rate
-from layflat.motion.signal_rows import Sampling, expand_signal
-from layflat.motion.signal_values import SignalKind, single_kind
+from layflat.motion.signal_rows import expand_signal
+from layflat.motion.signal_values import Sampling, SignalKind, single_kind
 from layflat.motion.tip_demand import axes_of, demand_of_tip
 from layflat.physics.noise import sensor_noise
 from layflat.sim.kernel import Signals

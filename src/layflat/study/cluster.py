@@ -8,19 +8,17 @@ from typing import TYPE_CHECKING, Any
 
 from layflat.errors import InputError, LayflatError
 from layflat.extras import module
-from layflat.study.runs import made_with, measured_there
+from layflat.study.chunks import Work, made_with, measured_there
 from layflat.study.study import Study
 
 if TYPE_CHECKING:
     import pyarrow
 
-    from layflat.study.runs import Work
-
 PATIENCE = 4.0  # a scheduler has to answer within, s
 AHEAD = 64  # chunks that wait at the scheduler, beside two for every thread: new workers find work at once
 
 
-def on_cluster(study: Study, work: "Work", scheduler: str) -> "Iterator[tuple[int, pyarrow.Table]]":
+def on_cluster(study: Study, work: Work, scheduler: str) -> "Iterator[tuple[int, pyarrow.Table]]":
     """Yield chunks of a study as they get done, in any order.
 
     Raises:
@@ -39,7 +37,7 @@ def on_cluster(study: Study, work: "Work", scheduler: str) -> "Iterator[tuple[in
         client.close()
 
 
-def _done(client: Any, study: Study, work: "Work") -> "Iterator[tuple[int, pyarrow.Table]]":
+def _done(client: Any, study: Study, work: Work) -> "Iterator[tuple[int, pyarrow.Table]]":
     from distributed import as_completed  # noqa: PLC0415
 
     waiting, numbers, own = iter(work), {}, made_with(study)

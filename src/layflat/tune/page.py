@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-import layflat
+from layflat._version import __version__
 from layflat.description.provenance import Provenance
 from layflat.files import write_text
 from layflat.machine import Machine
@@ -57,7 +57,7 @@ def write_page(tuning: Tuning, tuned: Machine, before: Validation | None, after:
         "tuning.html.j2",
         machine=tuning.base.name,
         title=tuning.base.title,
-        version=layflat.__version__,
+        version=__version__,
         command=tuning.command,
         generations=len(tuning.history) - 1,
         seconds=f"{tuning.seconds:.1f}",

@@ -10,7 +10,7 @@ from devices import ARM, WIRE, FakeDevice
 
 from layflat.errors import OutputError
 from layflat.rig.clock import VirtualClock
-from layflat.rig.device.exchange import Spoil
+from layflat.rig.device.link import Spoil
 from layflat.rig.device.serial_server import SerialStation
 from layflat.rig.wire import frames
 

@@ -17,7 +17,8 @@ from devices import ARM, WIRE, Threaded, angle_after, heal, spoil, truth
 
 from layflat import changed, load
 from layflat.machine.model import Machine
-from layflat.rig.device.exchange import LATE, Spoil
+from layflat.rig.device.exchange import LATE
+from layflat.rig.device.link import Spoil
 from layflat.rig.device.process import ModbusPort, SerialPort
 from layflat.rig.driver import Capabilities, Command, DeviceState, Driver, DriverError, Lifecycle, LinkError
 from layflat.rig.drivers.address import driver_of

@@ -4,7 +4,7 @@ from controllers import Controller
 
 from layflat.machine import Machine, load, parameters
 from layflat.rig.clock import SECOND, VirtualClock
-from layflat.rig.device.exchange import Spoil
+from layflat.rig.device.link import Spoil
 from layflat.rig.device.virtual import VirtualDevice
 from layflat.rig.driver import Command, DeviceState, DriverError, Lifecycle, LinkError
 from layflat.rig.drivers.simulated import SimulatedDriver

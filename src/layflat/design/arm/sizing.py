@@ -20,11 +20,12 @@ from layflat.design.arm.links import tube
 from layflat.design.arm.moves import Moves, moves_of
 from layflat.design.arm.task import ArmTask, JointTask
 from layflat.design.arm.valves import choose, sold_valves, valve_sizes
+from layflat.design.findings import Finding
+from layflat.design.joint import design_joint
 from layflat.design.request import CHOSEN_RATIO, CONTACT_SHARE, HOSE_WIDTHS, RANGES, RESERVE, SizingRequest
-from layflat.design.rules import Finding
 from layflat.design.sized import BRAKE_SHARE
 from layflat.design.sizing import model, size_joint
-from layflat.design.summary import JointDesign, design_joint
+from layflat.design.summary import JointDesign
 from layflat.errors import DesignError
 from layflat.files import write_text
 from layflat.machine import Machine

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
-import layflat
+from layflat._version import __version__
 from layflat.experiments.beyond import settling
 from layflat.experiments.beyond.comparison import TRACKING, Comparison
 from layflat.experiments.beyond.moves import POSTURES
@@ -112,7 +112,7 @@ def write_page(found: Comparison, path: Path) -> Path:
         "layflat.experiments.beyond",
         "beyond.html.j2",
         machine=found.machine.title,
-        version=layflat.__version__,
+        version=__version__,
         robust=STATEMENT,
         postures=POSTURES,
         heaviest=f"{heaviest(found.machine):g}",

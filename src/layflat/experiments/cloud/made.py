@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from layflat import __version__
+from layflat._version import __version__
 from layflat.arrays import Array
 from layflat.experiments.cloud.open import NAMES, texts
 from layflat.files import write_text

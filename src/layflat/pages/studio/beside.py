@@ -3,7 +3,7 @@
 from collections import OrderedDict
 from pathlib import Path
 
-from layflat.design.rules import Finding
+from layflat.design.findings import Finding
 from layflat.errors import LayflatError
 from layflat.machine.model import Machine
 from layflat.pages.studio.design import Design

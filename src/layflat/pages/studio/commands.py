@@ -8,7 +8,7 @@ from nicegui import ui
 
 from layflat import extras
 from layflat.design.drawing import write_drawings
-from layflat.design.rules import refuse_errors
+from layflat.design.findings import refuse_errors
 from layflat.errors import DesignError, MissingExtraError
 from layflat.files import write_text
 from layflat.pages.look import theme

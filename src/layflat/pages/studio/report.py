@@ -6,9 +6,9 @@ from typing import Self
 import numpy as np
 from matplotlib.figure import Figure
 
-import layflat
+from layflat._version import __version__
 from layflat.description.quantity import Quantity as Kind
-from layflat.design.rules import Finding
+from layflat.design.findings import Finding
 from layflat.pages.studio.cloud import LEVELS, Cloud, Step, Tolerances
 from layflat.pages.studio.design import Design
 from layflat.pages.studio.results import Figures, differences, drawing
@@ -50,7 +50,7 @@ def report(session: Content) -> str:
     compared = [*(other.quantities if other else []), *(other_cloud.quantities if other_cloud else [])]
     return page(
         "layflat.pages.studio", "report.html.j2",
-        machine=design.machine.name, title=design.machine.title, joint=session.step.joint, version=layflat.__version__,
+        machine=design.machine.name, title=design.machine.title, joint=session.step.joint, version=__version__,
         base=design.opened.given, changes=changes(session), compared=kept is not None,
         figures=[(a.name, a.text, b.text if b else "", more) for a, b, more in differences(now, compared)],
         findings=[(one.severity, str(one)) for one in session.findings],

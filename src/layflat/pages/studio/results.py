@@ -9,9 +9,10 @@ import numpy as np
 
 from layflat.arrays import Array
 from layflat.design.drawing import MM, cam_sheet, layout_sheet
-from layflat.design.rules import ORDER, Finding
+from layflat.design.findings import ORDER, Finding
+from layflat.design.joint import design_joint
 from layflat.design.sheet import Path as Line
-from layflat.design.summary import JointDesign, design_joint
+from layflat.design.summary import JointDesign
 from layflat.design.svg import svg_text
 from layflat.errors import DesignError
 from layflat.machine.model import Machine
@@ -115,11 +116,9 @@ class Designer:
 
 def _designed(machine: Machine, name: str) -> JointDesign | Finding:
     try:
-        made = design_joint(machine, name, strict=False)
-        _ = made.findings  # found here, in the thread that designs
+        return design_joint(machine, name, strict=False)
     except DesignError as error:
         return Finding("error", "design", error.where, error.what, error.right)
-    return made
 
 
 def drawing(figures: Figures, beside: Figures | None = None, *, layout: bool = False) -> str:

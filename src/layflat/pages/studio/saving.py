@@ -9,7 +9,7 @@ from typing import Any
 
 from layflat.description.names import file_name
 from layflat.description.tables import Plain
-from layflat.design.rules import Finding
+from layflat.design.findings import Finding
 from layflat.errors import InputError
 from layflat.files import whole_file
 from layflat.machine.cloud import parted

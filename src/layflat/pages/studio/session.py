@@ -6,7 +6,7 @@ from collections.abc import Awaitable, Callable
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal, TypeVar
 
-from layflat.design.rules import ORDER, Finding
+from layflat.design.findings import ORDER, Finding
 from layflat.errors import LayflatError
 from layflat.machine.model import Machine
 from layflat.pages.studio.beside import LIMIT, find_figures, find_stale

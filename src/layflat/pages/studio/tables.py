@@ -2,7 +2,7 @@
 
 from nicegui import ui
 
-from layflat.design.rules import Finding
+from layflat.design.findings import Finding
 from layflat.pages.look import theme
 from layflat.pages.studio.box import Panel
 from layflat.pages.studio.cloud import Cloud

@@ -1,56 +1,15 @@
-"""What the device makes of words, whatever they came over, and what can be wrong with the wires."""
+"""What the device makes of words, whatever they came over."""
 
 import asyncio
 from collections.abc import Callable, Sequence
-from enum import Enum
-from math import inf
-from typing import TYPE_CHECKING
 
 from layflat.machine.model import Machine
+from layflat.rig.device.link import Spoil
+from layflat.rig.device.virtual import VirtualDevice
 from layflat.rig.wire.content import Wire, is_later
 from layflat.rig.wire.identity import Identity
 
-if TYPE_CHECKING:
-    from layflat.rig.device.virtual import VirtualDevice
-
 LATE = 1.5  # delay of a late reply, in times of the host's patience
-
-
-class Spoil(Enum):
-    """What becomes of a reply."""
-
-    LOST = "lost"
-    CRC = "crc"
-    SEQUENCE = "sequence"
-    LATE = "late"
-
-
-class Link:
-    """A sound link, until told otherwise.
-
-    A spoilt reply follows a command that was heard. While the link is silent, nothing is heard either: who answers
-    leaves the command alone.
-    """
-
-    def __init__(self) -> None:
-        self.mend()
-
-    def spoil(self, kind: Spoil, replies: float = inf) -> None:
-        """Spoil so many of the coming replies."""
-        self._kind, self._left = kind, replies
-
-    def mend(self) -> None:
-        """All is well from now on."""
-        self.silent, self._kind, self._left = False, Spoil.LOST, 0.0
-
-    def next(self) -> Spoil | None:
-        """What becomes of the coming reply; None: it is sent as it is."""
-        if self.silent:
-            return Spoil.LOST
-        if self._left < 1.0:
-            return None
-        self._left -= 1.0
-        return self._kind
 
 
 class Station:
@@ -60,7 +19,7 @@ class Station:
     that was under way for long; who asks for the identity begins anew.
     """
 
-    def __init__(self, device: "VirtualDevice", machine: Machine, patience: float) -> None:
+    def __init__(self, device: VirtualDevice, machine: Machine, patience: float) -> None:
         self.device = device
         self._wire, self._patience = Wire.of(machine), patience
         self._identity = Identity.of(machine, device.capabilities).words()

@@ -9,7 +9,7 @@ from math import inf
 from typing import Any, NamedTuple
 
 from layflat.errors import InputError
-from layflat.rig.device.exchange import Spoil
+from layflat.rig.device.link import Spoil
 from layflat.rig.device.virtual import ANGLE, PRESSURE, VirtualDevice
 
 

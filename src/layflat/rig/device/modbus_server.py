@@ -17,7 +17,8 @@ from pymodbus.pdu import DecodePDU, ExceptionResponse, ModbusPDU
 
 from layflat.machine.model import Machine
 from layflat.rig.clock import SECOND
-from layflat.rig.device.exchange import Spoil, Station
+from layflat.rig.device.exchange import Station
+from layflat.rig.device.link import Spoil
 from layflat.rig.device.virtual import VirtualDevice
 from layflat.rig.wire.content import WireError
 from layflat.rig.wire.identity import Registers

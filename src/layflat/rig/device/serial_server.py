@@ -7,7 +7,8 @@ from pathlib import Path
 
 from layflat.errors import OutputError
 from layflat.machine.model import Machine
-from layflat.rig.device.exchange import Spoil, Station
+from layflat.rig.device.exchange import Station
+from layflat.rig.device.link import Spoil
 from layflat.rig.device.virtual import VirtualDevice
 from layflat.rig.wire import frames
 from layflat.rig.wire.content import WireError

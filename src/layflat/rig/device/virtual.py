@@ -18,7 +18,7 @@ from layflat.physics.driven import Plant
 from layflat.physics.sensor import read_sensor
 from layflat.rig.abilities import falls
 from layflat.rig.clock import SECOND, Clock
-from layflat.rig.device.exchange import Link
+from layflat.rig.device.link import Link
 from layflat.rig.device.supply import SupplyLine
 from layflat.rig.driver import Capabilities, Command, DeviceState, Reading
 from layflat.rig.wire.content import Wire

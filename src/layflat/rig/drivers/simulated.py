@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from layflat.rig.device.exchange import Spoil
+from layflat.rig.device.link import Spoil
 from layflat.rig.device.virtual import VirtualDevice
 from layflat.rig.driver import Capabilities, Command, Driver, Lifecycle, LinkError, Reading
 

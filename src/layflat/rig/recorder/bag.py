@@ -7,7 +7,7 @@ from typing import IO, TYPE_CHECKING, Any, Self
 
 import numpy as np
 
-import layflat
+from layflat._version import __version__
 from layflat.arrays import Array
 from layflat.rig.clock import SECOND
 from layflat.rig.record import SHARED, Layout
@@ -54,7 +54,7 @@ class Bag:
         self._cycles = Fixed(schemas[CYCLE], layout.joints)
         self._states = Fixed(schemas[JOINT_STATE], layout.joints, empty=("effort",))
         self._writer = Writer(stream, CHUNK, use_chunking=chunked)
-        self._writer.start("ros2", f"layflat {layflat.__version__}")
+        self._writer.start("ros2", f"layflat {__version__}")
         self._cycle, self._state, self._events = (
             self._writer.register_channel(
                 topic, "cdr", self._writer.register_schema(kind, "ros2msg", schemas[kind].encode())
@@ -62,7 +62,7 @@ class Bag:
             for topic, kind in (("/cycle", CYCLE), ("/joint_states", JOINT_STATE), ("/events", LOG))
         )
         start = datetime.fromtimestamp(begin / SECOND, UTC).isoformat()
-        about = {"layflat_version": layflat.__version__, "machine_name": heading.machine_name, "start": start}
+        about = {"layflat_version": __version__, "machine_name": heading.machine_name, "start": start}
         told = {**about, "joints": json.dumps(layout.joints), "notes": json.dumps(heading.notes)}
         told["faults"] = json.dumps(FAULTS)
         self._writer.add_metadata(METADATA, told)

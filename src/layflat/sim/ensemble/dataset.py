@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import xarray
 
-import layflat
+from layflat._version import __version__
 from layflat.physics.air import NORMAL_DENSITY
 from layflat.sim.ensemble.cases import Cases
 from layflat.sim.ensemble.loops import hysteresis
@@ -76,11 +76,7 @@ def measured(
         coords["time"] = ("time", cycle * results.every * np.arange(results.traces.shape[1]))
     # All at once: laid into a dataset one by one, they would be merged with all others each time.
     data = xarray.Dataset(said, coords)
-    data.attrs = {
-        "machine_name": prepared.base.name,
-        "layflat_version": layflat.__version__,
-        "step": cycle / timing.steps,
-    }
+    data.attrs = {"machine_name": prepared.base.name, "layflat_version": __version__, "step": cycle / timing.steps}
     return data
 
 

@@ -68,7 +68,7 @@ class RodModel(CurveModel[RodBench]):
         table = unknowns_of(bench, self.sizes, list(logs))
         own = table.pop("logs") if blocks else []
         self.unknowns = (*chosen(table, blocks), *own)
-        self.unknowns, self.remarks = terms_shown(self)
+        self.unknowns, self.remarks = terms_shown(self, self.sizes.pressures)
 
     def simulate(self, values: Array) -> Array:
         """Forces by candidate: see `Model.simulate`."""

@@ -1,15 +1,13 @@
 """Terms of a law that logs have to show before they are taken: a seal whose shape, or friction, bends with pressure."""
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from layflat.arrays import Array
 from layflat.identify.benches.rod.linear import linearised, log_evidence, prior_bounds
+from layflat.identify.model import Model
 from layflat.identify.unknown import Unknown
-
-if TYPE_CHECKING:
-    from layflat.identify.benches.rod.model import RodModel
 
 PRESSURES = 3  # of fitted logs, at least
 APART = 0.1  # pressures are different if they are this share of their range apart
@@ -28,17 +26,21 @@ NOT_SHOWN = "The logs do not show {} (log of the odds {:+.1f}, where {:g} is ask
 FEW = "Logs at fewer than three pressures can't show {}: taken as not."
 
 
-def terms_shown(model: "RodModel") -> tuple[tuple[Unknown, ...], tuple[str, ...]]:
+def terms_shown(model: Model, pressures: Array) -> tuple[tuple[Unknown, ...], tuple[str, ...]]:
     """Return the unknowns of a model, of `TERMS` only those that its logs show, and what they show, in sentences.
 
     The term that is likeliest is tried first, and another one beside it.
+
+    Args:
+        model: of a rod.
+        pressures: at which its fitted logs were taken, Pa.
     """
     present = {one.path for one in model.unknowns}
     left = {words: set(paths) for words, paths in TERMS.items() if present & set(paths)}
     every = set().union(*left.values())
     if not left:
         return model.unknowns, ()
-    pressures = np.sort(model.sizes.pressures)
+    pressures = np.sort(pressures)
     if 1 + int((np.diff(pressures) > APART * np.ptp(pressures)).sum()) < PRESSURES:
         return _without(model, every), tuple(FEW.format(words) for words in left)
     J, r, linear = linearised(model, model.starts()[0], EXPONENT)
@@ -61,5 +63,5 @@ def terms_shown(model: "RodModel") -> tuple[tuple[Unknown, ...], tuple[str, ...]
     return _without(model, missing), tuple(said)
 
 
-def _without(model: "RodModel", missing: set[str]) -> tuple[Unknown, ...]:
+def _without(model: Model, missing: set[str]) -> tuple[Unknown, ...]:
     return tuple(one for one in model.unknowns if one.path not in missing)
