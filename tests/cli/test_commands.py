@@ -375,3 +375,20 @@ main()
     assert done.returncode == 143, done.stderr
     assert done.stderr == "layflat: stopped before there was anything to keep\n"
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(("number", "status"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_ctrl_c_is_one_line_also_where_a_library_makes_an_error_of_it(
+    number: int, status: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def interrupted(*_: object) -> None:
+        try:
+            os.kill(os.getpid(), number)
+            time.sleep(10.0)
+        except KeyboardInterrupt:
+            raise ValueError("error calling a function: KeyboardInterrupt") from None
+
+    monkeypatch.setattr("layflat.machine.load", interrupted)
+    done = layflat("simulate", "paper-arm")
+    assert done.returncode == status
+    assert done.stderr == "layflat: stopped before there was anything to keep\n"

@@ -21,6 +21,7 @@ __all__ = ["app", "main"]
 
 STOPPED = 130  # exit status after Ctrl-C
 TERMINATED = 143  # exit status after SIGTERM
+NOTHING_KEPT = "stopped before there was anything to keep"
 
 
 def main() -> None:
@@ -31,18 +32,18 @@ def main() -> None:
     """
     atexit.register(gc.freeze)  # last of all: looking for garbage at the end takes a short command a tenth of its time
     words = sys.argv[1:]
-    terminated: list[int] = []
+    signals: list[int] = []
     try:
         command = get_command(app)
-        with command.make_context("layflat", words) as context, _outputs(words), _ending_orderly() as terminated:
+        with command.make_context("layflat", words) as context, _outputs(words), _ending_orderly() as signals:
             status = command.invoke(context)
         sys.stdout.flush()
     except typer.Exit as end:
         status = end.exit_code
     except StoppedError as error:
-        _fail(str(error), TERMINATED if terminated else STOPPED)
+        _fail(str(error), _status_after(signals))
     except (typer.Abort, KeyboardInterrupt):
-        _fail("stopped before there was anything to keep", TERMINATED if terminated else STOPPED)
+        _fail(NOTHING_KEPT, _status_after(signals))
     except LayflatError as error:
         _fail(str(error))
     except typer.TyperException as error:
@@ -55,23 +56,34 @@ def main() -> None:
     except OSError as error:
         _silence(sys.stdout)
         _fail(f"{error.filename or 'standard output'}: {error.strerror or error}")
+    except Exception:
+        if not signals:
+            raise
+        _fail(NOTHING_KEPT, _status_after(signals))  # a library made an error of its own of what interrupted it
     sys.exit(status if isinstance(status, int) else 0)
+
+
+def _status_after(signals: list[int]) -> int:
+    return TERMINATED if signal.SIGTERM in signals else STOPPED
 
 
 @contextmanager
 def _ending_orderly() -> Iterator[list[int]]:
-    """End a command on SIGTERM as on Ctrl-C, so that nothing half done stays; yield the list of those that came."""
-    terminated: list[int] = []
+    """End a command on SIGTERM as on Ctrl-C, so that nothing half done stays; yield the list of signals that came."""
+    signals: list[int] = []
 
     def interrupt(number: int, _frame: object) -> None:
-        terminated.append(number)
+        signals.append(number)
         raise KeyboardInterrupt
 
-    before = signal.signal(signal.SIGTERM, interrupt)
+    before = {signal.SIGTERM: signal.signal(signal.SIGTERM, interrupt)}
+    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:  # it may be ignored, as in the background
+        before[signal.SIGINT] = signal.signal(signal.SIGINT, interrupt)
     try:
-        yield terminated
+        yield signals
     finally:
-        signal.signal(signal.SIGTERM, before)
+        for number, handler in before.items():
+            signal.signal(number, handler)
 
 
 def _outputs(words: list[str]) -> AbstractContextManager[None]:
