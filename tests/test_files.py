@@ -107,3 +107,11 @@ def test_a_folder_in_place_of_a_file_is_refused_before_any_work(tmp_path: Path) 
         check_file(tmp_path)
     assert check_file(tmp_path / "new" / "result.json") == tmp_path / "new" / "result.json"
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_file_in_place_of_a_folder_is_named(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("x", encoding="utf-8")
+    for folder in (tmp_path / "file", tmp_path / "file" / "inner" / "more"):
+        with pytest.raises(OutputError) as caught:
+            check_folder(folder)
+        assert str(caught.value) == f"{tmp_path / 'file'}: can't write here (it is a file); give the name of a folder"

@@ -145,6 +145,9 @@ def check_folder(folder: Path, *names: str, costly: bool = False) -> Path:
     """
     for name in names:
         check_replaceable(folder / name, costly=costly)
+    file = next((parent for parent in (folder, *folder.parents) if parent.exists() and not parent.is_dir()), None)
+    if file is not None:
+        raise OutputError("can't write here (it is a file)", where=str(file), right="give the name of a folder")
     missing = [parent for parent in (folder, *folder.parents) if not parent.exists()]
     try:
         with whole_file(folder / ".layflat", owned=True) as trial:

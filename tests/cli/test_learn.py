@@ -86,6 +86,9 @@ def test_mistakes_give_one_line(folder: Path) -> None:
     assert "give a machine with joints" in line
     line = refused("learn", "move-demand.csv", "paper-arm-tracking", "--from", "a.nc", "--plant", "b", cwd=folder)
     assert line == "layflat: --plant: cannot be combined with --from; give one or the other"
+    for option in (["--begin"], ["--from", "a.nc"]):
+        line = refused("learn", "move-demand.csv", "paper-arm-tracking", "--repeats", "3", *option, cwd=folder)
+        assert line.startswith(f"layflat: --repeats: has no effect beside {option[0]}")
     assert "--begin" in refused("learn", "move-demand.csv", "paper-arm-tracking", "--begin", "--from", "a", cwd=folder)
     assert not (folder / "no").exists()
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from layflat.cli.app import MachineName, Out, app, print_table
+from layflat.cli.app import MachineName, Out, app, naming_options, print_table
 from layflat.cli.bars import bar, busy
 from layflat.errors import InputError, StoppedError
 
@@ -34,7 +34,8 @@ def excite(
 
     described = load(machine)
     place = check_file(out or Path(f"{described.name}-excite.csv"))
-    time, demand = sequence(described, reach=reach, speed=u.quantity(speed, u.ANGULAR_SPEED, "--speed"), seed=seed)
+    with naming_options({"reach": "--reach", "speed": "--speed"}):
+        time, demand = sequence(described, reach=reach, speed=u.quantity(speed, u.ANGULAR_SPEED, "--speed"), seed=seed)
     path = write_demand(described, time, demand, place)
     typer.echo(f"wrote {path}: {time[-1]:.0f} s of steps, chirps, slow ramps, small moves and pauses")
     typer.echo(f"simulate it with `layflat simulate {machine} --demand {path}`; start with the joints at rest")

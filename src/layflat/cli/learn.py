@@ -17,11 +17,16 @@ if TYPE_CHECKING:
 SUFFIX = ".learnt"
 
 
+USUAL_REPEATS = 5
+
+
 @dataclass(frozen=True)
 class Learning:
     """Options that say where a motion is learnt from."""
 
-    repeats: Annotated[int, typer.Option(min=0, max=1000, help="to simulate after the first run")] = 5
+    repeats: Annotated[
+        int | None, typer.Option(min=0, max=1000, help=f"to simulate after the first run  [default: {USUAL_REPEATS}]")
+    ] = None
     plant: Annotated[
         str | None, typer.Option(metavar="NAME|FILE", help="machine that moves in simulation  [default: the same]")
     ] = None
@@ -42,6 +47,10 @@ class Learning:
             )
         if self.log is not None and self.plant is not None:
             raise InputError("cannot be combined with --from", where="--plant", right="give one or the other")
+        if self.repeats is not None and (self.begin or self.log is not None):
+            other = "--begin" if self.begin else "--from"
+            what = f"has no effect beside {other}, which simulates nothing"
+            raise InputError(what, where="--repeats", right="leave it out")
 
 
 @app.command()
@@ -96,7 +105,7 @@ def _simulated(learnt: "Learnt", options: Learning) -> "tuple[Learnt, list[Array
 
     plant = load(options.plant) if options.plant is not None else learnt.machine
     driver_of(plant, learnt.machine)
-    count, angles = options.repeats + (0 if learnt.history else 1), []
+    count, angles = (USUAL_REPEATS if options.repeats is None else options.repeats) + (0 if learnt.history else 1), []
     with steps_bar("repeats", count) as advance:
         try:
             for done in simulated_repeats(learnt, count, plant=plant, seed=options.seed):
