@@ -7,7 +7,7 @@ import pytest
 from commands import layflat, refused
 
 from layflat.errors import OutputError
-from layflat.files import check_folder, whole_file, write_text
+from layflat.files import check_file, check_folder, whole_file, write_text
 from layflat.outputs import Command, command_of, running
 from layflat.study.folder import Folder
 
@@ -152,3 +152,22 @@ def test_force_replaces_another_study_and_nothing_foreign(tmp_path: Path) -> Non
             assert not (place / "chunks").exists()
     with running(command("study", "--force")), Folder(place, 1).opened({"rows": 2}):
         assert (place / "study.json").exists()
+
+
+def test_a_path_through_a_folder_that_is_not_there_replaces_nothing(tmp_path: Path) -> None:
+    (tmp_path / "own.toml").write_text("mine", encoding="utf-8")
+    there = tmp_path / "missing" / ".." / "own.toml"
+    for write in (
+        lambda: write_text(there, "other"),
+        lambda: write_text(there, "other", owned=True),
+        lambda: check_file(there),
+        lambda: check_folder(there.parent),
+        lambda: check_folder(there.parent / "deep" / "deeper"),
+    ):
+        with pytest.raises(OutputError, match=r"leads through a folder that is not there; give the path without \.\."):
+            write()
+    assert [path.name for path in tmp_path.iterdir()] == ["own.toml"]
+    assert (tmp_path / "own.toml").read_text(encoding="utf-8") == "mine"
+    (tmp_path / "missing").mkdir()
+    write_text(tmp_path / "missing" / ".." / "new.toml", "new")
+    assert (tmp_path / "new.toml").is_file()

@@ -9,7 +9,7 @@ from filecmp import cmp
 from pathlib import Path
 
 from layflat.errors import LayflatError, OutputError
-from layflat.outputs import check_replaceable, record_output, replaced_record
+from layflat.outputs import check_reachable, check_replaceable, record_output, replaced_record
 
 FULL = {errno.ENOSPC, errno.EFBIG, getattr(errno, "EDQUOT", errno.ENOSPC)}
 """The disk, the file or the user's share is at its limit."""
@@ -29,6 +29,7 @@ def whole_file(path: Path, *, owned: bool = False) -> Iterator[Path]:
         OutputError: the folder can't be made or written, the disk is full, or what is there may not be replaced and
             has another content.
     """
+    check_reachable(path)
     temporary: Path | None = None
     refused: OutputError | None = None
     if not owned:
@@ -145,6 +146,7 @@ def check_folder(folder: Path, *names: str, costly: bool = False) -> Path:
     """
     for name in names:
         check_replaceable(folder / name, costly=costly)
+    check_reachable(folder / ".layflat")
     file = next((parent for parent in (folder, *folder.parents) if parent.exists() and not parent.is_dir()), None)
     if file is not None:
         raise OutputError("can't write here (it is a file)", where=str(file), right="give the name of a folder")

@@ -90,6 +90,13 @@ def is_forced() -> bool:
     return _running is not None and _running.forced
 
 
+def check_reachable(path: Path) -> None:
+    """Raise OutputError for "no/../file" without a folder "no": once it is made, something else may be there."""
+    if ".." in path.parts and not path.parent.exists():
+        right = "give the path without .."
+        raise OutputError("leads through a folder that is not there", where=str(path), right=right)
+
+
 def check_replaceable(path: Path, *, costly: bool = False) -> None:
     """Make sure that writing a file loses nothing.
 
@@ -102,6 +109,7 @@ def check_replaceable(path: Path, *, costly: bool = False) -> None:
         OutputError: a folder or a device is there; or a command runs, and it did not write the file that is there from
             the same inputs, or somebody has changed that file.
     """
+    check_reachable(path)
     if path.exists() and not path.is_file():
         what = "is a folder" if path.is_dir() else "is no file that can be replaced"
         raise OutputError(what, where=str(path), right="give the name of a file")

@@ -107,11 +107,8 @@ def _read(path: Path) -> _Table:
         raise InputError(f"is not CSV ({error})", where=where, right="separate columns by commas") from None
     if len(rows) <= LEAST_ROWS:
         right = f"give a header and at least {LEAST_ROWS} rows"
-        raise InputError(
-            f"{len(rows) - 1} row{'s' * (len(rows) != 2)} of data" if rows else "no rows of data",
-            where=where,
-            right=right,
-        )
+        count = max(len(rows) - 1, 0)
+        raise InputError(f"{count} row{'' if count == 1 else 's'} of data", where=where, right=right)
     names = [name.strip() for name in rows[0][1]]
     doubled = [name for name in names if names.count(name) > 1]
     if doubled:

@@ -112,9 +112,8 @@ def _columns(machine: Machine, path: Path) -> tuple[dict[str, Array], list[int]]
     header = [name.strip() for name in rows[0][1]] if rows else []
     _check_header(machine, header, where)
     if len(rows) < 3:
-        raise InputError(
-            f"holds {'one row' if len(rows) > 1 else 'no rows'} of numbers", where=where, right="give two or more"
-        )
+        count = "one row" if len(rows) > 1 else "no rows"
+        raise InputError(f"holds {count} of numbers", where=where, right="give two or more")
     lines = [line for line, _ in rows[1:]]
     values = np.array([_numbers(row, len(header), f"{where}: line {line}") for line, row in rows[1:]])
     return dict(zip(header, values.T, strict=True)), lines
