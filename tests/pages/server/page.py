@@ -5,6 +5,7 @@ Arguments: the port, and files of a certificate and its key where there are any.
 
 import signal
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from threading import Event, Thread
 
@@ -31,7 +32,7 @@ def say(words: str) -> None:
     print(words, flush=True)  # noqa: T201
 
 
-def main() -> None:
+def main(root: Callable[[], None]) -> None:
     stop = Event()
 
     def wait() -> None:
@@ -54,4 +55,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    main(root)

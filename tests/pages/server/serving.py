@@ -17,6 +17,7 @@ from websockets.sync.client import ClientConnection, connect
 from websockets.typing import Origin
 
 PAGE = Path(__file__).parent / "page.py"
+ELEMENTS = PAGE.with_name("elements.py")
 SOCKET = "/_nicegui_ws/socket.io/?EIO=4&transport=websocket"
 
 
@@ -104,12 +105,16 @@ def lines_of(said: str) -> list[str]:
 
 @contextmanager
 def serving(
-    folder: Path, port: int = 0, files: tuple[Path, Path] | None = None, complaints: list[str] | None = None
-) -> Iterator[Served]:
+    folder: Path, port: int = 0, files: tuple[Path, Path] | None = None, complaints: list[str] | None = None,
+    page: Path = PAGE,
+) -> Iterator[Served]:  # fmt: skip
     """A server whose working folder is the one given; it says nothing but its link and its end, and its complaints."""
-    command = [sys.executable, str(PAGE), str(port), *map(str, files or ())]
-    pipe = subprocess.PIPE
-    with subprocess.Popen(command, cwd=folder, stdin=pipe, stdout=pipe, stderr=pipe, text=True) as process:
+    command = [sys.executable, str(page), str(port), *map(str, files or ())]
+    pipe, paths = subprocess.PIPE, os.pathsep.join([str(PAGE.parents[3]), os.environ.get("PYTHONPATH", "")])
+    environment = os.environ | {"PYTHONPATH": paths}
+    with subprocess.Popen(
+        command, cwd=folder, stdin=pipe, stdout=pipe, stderr=pipe, text=True, env=environment
+    ) as process:
         assert process.stdout is not None
         link = process.stdout.readline().strip()
         trusted = ssl.create_default_context(cafile=files[0]) if files else None

@@ -3,7 +3,9 @@
 import asyncio
 import time
 from collections.abc import Iterator
+from multiprocessing import get_context
 from os import _exit, getpid
+from typing import Any
 
 import pytest
 
@@ -51,9 +53,9 @@ def test_what_is_cancelled_ends_and_another_process_goes_on(worker: Worker) -> N
     call(worker, getpid)
 
     async def cancelled() -> None:
-        work = asyncio.ensure_future(worker.call(time.sleep, 60.0, limit=50.0, what="the work"))
+        work = asyncio.ensure_future(worker.call(time.sleep, 60.0, limit=50.0, what="the work", by=worker))
         await asyncio.sleep(0.2)
-        worker.cancel()
+        worker.cancel(worker)
         await work
 
     with pytest.raises(LayflatError, match="the work was cancelled"):
@@ -62,7 +64,7 @@ def test_what_is_cancelled_ends_and_another_process_goes_on(worker: Worker) -> N
 
 
 def test_a_process_that_dies_is_told_and_begun_again(worker: Worker) -> None:
-    with pytest.raises(LayflatError, match="the work was cancelled"):
+    with pytest.raises(LayflatError, match="the work has ended with its process: try again"):
         call(worker, _exit, 3)
     assert call(worker, sum, [1]) == 1
 
@@ -72,3 +74,64 @@ def test_a_worker_that_was_ended_says_so() -> None:
     worker.end()
     with pytest.raises(LayflatError, match="being closed"):
         call(worker, sum, [1])
+
+
+def test_who_cancels_ends_what_it_asked_for_and_nothing_else(worker: Worker) -> None:
+    async def cancelled() -> list[object]:
+        mine, yours = object(), object()
+
+        def sleeping(seconds: float, by: object) -> "asyncio.Future[object]":
+            return asyncio.ensure_future(worker.call(time.sleep, seconds, limit=50.0, what="the work", by=by))
+
+        await worker.call(getpid, limit=30.0, what="the beginning")
+        calls = [sleeping(0.3, yours), sleeping(60.0, mine), sleeping(60.0, mine), sleeping(0.0, yours)]
+        await asyncio.sleep(0.1)
+        worker.cancel(mine)  # while they stand in line
+        await calls[0]
+        calls.append(sleeping(60.0, mine))
+        last = sleeping(0.0, yours)
+        await asyncio.sleep(0.2)
+        worker.cancel(yours)  # which stands in line behind what goes on
+        worker.cancel(mine)
+        return await asyncio.gather(*calls, last, return_exceptions=True)
+
+    found = asyncio.run(cancelled())
+    assert [str(one) for one in (found[1], found[2], *found[4:])] == ["the work was cancelled"] * 4
+    assert found[0] is None
+    assert found[3] is None
+
+
+kept: list[Any] = []
+
+
+def keep(shared: Any) -> None:
+    kept.append(shared)
+
+
+def kept_value() -> object:
+    return kept[0].value
+
+
+def test_a_process_has_what_is_shared_with_it_from_its_beginning() -> None:
+    number = get_context("spawn").Value("d", 2.5)
+    worker = Worker("layflat-test", first=keep, shared=(number,))
+    try:
+        assert call(worker, kept_value) == 2.5
+        number.value = 3.5
+        assert call(worker, kept_value) == 3.5
+    finally:
+        worker.end()
+
+
+def test_a_worker_ends_while_a_call_that_is_larger_than_a_pipe_waits(worker: Worker) -> None:
+    async def ended() -> None:
+        first = asyncio.ensure_future(worker.call(time.sleep, 60.0, limit=50.0, what="the work"))
+        second = asyncio.ensure_future(worker.call(len, bytes(10**7), limit=50.0, what="the work"))
+        await asyncio.sleep(1.0)
+        worker.end()
+        found = await asyncio.gather(first, second, return_exceptions=True)
+        assert all(isinstance(one, (LayflatError, asyncio.CancelledError)) for one in found), found
+
+    begun = time.monotonic()
+    asyncio.run(ended())
+    assert time.monotonic() - begun < 20.0

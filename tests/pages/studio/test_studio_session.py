@@ -3,6 +3,7 @@
 import asyncio
 import pickle
 from collections.abc import Awaitable, Callable, Iterator
+from multiprocessing import active_children
 from typing import Any
 
 import numpy as np
@@ -24,7 +25,7 @@ WIDTH = "joint.large.hose.width"
 class InThread(Beside):
     """Does work in a thread."""
 
-    async def call(self, function: Any, *arguments: Any, limit: float, what: str) -> Any:  # noqa: ARG002
+    async def call(self, function: Any, *arguments: Any, limit: float, what: str, by: object = None) -> Any:  # noqa: ARG002
         return await asyncio.to_thread(function, *arguments)
 
 
@@ -167,7 +168,7 @@ def test_a_report_needs_nothing_else(session: Session) -> None:
 def worker() -> Iterator[Worker]:
     made = Worker()
     yield made
-    made.close()
+    made.end()
 
 
 def test_another_process_simulates_the_same(worker: Worker, design: Design) -> None:
@@ -192,7 +193,9 @@ def test_what_is_overtaken_has_no_result_and_a_lost_process_begins_again(worker:
         await asyncio.sleep(0.0)
         worker.overtake(tab, 2)
         old = await first
-        worker.close()
+        for process in active_children():
+            process.kill()
+            process.join()
         return old, await worker.cloud(tab, 3, design.machine, step, Tolerances())
 
     old, new = asyncio.run(both())

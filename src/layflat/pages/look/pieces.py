@@ -1,11 +1,40 @@
 """Much of a page is built piece by piece, so that nothing else waits for more than one piece."""
 
 import asyncio
+from collections import deque
 from time import monotonic
 
 from nicegui import ui
 
 PIECE = 0.005  # time after which a pause is due, s
+
+
+class Queue:
+    """Tasks that wait for their next piece; one of them goes on in each turn of the event loop, in order."""
+
+    def __init__(self) -> None:
+        self._waiting: deque[asyncio.Future[None]] = deque()
+
+    async def wait(self) -> None:
+        """Wait for the next turn in which nobody else goes on."""
+        loop = asyncio.get_running_loop()
+        future: asyncio.Future[None] = loop.create_future()
+        self._waiting.append(future)
+        if len(self._waiting) == 1:
+            loop.call_soon(self._release)
+        await future
+
+    def _release(self) -> None:
+        future = self._waiting[0]
+        if not future.done():  # its page may be gone
+            future.set_result(None)
+        # It goes on in the next turn, so that the one behind it, if there is one, does in the turn after that.
+        self._waiting.popleft()
+        if self._waiting:
+            asyncio.get_running_loop().call_soon(self._release)
+
+
+_queue = Queue()
 
 
 class Pieces:
@@ -18,7 +47,7 @@ class Pieces:
         """Yield to other handlers, if it is time for that; cancel the work where the page is gone."""
         if monotonic() - self._since < PIECE:
             return
-        await asyncio.sleep(0)
+        await _queue.wait()
         if self._client.is_deleted:
             raise asyncio.CancelledError
         self._since = monotonic()

@@ -7,7 +7,7 @@ from nicegui import ui
 
 from layflat.pages.look import theme
 from layflat.pages.look.charts import STYLES, Axis, Line, LineChart, points
-from layflat.pages.panel.desk import Desk
+from layflat.pages.panel.desk import Data, Desk
 from layflat.pages.panel.history import SPAN, Seen, air_taken
 
 TIME = Axis("time before now", "s", -SPAN, 0.0)
@@ -61,7 +61,14 @@ class ChartsView:
                 lines.append(Line(f"{name}, target", colour, "solid", width=1.0, quiet=True, opacity=0.5))
         return lines
 
-    def _data(self, kind: str, seen: Seen) -> dict[str, list[list[float]]]:
+    def _data(self, kind: str, seen: Seen) -> Data:
+        """Return what a chart shows; all pages show the same."""
+        known = self._desk.charts.get(kind)
+        if known is None or known[0] is not seen:
+            known = self._desk.charts[kind] = seen, self._draw(kind, seen)
+        return known[1]
+
+    def _draw(self, kind: str, seen: Seen) -> Data:
         joints = seen.joints
         drawn = {
             "Angles": np.degrees(joints["averaged_angle"]),

@@ -8,7 +8,7 @@ from nicegui import ui
 
 from layflat.errors import LayflatError
 from layflat.pages.look import theme
-from layflat.pages.panel.checking import checked_at
+from layflat.pages.panel.controls import Controls
 from layflat.pages.panel.desk import Desk
 from layflat.rig.check.open_loop import CheckResult
 
@@ -23,9 +23,9 @@ BY_HAND = (
 class CheckView:
     """What a person has to look at, then a look without air, then each joint by some degrees."""
 
-    def __init__(self, desk: Desk, key: str) -> None:
-        """Build it for the page of a key."""
-        self._desk, self._key = desk, key
+    def __init__(self, desk: Desk, controls: Controls) -> None:
+        """Build it for the page of some controls."""
+        self._desk, self._controls = desk, controls
         self._busy, self._sound = False, False
         theme.text_element("h3", "1. Look yourself")
         self._seen = [ui.checkbox(text) for text in BY_HAND]
@@ -38,7 +38,7 @@ class CheckView:
 
     def refresh(self) -> None:
         """Enable what may be used."""
-        free = not self._busy and self._desk.operators.drives(self._key) and self._desk.link.at_rest
+        free = not self._busy and self._controls.drives and self._desk.link.at_rest
         self.without.set_enabled(free)
         self.with_air.set_enabled(free and self._sound and all(one.value for one in self._seen))
 
@@ -47,7 +47,7 @@ class CheckView:
         self.refresh()
         self.found.clear()
         try:
-            found = await asyncio.to_thread(checked_at, self._desk, air=air, tell=self._tell_from_there())
+            found = await asyncio.to_thread(self._controls.check, air=air, tell=self._tell_from_there())
         except LayflatError as error:
             self.told.set_text(str(error))
             return

@@ -8,7 +8,7 @@ from layflat.rig.check.process import checked
 
 
 def checked_at(desk: Desk, *, air: bool, tell: Callable[[str], object]) -> list[CheckResult]:
-    """Check the desk's rig, which has to be at rest, and return what was found; it blocks until then.
+    """Check the desk's rig and return what was found; it blocks until then.
 
     Args:
         desk: it is without a rig meanwhile.
@@ -16,7 +16,7 @@ def checked_at(desk: Desk, *, air: bool, tell: Callable[[str], object]) -> list[
         tell: told what is being done, from this thread.
 
     Raises:
-        LayflatError: the rig can't be had, or nobody minded it.
+        LayflatError: the rig is not at rest or can't be had, another check has it, or nobody minded it.
     """
     desk.link.lend()
     try:

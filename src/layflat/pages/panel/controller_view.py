@@ -12,6 +12,7 @@ from layflat.pages.look import theme
 from layflat.pages.look.dialogs import confirmed
 from layflat.pages.look.numbers import number
 from layflat.pages.look.pieces import Pieces
+from layflat.pages.panel.controls import Controls
 from layflat.pages.panel.desk import Desk
 from layflat.pages.studio.field import Field, titled
 from layflat.pages.studio.fields import field_at
@@ -24,9 +25,9 @@ PREFIXES = "controller.", ".gains."  # of paths of values that belong to a contr
 class ControllerView:
     """A field for each number of the controller that the rig has, in the unit in which people write it."""
 
-    def __init__(self, desk: Desk, key: str) -> None:
-        """Build it for the page of a key."""
-        self._desk, self._key = desk, key
+    def __init__(self, desk: Desk, controls: Controls) -> None:
+        """Build it for the page of some controls."""
+        self._desk, self._controls = desk, controls
         self._offers: dict[str, Machine] = {DESCRIBED: desk.first}
         if desk.first.control_law.name != TRACKING and (tracking := with_tracking(desk.first)) is not None:
             self._offers[TRACKING] = tracking
@@ -48,7 +49,7 @@ class ControllerView:
 
     def refresh(self) -> None:
         """Enable what may be used."""
-        self.use.set_enabled(self._desk.operators.drives(self._key) and self._desk.link.at_rest)
+        self.use.set_enabled(self._controls.drives and self._desk.link.at_rest)
 
     def _base(self) -> Machine:
         """Return the machine whose numbers are shown: what is in use, if that is of the chosen kind."""
@@ -94,7 +95,10 @@ class ControllerView:
         self.told.set_text("")
         what = f"{len(values)} changed value{'s' * (len(values) != 1)}" if values else "no changed value"
         if await confirmed(f"Use the {self.kind.value} control law with {what}? The rig connects anew.", "Use it"):
-            self._desk.link.change(machine)
+            try:
+                self._controls.change(machine)
+            except LayflatError as error:  # the rig may have been started meanwhile
+                self.told.set_text(str(error))
 
 
 def named(path: str) -> str:

@@ -12,13 +12,18 @@ from layflat.errors import LayflatError
 from layflat.machine import Machine
 from layflat.machine.loader import tables
 from layflat.motion.inverse import Inverse
+from layflat.pages.panel.history import Seen
 from layflat.pages.panel.link import Reached, RigLink, Standing
 from layflat.pages.panel.operators import Operators
 from layflat.pages.panel.pilot import Pilot
+from layflat.pages.panel.rounds import Rounds
 from layflat.pages.panel.search import prepare
 from layflat.pages.server.worker import Worker
 from layflat.rig.lease import Lease
 from layflat.rig.session import Snapshot
+
+Data = dict[str, list[list[float]]]
+"""Pairs of coordinates of lines, by their names."""
 
 
 def written_values(machine: Machine) -> Plain:
@@ -49,6 +54,7 @@ class Desk(AbstractContextManager["Desk"]):
         written: values of the description as its file has them, with their units.
         worker: does what takes longer than an event loop may be held up.
         painter: draws logs, which may take long.
+        charts: what the charts of all pages show, by their names, and what was seen then.
     """
 
     def __init__(self, machine: Machine, rig: Rig, folder: Path) -> None:
@@ -62,6 +68,8 @@ class Desk(AbstractContextManager["Desk"]):
         self.inverse.tip(np.zeros(self.inverse.joints))  # loads what it calls
         self.link = RigLink(machine, rig.reached, folder, self.lease)
         self.pilot, self.operators = Pilot(self.link, self.lease), Operators(self.lease)
+        self.charts: dict[str, tuple[Seen, Data]] = {}
+        self.rounds = Rounds(self.operators.drives)
 
     @property
     def machine(self) -> Machine:

@@ -12,6 +12,7 @@ from layflat.errors import LayflatError
 from layflat.pages.look import theme
 from layflat.pages.look.arm_scene import ArmScene
 from layflat.pages.look.numbers import number, within
+from layflat.pages.panel.controls import Controls
 from layflat.pages.panel.desk import Desk
 from layflat.pages.panel.minder import Jogs
 from layflat.pages.panel.moves import Step, outputs_on
@@ -73,9 +74,9 @@ class JogView:
 class OutputsView:
     """A row a digital output of the machine: whether it is on, and a button that switches it."""
 
-    def __init__(self, desk: Desk) -> None:
+    def __init__(self, desk: Desk, controls: Controls) -> None:
         """Build it."""
-        self._desk, names = desk, desk.first.interface.outputs
+        self._desk, self._controls, names = desk, controls, desk.first.interface.outputs
         self._rows: dict[str, tuple[ui.label, ui.button]] = {}
         self._on: frozenset[str] | None = None
         with ui.element("div").classes("lf-outputs"):
@@ -101,15 +102,15 @@ class OutputsView:
     def _switch(self, name: str) -> None:
         shot = self._desk.snapshot()
         if shot is not None:
-            self._desk.pilot.switch(name, name not in outputs_on(self._desk.first, shot))
+            self._controls.switch(name, name not in outputs_on(self._desk.first, shot))
 
 
 class TargetView:
     """Fields of angles and of the tip's place; what is in them is shown in the scene before the arm goes there."""
 
-    def __init__(self, desk: Desk, scene: Callable[[], ArmScene]) -> None:
+    def __init__(self, desk: Desk, controls: Controls, scene: Callable[[], ArmScene]) -> None:
         """Build it; `scene` gives the scene that shows the target."""
-        self._desk, self._scene, self._filling = desk, scene, False
+        self._desk, self._controls, self._scene, self._filling = desk, controls, scene, False
         self._next: Array | None = None  # place that is searched next, m
         self._searches = False
         self.angles: dict[str, ui.number] = {}
@@ -130,7 +131,8 @@ class TargetView:
                 field.on("keydown.enter", self._find)
             theme.button("Find angles", self._find, icon="my_location", hint="Find angles that bring the tip there")
         self.told = ui.label("").classes("lf-told").props("role=alert")
-        self.cancel = theme.button("Cancel the search", desk.worker.cancel, icon="close")
+        self.cancel = theme.button("Cancel the search", self._end_search, icon="close")
+        ui.context.client.on_delete(self._end_search)
         self.cancel.set_visibility(False)
         with ui.row().classes("lf-line"):
             self.go = theme.button("Go to target", self._go, icon="near_me", kind="primary")
@@ -192,13 +194,17 @@ class TargetView:
             self._searches = False
             self.cancel.set_visibility(False)
 
+    def _end_search(self) -> None:
+        self._desk.worker.cancel(self)
+
     async def _search(self) -> None:
         desk, shot, place, self._next = self._desk, self._desk.snapshot(), self._next, None
         near = np.array(shot["averaged_angle"] if shot is not None else np.zeros(len(self.angles)))
         self.told.set_text("searching")
         what = "the search for angles"
         try:
-            found = await desk.worker.call(find_posture, desk.first, place, near, limit=LONGEST_SEARCH, what=what)
+            call = partial(desk.worker.call, limit=LONGEST_SEARCH, what=what, by=self)
+            found = await call(find_posture, desk.first, place, near)
         except LayflatError as error:
             self.told.set_text(str(error))
             return
@@ -219,6 +225,9 @@ class TargetView:
             self._fill(np.array(shot["averaged_angle"]))
 
     def _go(self) -> None:
-        wanted = self.wanted()
-        if wanted is None or not self._desk.pilot.go([Step(wanted)]):
-            self.told.set_text("The rig does not obey now: see State.")
+        if (wanted := self.wanted()) is None:
+            return  # the field says what is wrong
+        try:
+            self._controls.go([Step(wanted)])
+        except LayflatError as error:
+            self.told.set_text(str(error))

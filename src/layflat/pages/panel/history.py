@@ -31,6 +31,7 @@ class History:
     def __init__(self) -> None:
         self._rows: deque[tuple[float, Array]] = deque()
         self._last: Snapshot | None = None
+        self._seen: tuple[object, Seen] | None = None  # with the last row of it
         self.worst_lateness = 0.0  # s, since the rig was reached
 
     def add(self, shot: Snapshot, machine: Machine) -> None:
@@ -54,16 +55,20 @@ class History:
         self.worst_lateness = 0.0
 
     def seen(self) -> Seen | None:
-        """Return what is kept; None where nothing is."""
-        rows = list(self._rows)
+        """Return what is kept, the same object as long as nothing new is; None where nothing is."""
+        rows, known = list(self._rows), self._seen
         if not rows:
             return None
+        if known is not None and known[0] is rows[-1]:
+            return known[1]
         times = np.array([time for time, _ in rows])
         table = np.array([row for _, row in rows])
         names = (*PER_JOINT, WHOLE)
         n = (table.shape[1] - len(SHARED)) // len(names)
         joints = {name: table[:, i * n : (i + 1) * n] for i, name in enumerate(names)}
-        return Seen(times - times[-1], joints, {name: table[:, i - len(SHARED)] for i, name in enumerate(SHARED)})
+        seen = Seen(times - times[-1], joints, {name: table[:, i - len(SHARED)] for i, name in enumerate(SHARED)})
+        self._seen = rows[-1], seen
+        return seen
 
 
 def air_taken(seen: Seen) -> Array:

@@ -13,6 +13,7 @@ from layflat.rig.recorded import Recorded
 from layflat.rig.safety.states import State
 from layflat.rig.session import LoopError, Session, Snapshot
 
+NOT_AT_REST = "The rig has to be at rest, without air: press Vent, and wait."
 LOOKS = 0.1  # between two looks whether the rig is still there, s
 AGAIN = 2.0  # after which one that is gone is tried again, s
 
@@ -46,6 +47,7 @@ class RigLink:
         self._recorded: Recorded | None = None
         self._over, self._anew, self._free = threading.Event(), threading.Event(), threading.Event()
         self._free.set()
+        self._lending = threading.Lock()
         self._thread = threading.Thread(target=self._keep, name="layflat-link")
         self._thread.start()
 
@@ -76,13 +78,22 @@ class RigLink:
         return shot is not None and shot.state in {State.OFF, State.STOPPED, State.FAULT} and not shot["air"]
 
     def change(self, machine: Machine) -> None:
-        """Go on with another controller, in a new session and log; the rig has to be at rest."""
+        """Go on with another controller, in a new session and log (LayflatError: the rig is not at rest)."""
+        if not self.at_rest:
+            raise LayflatError(NOT_AT_REST)
         self.machine = machine
         self._anew.set()
 
     def lend(self) -> None:
-        """Let go of the rig, and wait until it is free for somebody else; `take_back` ends that."""
-        self._free.clear()
+        """Let go of the rig, and wait until it is free for somebody else; `take_back` ends that.
+
+        Raises:
+            LayflatError: it is not at rest, or somebody else has it.
+        """
+        with self._lending:
+            if not self.at_rest or not self._free.is_set():
+                raise LayflatError(NOT_AT_REST if self._free.is_set() else "Another check has the rig: wait for it.")
+            self._free.clear()
         self._anew.set()
         while self.standing is not Standing.LENT and not self._over.wait(LOOKS):
             pass

@@ -9,6 +9,7 @@ from nicegui import ui
 
 from layflat.errors import LayflatError
 from layflat.pages.look import theme
+from layflat.pages.look.pieces import Pieces
 from layflat.pages.panel.desk import Desk
 
 MAX_LISTED = 12  # logs that are listed, the newest first
@@ -20,7 +21,7 @@ class LogsView:
 
     def __init__(self, desk: Desk) -> None:
         """Build it; `list_logs` shows what there is."""
-        self._desk = desk
+        self._desk, self._client = desk, ui.context.client
         with ui.row().classes("lf-line"):
             theme.button("Look again", self.list_logs, icon="refresh")
             ui.label(f"in {desk.folder}; the one being written can be read once the rig is let go of.").classes(
@@ -28,7 +29,8 @@ class LogsView:
             )
         self.table = ui.element("div")
         self.told = ui.label("").props("role=status")
-        self.cancel = theme.button("Cancel the drawing", desk.painter.cancel, icon="close")
+        self.cancel = theme.button("Cancel the drawing", self._end_drawing, icon="close")
+        self._client.on_delete(self._end_drawing)
         self.cancel.set_visibility(False)
 
     async def list_logs(self) -> None:
@@ -38,14 +40,20 @@ class LogsView:
         except LayflatError as error:
             self.told.set_text(str(error))
             return
+        if self._client.is_deleted:
+            return
+        pieces = Pieces()
         self.table.clear()
         with self.table:
             if not logs:
                 ui.label("No whole log yet.").classes("lf-quiet")
                 return
-            with ui.element("table").classes("lf-table"):
+            with ui.element("table").classes("lf-table") as table:
                 for log in logs:
                     self._draw_row(*log)
+                    await pieces.pause()
+                    if table.is_deleted:
+                        return  # a newer list is being made
 
     def _draw_row(self, path: Path, size: int) -> None:
         with ui.element("tr"):
@@ -62,22 +70,29 @@ class LogsView:
         else:
             self.told.set_text(f"{path.name} is not there any more: look again")
 
+    def _end_drawing(self) -> None:
+        self._desk.painter.cancel(self)
+
     async def _plot(self, path: Path) -> None:
         painter = self._desk.painter
         self.told.set_text(f"drawing {path.name}")
         self.cancel.set_visibility(True)
         try:
-            picture = await painter.call(drawn, path, limit=LONGEST_DRAWING, what=f"the drawing of {path.name}")
+            what = f"the drawing of {path.name}"
+            picture = await painter.call(drawn, path, limit=LONGEST_DRAWING, what=what, by=self)
         except LayflatError as error:
             self.told.set_text(str(error))
             return
         finally:
             self.cancel.set_visibility(False)
+        if self._client.is_deleted:
+            return
         self.told.set_text("")
         with ui.dialog() as dialog, ui.card().classes("lf-dialog-wide"):
             ui.image(picture).props(f'alt="Plots of {path.name}" fit=contain')
             theme.button("Close", dialog.close)
-        dialog.open()
+        await dialog
+        dialog.delete()
 
 
 def newest_logs(folder: Path) -> list[tuple[Path, int]]:

@@ -2,11 +2,13 @@
 // Buttons with `data-jog="joint:direction"` jog while they are held, by pointer or by key.
 
 const EVERY = 50; // ms
+const SILENT = 1000; // ms without a beat, after which this page does not drive: it renews nothing
 
 export default {
   template: "<span hidden></span>",
   mounted() {
     this.seen = 0; // the last beat
+    this.heard = -SILENT; // when, ms
     this.held = new Map(); // what holds a button (pointer or key), and the button
     this.listen = [
       [document, "pointerdown", (event) => this.press(`pointer ${event.pointerId}`, event.target, event)],
@@ -29,6 +31,7 @@ export default {
   methods: {
     beat(number) {
       this.$el.dataset.beat = this.seen = number;
+      this.heard = performance.now();
     },
     key(event) {
       if (event.key === "Escape") this.$emit("stop");
@@ -58,7 +61,7 @@ export default {
       for (const by of [...this.held.keys()]) this.release(by);
     },
     renew() {
-      if (document.hidden || !window.socket?.connected) return;
+      if (document.hidden || !window.socket?.connected || performance.now() - this.heard > SILENT) return;
       const jogs = [...this.held.values()].filter((one) => one.isConnected).map((one) => one.dataset.jog);
       this.$emit("renew", { beat: this.seen, jogs });
     },

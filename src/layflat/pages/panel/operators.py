@@ -9,7 +9,7 @@ from layflat.rig.lease import Lease
 FORGOTTEN = 3.0  # an operator whose page has been silent for so long is none any more, s
 APPEARS = 30.0  # in which a page that was opened has to be heard first, s
 FRESH = 0.4  # a renewal counts if its page had heard from here so shortly before, s
-BEATS = 64  # that are remembered
+BEAT, BEATS = 0.02, 64  # shortest time from one to the next, s, and how many are remembered
 
 
 @dataclass
@@ -95,11 +95,13 @@ class Operators:
                 self.asked_by = None
 
     def beat(self) -> int:
-        """A number for all pages, to be sent back with renewals."""
+        """A number, to be sent back with renewals; pages that ask at the same time share it."""
         with self._guard:
-            number = max(self._beats, default=0) + 1
-            self._beats[number] = time.monotonic()
-            self._beats.pop(number - BEATS, None)
+            number, now = max(self._beats, default=0), time.monotonic()
+            if not self._beats or now - self._beats[number] >= BEAT:
+                number += 1
+                self._beats[number] = now
+                self._beats.pop(number - BEATS, None)
             return number
 
     def renew(self, key: str, beat: int) -> bool:

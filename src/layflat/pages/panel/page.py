@@ -16,19 +16,19 @@ from layflat.pages.look.pieces import Pieces
 from layflat.pages.panel.charts_view import ChartsView
 from layflat.pages.panel.check_view import CheckView
 from layflat.pages.panel.controller_view import ControllerView
+from layflat.pages.panel.controls import Controls
 from layflat.pages.panel.desk import Desk
 from layflat.pages.panel.drive_view import JogView, OutputsView, TargetView
 from layflat.pages.panel.failures_view import FailuresView
 from layflat.pages.panel.logs_view import LogsView
 from layflat.pages.panel.minder import Jogs, Minder
-from layflat.pages.panel.pilot import MOVES
+from layflat.pages.panel.pilot import MOVES, USUAL_SHARE
+from layflat.pages.panel.rounds import EVERY
 from layflat.pages.panel.search import LONGEST_SEARCH, find_reachable
 from layflat.pages.panel.sequence_view import SequenceView
 from layflat.pages.panel.status_view import OperatorView, StatusView, TimingView
 
 View = TypeVar("View")
-
-EVERY = 0.1  # between two pictures of what is so, s
 
 
 async def panel_page(desk: Desk) -> None:
@@ -47,6 +47,7 @@ class PanelPage:
         self._desk = desk
         client = ui.context.client
         self._key = client.id
+        self.controls = controls = Controls(desk, self._key, USUAL_SHARE)
         visitor = desk.operators.come(self._key)
         client.on_delete(lambda: desk.operators.leave(self._key))
         ui.add_css(files("layflat.pages.panel").joinpath("panel.css").read_text(encoding="utf-8"))
@@ -54,8 +55,8 @@ class PanelPage:
             with frame.status:
                 self.operator = OperatorView(desk, self._key, visitor.name)
             with frame.buttons:
-                self.stop = theme.button("Stop", self._stop, icon="front_hand", kind="danger").classes("lf-stop")
-            self.minder = Minder(self._renewed, self._stop)
+                self.stop = theme.button("Stop", controls.stop, icon="front_hand", kind="danger").classes("lf-stop")
+            self.minder = Minder(self._renewed, controls.stop)
             self._columns = ui.element("div").classes("lf-desk")
         self._seeks_reach, self._height = False, 0.0
         self._speeds: Callable[[Jogs], list[float]] | None = None  # of jogs, once they can be pressed
@@ -70,7 +71,9 @@ class PanelPage:
                 await self._build_left(pieces)
             with ui.element("div").classes("lf-side"):
                 await self._build_right(pieces)
-        ui.timer(EVERY, self._refresh)
+        desk, key = self._desk, self._key
+        ui.context.client.on_delete(lambda: desk.rounds.remove(key))
+        desk.rounds.add(key, self._refresh)
         await self._show_reach()
         await self.logs.list_logs()
         await self.sequence.list_saved()
@@ -97,21 +100,21 @@ class PanelPage:
             self.height.on("change", self._show_reach)
 
     async def _build_right(self, pieces: Pieces) -> None:
-        desk = self._desk
-        self.status = StatusView(desk, self._key)
+        desk, controls = self._desk, self.controls
+        self.status = StatusView(desk, controls)
         with theme.panel("Move and look"):
             bar = ui.tabs().props("dense no-caps align=left outside-arrows mobile-arrows")
             with ui.tab_panels(bar, value="Jog", animated=False).classes("lf-plain"):
-                self.jog, self.outputs = self._tab(bar, "Jog", lambda: (JogView(desk), OutputsView(desk)))
+                self.jog, self.outputs = self._tab(bar, "Jog", lambda: (JogView(desk), OutputsView(desk, controls)))
                 self._speeds = self.jog.speeds
                 await pieces.pause()
-                self.target = self._tab(bar, "Target", lambda: TargetView(desk, lambda: self.scene))
+                self.target = self._tab(bar, "Target", lambda: TargetView(desk, controls, lambda: self.scene))
                 await pieces.pause()
-                self.sequence = self._tab(bar, "Moves", lambda: SequenceView(desk))
+                self.sequence = self._tab(bar, "Moves", lambda: SequenceView(desk, controls))
                 await pieces.pause()
-                self.check = self._tab(bar, "Check", lambda: CheckView(desk, self._key))
+                self.check = self._tab(bar, "Check", lambda: CheckView(desk, controls))
                 await pieces.pause()
-                self.controller = self._tab(bar, "Controller", lambda: ControllerView(desk, self._key))
+                self.controller = self._tab(bar, "Controller", lambda: ControllerView(desk, controls))
                 await pieces.pause()
                 self.logs = self._tab(bar, "Logs", lambda: LogsView(desk))
                 if (tell := desk.rig.tell) is not None:
@@ -146,14 +149,15 @@ class PanelPage:
     def _beat(self) -> None:
         desk = self._desk
         shot = desk.snapshot()
-        self.minder.beat(desk.operators.beat())
-        self.stop.set_enabled(desk.operators.drives(self._key) and shot is not None and bool(shot["air"]))
+        if self.controls.drives:
+            self.minder.beat(desk.operators.beat())
+        self.stop.set_enabled(self.controls.drives and shot is not None and bool(shot["air"]))
         self.operator.refresh()
 
     def _refresh(self) -> None:
         desk = self._desk
         shot = desk.snapshot()
-        drives = desk.operators.drives(self._key)
+        drives = self.controls.drives
         fits = drives and shot is not None and shot.state in MOVES
         if shot is not None and np.isfinite(shot["averaged_angle"]).all():
             self.scene.pose(shot["averaged_angle"])
@@ -172,8 +176,4 @@ class PanelPage:
 
     def _renewed(self, beat: int, jogs: Jogs) -> None:
         if self._desk.operators.renew(self._key, beat) and self._speeds is not None:
-            self._desk.pilot.jog(self._speeds(jogs))
-
-    def _stop(self) -> None:
-        if self._desk.operators.drives(self._key):
-            self._desk.pilot.stop()
+            self.controls.jog(self._speeds(jogs))

@@ -17,6 +17,7 @@ from layflat.rig.safety.faults import Fault
 from layflat.rig.safety.states import State
 from layflat.rig.session import LoopError, Session, Snapshot
 
+USUAL_SHARE = 0.3  # of what the arm can do, at which courses move
 TICK = 0.02  # between two looks, s: demands that move go on for 50 ms
 WISHED = 1.0  # for so long a start is wished for while the lease has lapsed, as it may on a busy computer, s
 UNMINDED = (
@@ -31,13 +32,12 @@ class Pilot:
     Methods may be called from any thread; where the rig is gone they do nothing.
 
     Attributes:
-        share: of what the arm can do, at which courses move, 0..1.
         history: what was seen lately.
         why: reason for which the joints were held, or the air let out, without a person's wish; empty where they go on.
     """
 
     def __init__(self, link: RigLink, lease: Lease) -> None:
-        self.share, self.history, self.why = 0.3, History(), ""
+        self.history, self.why = History(), ""
         self._link, self._lease = link, lease
         self._move: Move | None = None
         self._start_until = 0.0  # s, monotonic
@@ -87,14 +87,23 @@ class Pilot:
             if jog is not None:
                 jog.wanted = np.array(velocities, float)
 
-    def go(self, steps: Sequence[Step], *, repeats: bool = False) -> bool:
-        """Move through places from where the joints are; returns whether the rig obeys."""
+    def go(self, steps: Sequence[Step], *, share: float = USUAL_SHARE, repeats: bool = False) -> bool:
+        """Move through places from where the joints are.
+
+        Args:
+            steps: the places, one after the other; without any the arm stays on what it does.
+            share: of what the arm can do, 0..1.
+            repeats: whether it begins anew at its end.
+
+        Returns:
+            Whether the rig obeys.
+        """
         with self._guard:
             shot = self._obeying()
-            if shot is None:
+            if shot is None or not steps:
                 return False
             start, machine = np.array(shot["demand"]), self._link.machine
-            self._move = Course(machine, start, steps, self.share, repeats=repeats, limits=self._limits_of(machine))
+            self._move = Course(machine, start, steps, share, repeats=repeats, limits=self._limits_of(machine))
             return True
 
     def close(self) -> None:

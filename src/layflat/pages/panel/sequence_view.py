@@ -13,12 +13,14 @@ from layflat.pages.look import theme
 from layflat.pages.look.dialogs import confirmed
 from layflat.pages.look.numbers import number, within
 from layflat.pages.look.pieces import Pieces
+from layflat.pages.panel.controls import Controls
 from layflat.pages.panel.desk import Desk
 from layflat.pages.panel.moves import Step, outputs_on
+from layflat.pages.panel.pilot import USUAL_SHARE
 from layflat.pages.panel.sequences import MAX_STEPS, check_pause, is_saved, load_sequence, newest_names, save_sequence
 from layflat.rig.session import Snapshot
 
-SHARES = (10, 100, 30)  # least, most, and at first, % of what the arm can do
+SHARES = (10, 100, round(100 * USUAL_SHARE))  # least, most, and at first, % of what the arm can do
 SOON = 0.05  # from a change of the steps to their drawing, s
 FILES_WITHIN = 10.0  # in which files of sequences have to be read or written, s
 
@@ -26,9 +28,9 @@ FILES_WITHIN = 10.0  # in which files of sequences have to be read or written, s
 class SequenceView:
     """The places of one page's sequence."""
 
-    def __init__(self, desk: Desk) -> None:
+    def __init__(self, desk: Desk, controls: Controls) -> None:
         """Build it; `list_saved` shows what was saved."""
-        self._desk, self._outputs = desk, desk.first.interface.outputs
+        self._desk, self._controls, self._outputs = desk, controls, desk.first.interface.outputs
         self.steps: list[Step] = []
         self._draws = self._stale = False  # whether the table is being drawn, and whether it has to be drawn anew
         least, most, usual = SHARES
@@ -78,7 +80,7 @@ class SequenceView:
         return await self._desk.worker.call(work, self._desk.folder, *more, limit=FILES_WITHIN, what=what)
 
     def _set_share(self) -> None:
-        self._desk.pilot.share = within(self.share.value, *SHARES) / 100.0
+        self._controls.share = within(self.share.value, *SHARES) / 100.0
 
     def _add(self) -> None:
         shot = self._desk.snapshot()
@@ -99,15 +101,21 @@ class SequenceView:
             self._draw()
 
     def _clear(self) -> None:
-        self.steps.clear()
+        self.steps = []
         self._draw()
 
-    def _drop(self, at: int) -> None:
-        del self.steps[at]
+    def _drop(self, step: Step) -> None:
+        """Take the step away whose button was pressed: rows on the page may be older than the steps."""
+        self.steps = [one for one in self.steps if one is not step]
         self._draw()
 
     def _run(self, *, repeats: bool) -> None:
-        self._desk.pilot.go(self.steps, repeats=repeats)
+        try:
+            self._controls.go(self.steps, repeats=repeats)
+        except LayflatError as error:
+            self.told.set_text(str(error))
+            return
+        self.told.set_text("")
 
     async def _save(self) -> None:
         name, desk = str(self.name.value or ""), self._desk
@@ -118,7 +126,7 @@ class SequenceView:
             there = await self._files(is_saved, name)
             if there and not await confirmed(f"Replace the sequence {name!r}?", "Replace"):
                 return
-            path = await self._files(save_sequence, name, desk.first, self.steps)
+            path = await self._files(save_sequence, name, desk.first, tuple(self.steps))
             await self.list_saved(name)
         except LayflatError as error:
             self.told.set_text(str(error))
@@ -188,7 +196,7 @@ class SequenceView:
             for text in (str(at + 1), *angles, *on, f"{step.pause:g}"):
                 theme.text_element("td", text)
             with ui.element("td"):
-                theme.button("", partial(self._drop, at), icon="delete", kind="flat", hint=f"Take step {at + 1} away")
+                theme.button("", partial(self._drop, step), icon="delete", kind="flat", hint=f"Take step {at + 1} away")
 
 
 def _named(outputs: frozenset[str] | None) -> str:

@@ -4,6 +4,7 @@ from nicegui import ui
 
 from layflat.pages.look import theme
 from layflat.pages.panel.advice import DONE, REASONS, STATES
+from layflat.pages.panel.controls import Controls
 from layflat.pages.panel.desk import Desk
 from layflat.pages.panel.history import air_rate
 from layflat.pages.panel.link import Standing
@@ -31,25 +32,24 @@ GONE = {
 class StatusView:
     """State, fault and advice."""
 
-    def __init__(self, desk: Desk, key: str) -> None:
-        """Build it for the page of a key."""
-        self._desk, self._key = desk, key
-        pilot = desk.pilot
+    def __init__(self, desk: Desk, controls: Controls) -> None:
+        """Build it for the page of some controls."""
+        self._desk, self._controls = desk, controls
         with theme.panel("State"):
             with ui.row().classes("lf-line"):
                 self.state = ui.label("Connecting").classes("lf-state").props("role=status aria-live=polite")
                 self.means = ui.label("").classes("lf-quiet")
             with ui.row().classes("lf-line"):
-                self.start = theme.button("Start", pilot.start, icon="play_arrow", kind="primary")
-                self.vent = theme.button("Vent", pilot.vent, icon="air")
-                self.reset = theme.button("Reset", pilot.reset, icon="restart_alt")
+                self.start = theme.button("Start", controls.start, icon="play_arrow", kind="primary")
+                self.vent = theme.button("Vent", controls.vent, icon="air")
+                self.reset = theme.button("Reset", controls.reset, icon="restart_alt")
             self.fault = ui.column().classes("lf-fault").props("role=alert")
             self._told: tuple[Fault, str] | None = None
             ui.label(NO_STOP).classes("lf-quiet lf-small")
 
     def refresh(self, shot: Snapshot | None) -> None:
         """Show the last cycle, or that there is none."""
-        drives = self._desk.operators.drives(self._key)
+        drives = self._controls.drives
         if shot is None:
             self._show_gone()
             buttons = (False, False, False)

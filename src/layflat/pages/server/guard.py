@@ -7,7 +7,7 @@ from urllib.parse import parse_qs
 
 from layflat.pages.server.answers import enter, protected, refuse, refuse_socket
 from layflat.pages.server.connections import Peer
-from layflat.pages.server.messages import checked, problem_of_socket
+from layflat.pages.server.messages import Judge, checked, problem_of_socket
 from layflat.pages.server.requests import Refusal, headers, refusal
 
 if TYPE_CHECKING:
@@ -34,16 +34,19 @@ class Guard:
         cookie: its name; browsers share cookies among the ports of a host.
         secure: whether the pages are served by TLS.
         admit: told of each connection, by the address and port it comes from, whose request is let through.
+        judge: returns what is wrong with the values in an event of a page; "" where nothing is.
 
     Attributes:
         token: of the start link, `/?token=...`.
     """
 
     def __init__(
-        self, app: "ASGIApp", hosts: frozenset[str], *, cookie: str, secure: bool, admit: Callable[[Peer], object]
-    ) -> None:
+        self, app: "ASGIApp", hosts: frozenset[str], *, cookie: str, secure: bool, admit: Callable[[Peer], object],
+        judge: Judge,
+    ) -> None:  # fmt: skip
         self.app, self.token = app, secrets.token_urlsafe(32)
-        self._hosts, self._cookie, self._secure, self._admit = hosts, cookie, secure, admit
+        self._hosts, self._cookie, self._secure = hosts, cookie, secure
+        self._admit, self._judge = admit, judge
         self._secret = secrets.token_urlsafe(32)
 
     async def __call__(self, scope: "Scope", receive: "Receive", send: "Send") -> None:
@@ -58,7 +61,7 @@ class Guard:
             self._admit(scope["client"])
         if scope["type"] == "websocket":
             if refused is None:
-                await self.app(scope, checked(receive), send)
+                await self.app(scope, checked(receive, self._judge), send)
             else:
                 await refuse_socket(scope, receive, send, refused)
         elif refused is not None:

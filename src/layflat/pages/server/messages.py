@@ -9,6 +9,7 @@ import json
 import logging
 import re
 from collections.abc import Callable, Mapping
+from math import isfinite
 from typing import TYPE_CHECKING, Any
 from urllib.parse import parse_qs
 
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
 LOG = logging.getLogger(__name__)
 TOGETHER = 4  # messages, of many that came at once, that share a turn of the event loop
 MAX_TOLD = 3  # malformed messages of a connection that are told one by one
-MAX_FRAME = 10**6  # characters of a message, as of Engine.IO; a longer one ends its connection
+MAX_FRAME = 100_000  # characters of a message; a longer one, which takes long to be read, ends its connection
 MAX_MALFORMED = 200  # of a connection, which then ends: no page of ours sends any
 FOR_LOG = "is a line for a log, which nobody keeps"  # the one message of a page that is left out without a word
 MAX_WORDS = 200  # characters of a value that names something
@@ -44,18 +45,45 @@ def _are_arguments(value: Any) -> bool:
 
 def _is_json(text: str) -> bool:
     try:
-        json.loads(text, parse_constant=_refuse)
+        _read_json(text)
     except (ValueError, RecursionError):
         return False
     return True
+
+
+def _read_json(text: str) -> Any:
+    """Return what is written as JSON, as strictly as the parser of NiceGUI reads it.
+
+    Raises:
+        ValueError: it is no JSON, holds a number that is not finite, or half of a character.
+        RecursionError: it is nested too deeply.
+    """
+    found = json.loads(text, parse_constant=_refuse, parse_float=_finite, parse_int=_whole)
+    if "\\u" in text:
+        json.dumps(found, ensure_ascii=False).encode()
+    return found
 
 
 def _refuse(constant: str) -> None:
     raise ValueError(constant)
 
 
+def _finite(text: str) -> float:
+    if not isfinite(value := float(text)):
+        raise ValueError(text)
+    return value
+
+
+def _whole(text: str) -> int:
+    _finite(text)
+    return int(text)
+
+
 Checks = Mapping[str, Callable[[Any], bool]]
 """Checks of the values that an event has to have, by their keys."""
+
+Judge = Callable[[Mapping[str, Any]], str]
+"""Returns what is wrong with the data of an event; "" where nothing is."""
 
 EVENTS: Mapping[str, Checks] = {
     "event": {"client_id": _is_text, "id": _is_count, "listener_id": _is_text, "args": _are_arguments},
@@ -70,8 +98,13 @@ QUERY: Checks = {
 OPTIONAL = frozenset({"client_id", "tab_id", "document_id", "next_message_id", "implicit_handshake"})
 
 
-def problem_of(frame: str | bytes | None) -> str:
-    """Return what is wrong with a frame; "" where it is one that a page may send."""
+def problem_of(frame: str | bytes | None, judge: Judge = lambda _: "") -> str:
+    """Return what is wrong with a frame; "" where it is one that a page may send.
+
+    Args:
+        frame: of Engine.IO.
+        judge: returns what is wrong with the data of an event that follows the grammar; "" where nothing is.
+    """
     if not isinstance(frame, str):
         return "is not text"
     if frame in FIXED or frame.startswith("40{"):
@@ -79,12 +112,14 @@ def problem_of(frame: str | bytes | None) -> str:
     found = EVENT.fullmatch(frame)
     if found is None:
         return "is no message of a page"
-    if not _is_json(found[1]):
+    try:
+        event = _read_json(found[1])
+    except (ValueError, RecursionError):
         return "is not JSON"
-    return _problem_of_event(json.loads(found[1]))
+    return _problem_of_event(event, judge)
 
 
-def _problem_of_event(event: list[Any]) -> str:
+def _problem_of_event(event: list[Any], judge: Judge) -> str:
     if len(event) != 2 or not isinstance(event[0], str) or not isinstance(event[1], dict):
         return "is not one event with its data"
     name, data = event
@@ -95,7 +130,9 @@ def _problem_of_event(event: list[Any]) -> str:
     wrong = [key for key, fits in EVENTS[name].items() if not fits(data.get(key))]
     if not wrong and not _is_number_text(data.get("next_message_id")):
         wrong = ["next_message_id"]
-    return f"has no fitting {wrong[0]!r} in its event {name!r}" if wrong else ""
+    if wrong:
+        return f"has no fitting {wrong[0]!r} in its event {name!r}"
+    return judge(data) if name == "event" else ""
 
 
 def problem_of_socket(scope: "Scope") -> str:
@@ -110,8 +147,13 @@ def problem_of_socket(scope: "Scope") -> str:
     return f"has no fitting {wrong[0]!r}" if wrong else ""
 
 
-def checked(receive: "Receive") -> "Receive":
-    """Return what receives the messages of a socket that follow the grammar; others are told, and ignored."""
+def checked(receive: "Receive", judge: Judge) -> "Receive":
+    """Return what receives the messages of a socket that a page may send; others are told, and ignored.
+
+    Args:
+        receive: receives all messages.
+        judge: of the values in an event, as for `problem_of`.
+    """
     malformed = count = 0
 
     async def receiving() -> "Message":
@@ -125,7 +167,7 @@ def checked(receive: "Receive") -> "Receive":
                 return message
             text = message.get("text")
             frame = text if text is not None else message.get("bytes")
-            problem = "is too long" if frame is not None and len(frame) > MAX_FRAME else problem_of(frame)
+            problem = "is too long" if frame is not None and len(frame) > MAX_FRAME else problem_of(frame, judge)
             if not problem:
                 return message
             if problem == FOR_LOG:

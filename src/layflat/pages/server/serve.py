@@ -71,11 +71,16 @@ def serve(
         MissingExtraError: what serves pages is not installed.
     """
     extras.require("panel", "nicegui")
+    from layflat.pages.server.values import problem_of_value  # noqa: PLC0415  # it needs the extra
+
     with place.listen() as listener:
         port = listener.getsockname()[1]
         app = _application(root, title)
         secure = place.certificate is not None
-        guard = Guard(app, place.hosts(port), cookie=f"layflat-{port}", secure=secure, admit=listener.admit)
+        guard = Guard(
+            app, place.hosts(port), cookie=f"layflat-{port}", secure=secure, admit=listener.admit,
+            judge=problem_of_value,
+        )  # fmt: skip
         server = _server(guard, place)
 
         with TurnMonitor(tell_slow_turn) as turns:

@@ -7,12 +7,20 @@ from layflat.design.findings import Finding
 from layflat.errors import LayflatError
 from layflat.machine.model import Machine
 from layflat.pages.studio.design import Design
+from layflat.pages.studio.opened import open_description
 from layflat.pages.studio.results import Designer, Figures, drawing
 from layflat.pages.studio.saving import save, stale
 
 LIMIT = 60.0  # time of one call, s
 MAX_DESIGNERS = 16  # designs whose joints are remembered
 _designers: OrderedDict[tuple[int, bool], Designer] = OrderedDict()
+
+
+def open_design(given: str) -> Design:
+    """Return the design of a built-in machine or a file, with its values found; errors are those of `load`."""
+    design = Design(open_description(given))
+    _ = design.fields
+    return design
 
 
 def find_figures(tab: int, kept: bool, machine: Machine, joint: str) -> Figures:

@@ -10,6 +10,7 @@ from nicegui import ui
 from layflat.errors import InputError, LayflatError
 from layflat.pages.look import theme
 from layflat.pages.look.dialogs import confirmed
+from layflat.pages.look.numbers import within
 from layflat.pages.studio.cloud import Tolerances
 from layflat.pages.studio.saving import place
 from layflat.pages.studio.session import Session
@@ -88,14 +89,14 @@ class Settings:
             ).classes("lf-quiet lf-small")
 
     def _step(self) -> None:
-        if self._size.value and self._lasts.value:
-            size, lasts = radians(float(self._size.value)), float(self._lasts.value)
-            self._session.look(step=replace(self._session.step, size=size, lasts=lasts))
+        step = self._session.step
+        size, lasts = _read(self._size, degrees(step.size)), _read(self._lasts, step.lasts)
+        self._session.look(step=replace(step, size=radians(size), lasts=lasts))
 
     def _vary(self) -> None:
-        given = {name: field.value for name, field in self._shares.items()}
-        if all(value is not None for value in given.values()):
-            self._session.look(tolerances=Tolerances(**{name: value / 100 for name, value in given.items()}))
+        before = self._session.tolerances
+        shares = {name: _read(field, 100 * getattr(before, name)) / 100 for name, field in self._shares.items()}
+        self._session.look(tolerances=Tolerances(**shares))
 
 
 SHARES = (
@@ -112,3 +113,8 @@ def _number(label: str, value: float, least: float, most: float, changed: Callab
     field = ui.number(label, value=round(value, 6), min=least, max=most, format="%.4g").props("outlined dense")
     field.on("blur", changed).on("keydown.enter", changed)
     return field.classes("st-setting")
+
+
+def _read(field: ui.number, before: float) -> float:
+    """Return the number in a field, inside its limits; what was there before where it holds none."""
+    return within(field.value, field.min, field.max, before)

@@ -1,6 +1,6 @@
 """All values of the description: sections that are filled when they are opened, a search, and what was changed."""
 
-from collections.abc import Callable
+from collections.abc import Awaitable, Callable
 
 from nicegui import background_tasks, ui
 
@@ -16,7 +16,7 @@ MOST = 40  # values that a search shows
 class Section:
     """Values of one part, made when they are first looked at."""
 
-    def __init__(self, title: str, fields: list[Field], fill: Callable[[list[Field]], None]) -> None:
+    def __init__(self, title: str, fields: list[Field], fill: Callable[[list[Field]], Awaitable[None]]) -> None:
         self.paths = {field.path for field in fields}
         self._fields, self._fill, self._filled = fields, fill, False
         self.box = ui.expansion(title, on_value_change=self._opened).classes("st-section")
@@ -33,8 +33,7 @@ class Section:
     def _opened(self) -> None:
         if self.box.value and not self._filled:
             self._filled = True
-            with self.box:
-                self._fill(self._fields)
+            background_tasks.create(self._fill(self._fields), context=self.box)
 
 
 class Group:
@@ -44,7 +43,7 @@ class Group:
         self.sections: dict[str, Section] = {}
         self.box = ui.expansion(title).classes("st-group").props("dense switch-toggle-side")
 
-    def add(self, path: str, fields: list[Field], fill: Callable[[list[Field]], None]) -> None:
+    def add(self, path: str, fields: list[Field], fill: Callable[[list[Field]], Awaitable[None]]) -> None:
         """Add the section of a part."""
         with self.box:
             self.sections[path] = Section(_title(path), fields, fill)
@@ -130,9 +129,14 @@ class Editor:
             row.reset()
         return bool(dirty)
 
-    def _fill(self, fields: list[Field]) -> None:
+    async def _fill(self, fields: list[Field]) -> None:
+        """Make the rows of a section, piece by piece, as long as it is there."""
+        pieces, rows = Pieces(), self._rows
         for field in fields:
-            self._rows.append(Row(self.design, field, self._edited))
+            rows.append(Row(self.design, field, self._edited))
+            await pieces.pause()
+            if rows is not self._rows:
+                return
 
     def _matching(self) -> set[str]:
         words = (self._search.value or "").lower().split()

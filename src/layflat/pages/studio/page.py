@@ -12,13 +12,11 @@ from nicegui import background_tasks, events, ui
 from layflat.errors import LayflatError
 from layflat.pages.look import theme
 from layflat.pages.look.pieces import Pieces
-from layflat.pages.studio.beside import LIMIT
+from layflat.pages.studio.beside import LIMIT, open_design
 from layflat.pages.studio.commands import Commands
-from layflat.pages.studio.design import Design
 from layflat.pages.studio.disk_view import DiskView
 from layflat.pages.studio.editor import Editor
 from layflat.pages.studio.kept_view import KeptView
-from layflat.pages.studio.opened import open_description
 from layflat.pages.studio.results_view import ResultsView
 from layflat.pages.studio.session import Session, What
 from layflat.pages.studio.tabs import Tabs
@@ -59,8 +57,8 @@ async def studio_page(machine: str, folder: Path | None = None) -> None:
         return
     worker = shared_worker()
     try:
-        opened = await worker.beside.call(open_description, machine, limit=LIMIT, what="the reading of the file")
-        session = await _tabs().session(client, lambda: Session(Design(opened), worker))
+        design = await worker.beside.call(open_design, machine, limit=LIMIT, what="the reading of the file")
+        session = await _tabs().session(client, lambda: Session(design, worker))
     except LayflatError as error:
         with theme.frame(TITLE, machine):
             theme.note(str(error), "danger")

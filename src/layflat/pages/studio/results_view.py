@@ -40,6 +40,7 @@ class ResultsView:
             self.cam, self.pressure = CamView(session), PressureView()
         await pieces.pause()
         self.strap, self.figures = StrapView(), FiguresView()
+        await self.figures.build(pieces)
 
     def changed(self, what: What) -> None:
         """Follow a change of the session."""

@@ -4,6 +4,7 @@ from nicegui import ui
 
 from layflat.design.findings import Finding
 from layflat.pages.look import theme
+from layflat.pages.look.pieces import Pieces
 from layflat.pages.studio.box import Panel
 from layflat.pages.studio.cloud import Cloud
 from layflat.pages.studio.results import Quantity, differences, share
@@ -65,11 +66,16 @@ class FiguresView(Panel):
             with ui.element("thead"), ui.element("tr"):
                 for name in ("figure", "now", "A", "now less A"):
                     theme.text_element("th", name).props("scope=col")
-            with ui.element("tbody"):
-                for _ in range(ROWS):
-                    with ui.element("tr") as row:
-                        self._boxes.append(row)
-                        self._rows.append([_cell() for _ in range(4)])
+            self._body = ui.element("tbody")
+
+    async def build(self, pieces: Pieces) -> None:
+        """Make the rows of the table, piece by piece."""
+        with self._body:
+            for _ in range(ROWS):
+                with ui.element("tr") as row:
+                    self._boxes.append(row)
+                    self._rows.append([_cell() for _ in range(4)])
+                await pieces.pause()
 
     def show(self, now: list[Quantity], other: list[Quantity]) -> None:
         """Show figures and those of A."""

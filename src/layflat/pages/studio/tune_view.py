@@ -1,12 +1,16 @@
 """Tune the gains from the page: begin, see how far it is, cancel, take what was found."""
 
+import asyncio
+
 from nicegui import ui
 
 from layflat.errors import InputError, LayflatError
 from layflat.pages.look import theme
+from layflat.pages.look.numbers import within
 from layflat.pages.studio.session import Session
 from layflat.pages.studio.tuning import GENERATIONS, TuningRun
 
+LIMITS = 1, 1000  # of generations
 LOOK = 0.25  # between two looks at how far it is, s
 
 
@@ -17,6 +21,7 @@ class TuneView:
         """Make it, closed."""
         self._session = session
         self._run: TuningRun | None = None
+        self._begun = 0  # which tuning is the newest
         with ui.dialog().props("persistent") as self.dialog, ui.card().classes("lf-dialog") as card:
             card.props('role=dialog aria-modal=true aria-label="Tune the gains"')
             theme.text_element("h2", "Tune the gains")
@@ -24,7 +29,7 @@ class TuneView:
                 "Searches for gains with which moves settle soon, over payloads, supplies, losses and drifts, as "
                 "layflat tune does; it begins with the gains of this design."
             )
-            self._generations = ui.number("Generations", value=GENERATIONS, min=1, max=1000, format="%d")
+            self._generations = ui.number("Generations", value=GENERATIONS, min=LIMITS[0], max=LIMITS[1], format="%d")
             self._generations.props("outlined dense").classes("st-setting")
             self._bar = ui.linear_progress(0.0, show_value=False).props('aria-label="Generations done"')
             self._said = ui.label().props("role=status")
@@ -40,10 +45,16 @@ class TuneView:
         """Open the dialog."""
         self.dialog.open()
 
+    def _wanted(self) -> int:
+        """Return how many generations are wanted."""
+        return round(within(self._generations.value, *LIMITS, GENERATIONS))
+
     def end(self) -> None:
-        """End a tuning that goes on: the tab was closed."""
+        """End a tuning that goes on, or is about to: the tab was closed."""
+        self._begun += 1
         if self._run is not None:
             self._run.close()
+            self._run = None
 
     def _show(self, text: str) -> None:
         run = self._run
@@ -56,13 +67,20 @@ class TuneView:
         self._bar.set_visibility(run is not None)
         self._generations.set_enabled(not going)
 
-    def _start(self) -> None:
+    async def _start(self) -> None:
+        self.end()
+        self._begun += 1
+        begun = self._begun
+        self._show("Begins; compiles the first time.")
         try:
-            self._run = TuningRun(self._session.design, int(self._generations.value or GENERATIONS))
+            run = await asyncio.to_thread(TuningRun, self._session.design, self._wanted())
         except LayflatError as error:
-            self._run = None
             self._show(str(error))
             return
+        if begun != self._begun:  # another one was begun meanwhile, or the dialog was closed
+            run.close()
+            return
+        self._run = run
         self._bar.set_value(0.0)
         self._show("Begins; compiles the first time.")
         self._timer.activate()
@@ -104,7 +122,6 @@ class TuneView:
 
     def _close(self) -> None:
         self.end()
-        self._run = None
         self._timer.deactivate()
         self._show("")
         self.dialog.close()

@@ -1,10 +1,5 @@
-"""One process that simulates, so that pages never wait: of each tab only the newest design is simulated to its end."""
+"""Processes that work for all tabs of the studio: of each tab only the newest design is simulated to its end."""
 
-import asyncio
-import signal
-import threading
-from concurrent.futures import Future, ProcessPoolExecutor
-from concurrent.futures.process import BrokenProcessPool
 from itertools import count
 from multiprocessing import get_context
 from multiprocessing.sharedctypes import SynchronizedArray
@@ -16,30 +11,28 @@ from layflat.pages.server.worker import Worker as Beside
 from layflat.pages.studio.cloud import Cloud, OvertakenError, Step, Tolerances, cloud
 
 TABS = 256  # that are told apart; more share a number, and may overtake each other
+LONGEST_CLOUD = 600.0  # time of a simulation, the compiling of its kernel included, s
 
 _wanted: dict[str, Any] = {}
 """In the process that simulates: the number of the newest request of each tab."""
 
 
 class Worker:
-    """Simulates in another process, which is begun with the first request and again if it ends."""
+    """Two processes, begun with the first request, or again if they end: one simulates, one does all else."""
 
     def __init__(self) -> None:
         self.beside = Beside("layflat-studio")  # for what takes less than a cloud, and must not wait for one
-        self._context = get_context("spawn")
-        self._newest: SynchronizedArray[int] = self._context.Array("Q", TABS)
-        self._pool: ProcessPoolExecutor | None = None
-        self._ended = False
+        self._newest: SynchronizedArray[int] = get_context("spawn").Array("Q", TABS)
+        self._simulator = Beside("layflat-studio-runs", first=_share, shared=(self._newest,))
         self._tabs = count()
-        self._lock = threading.Lock()
 
     def tab(self) -> int:
         """Return a number for a tab."""
         return next(self._tabs) % TABS
 
     def begin(self) -> None:
-        """Begin the process, so that it is ready when it is needed."""
-        self._submit(_nothing)
+        """Begin the process that simulates, so that it is ready when it is needed."""
+        self._simulator.begin(_nothing)
 
     def overtake(self, tab: int, number: int) -> None:
         """Let requests of a tab that are older than a number end without a result."""
@@ -58,40 +51,19 @@ class Worker:
             tolerances: how far runs differ.
         """
         self.overtake(tab, number)
-        for _ in range(2):
-            try:
-                return await asyncio.wrap_future(self._submit(_cloud, tab, number, machine, step, tolerances))
-            except BrokenProcessPool:  # somebody has ended the process: another one begins
-                self.close()
-        return LayflatError("the process that simulates has ended; change a value to begin again")
+        given = tab, number, machine, step, tolerances
+        try:
+            return await self._simulator.call(_cloud, *given, limit=LONGEST_CLOUD, what="the simulation")
+        except LayflatError as error:
+            return error
 
     def end(self) -> None:
-        """End the process for good."""
-        self._ended = True
+        """End the processes for good."""
         self.beside.end()
-        self.close()
-
-    def close(self) -> None:
-        """End the process; another one begins with the next request."""
-        with self._lock:
-            pool, self._pool = self._pool, None
-        if pool is not None:
-            processes = list((pool._processes or {}).values())
-            pool.shutdown(wait=False, cancel_futures=True)
-            for process in processes:
-                process.terminate()
-
-    def _submit(self, work: Any, *arguments: Any) -> "Future[Any]":
-        with self._lock:
-            if self._ended:
-                raise BrokenProcessPool
-            if self._pool is None:
-                self._pool = ProcessPoolExecutor(1, self._context, _begin, (self._newest,))
-            return self._pool.submit(work, *arguments)
+        self._simulator.end()
 
 
-def _begin(newest: "SynchronizedArray[int]") -> None:
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the process that serves
+def _share(newest: "SynchronizedArray[int]") -> None:
     _wanted["newest"] = newest
 
 
@@ -99,7 +71,7 @@ def _nothing() -> None:
     pass
 
 
-def _cloud(tab: int, number: int, machine: Machine, step: Step, tolerances: Tolerances) -> Cloud | LayflatError | None:
+def _cloud(tab: int, number: int, machine: Machine, step: Step, tolerances: Tolerances) -> Cloud | None:
     def overtaken() -> bool:
         return bool(_wanted["newest"][tab] > number)
 
@@ -109,5 +81,3 @@ def _cloud(tab: int, number: int, machine: Machine, step: Step, tolerances: Tole
         return cloud(machine, step, tolerances, overtaken=overtaken).rank()
     except OvertakenError:
         return None
-    except LayflatError as error:
-        return LayflatError(str(error))  # errors with arguments of their own do not travel between processes

@@ -1,0 +1,98 @@
+"""What one page does at the rig: with each wish it is asked whether the page drives, and whether the rig may be had."""
+
+from collections.abc import Callable, Sequence
+
+from layflat.errors import LayflatError
+from layflat.machine import Machine
+from layflat.pages.panel.checking import checked_at
+from layflat.pages.panel.desk import Desk
+from layflat.pages.panel.moves import Step
+from layflat.rig.check.open_loop import CheckResult
+
+NOT_DRIVING = "This page looks on: press Drive from here first."
+NOT_OBEYING = "The rig does not obey now: see State."
+
+
+class Controls:
+    """The hand of one page at the rig.
+
+    That a button can be pressed only while its page drives is not enough: a page shows what was so a moment ago, a
+    question may have been open for long, and a message need not come from a button.
+
+    Attributes:
+        share: of what the arm can do, at which moves of this page go, 0..1.
+    """
+
+    def __init__(self, desk: Desk, key: str, share: float) -> None:
+        """Take the desk, and the key of the page."""
+        self.share = share
+        self._desk, self._key = desk, key
+
+    @property
+    def drives(self) -> bool:
+        """Whether this page drives."""
+        return self._desk.operators.drives(self._key)
+
+    def start(self) -> None:
+        """Bring the air, or go on after the joints were held."""
+        if self.drives:
+            self._desk.pilot.start()
+
+    def stop(self) -> None:
+        """Hold the joints where they are, with air."""
+        if self.drives:
+            self._desk.pilot.stop()
+
+    def vent(self) -> None:
+        """Hold the joints, then let out the air."""
+        if self.drives:
+            self._desk.pilot.vent()
+
+    def reset(self) -> None:
+        """Let go of faults that are over."""
+        if self.drives:
+            self._desk.pilot.reset()
+
+    def switch(self, output: str, on: bool) -> None:
+        """Switch a digital output of the machine."""
+        if self.drives:
+            self._desk.pilot.switch(output, on)
+
+    def jog(self, velocities: Sequence[float]) -> None:
+        """Move joints by these speeds, rad/s, from now until they are asked for zero."""
+        if self.drives:
+            self._desk.pilot.jog(velocities)
+
+    def go(self, steps: Sequence[Step], *, repeats: bool = False) -> None:
+        """Move through places from where the joints are.
+
+        Raises:
+            LayflatError: the page looks on, the rig does not obey, or there are no places.
+        """
+        if not steps:
+            raise LayflatError("There are no steps: add some.")
+        self._require_drive()
+        if not self._desk.pilot.go(steps, share=self.share, repeats=repeats):
+            raise LayflatError(NOT_OBEYING)
+
+    def change(self, machine: Machine) -> None:
+        """Go on with another controller.
+
+        Raises:
+            LayflatError: the page looks on, or the rig is not at rest.
+        """
+        self._require_drive()
+        self._desk.link.change(machine)
+
+    def check(self, *, air: bool, tell: Callable[[str], object]) -> list[CheckResult]:
+        """Return what a check of the rig finds, as `checked_at`; it blocks until then.
+
+        Raises:
+            LayflatError: the page looks on, the rig is not at rest or can't be had, or nobody minded it.
+        """
+        self._require_drive()
+        return checked_at(self._desk, air=air, tell=tell)
+
+    def _require_drive(self) -> None:
+        if not self.drives:
+            raise LayflatError(NOT_DRIVING)
