@@ -21,6 +21,7 @@ from websockets.sync.client import ClientConnection, connect
 from websockets.typing import Origin
 
 RENEWAL = 0.05  # between two renewals of the lease, as of minder.js, s
+SILENT = 1.0  # without a beat, after which a page renews nothing, s
 Found = dict[str, Any]
 
 
@@ -48,6 +49,7 @@ class Visitor:
     """A page of one's own; `with Visitor(link) as visitor: visitor.press("Start")`."""
 
     def __init__(self, link: str) -> None:
+        self.link = link
         self.origin, self.cookie = opened(link)
         text = page_text(self.origin, self.cookie)
         raw = re.search(r"parseElements\(String\.raw`(.*?)`\)", text, re.DOTALL)
@@ -59,6 +61,7 @@ class Visitor:
         self.client = str(self.query["client_id"])
         self.messages: list[tuple[str, Any]] = []  # all but updates
         self.beat, self.minds, self.jogs = 0, True, list[str]()
+        self.heard_at = -SILENT  # the last beat, s, monotonic
         self._drawn = set[int]()  # charts
         self.heard = threading.Condition()
         self._over = threading.Event()
@@ -111,7 +114,7 @@ class Visitor:
                     else:
                         self.elements[int(key)] = one
             elif name == "run_javascript" and (beat := re.search(r'"beat", ?\[?(\d+)', data["code"])):
-                self.beat = int(beat[1])
+                self.beat, self.heard_at = int(beat[1]), time.monotonic()
             else:
                 self.messages.append((name, data))
             self.heard.notify_all()
@@ -124,7 +127,7 @@ class Visitor:
         found: tuple[int, Found] | None = None
         while not self._over.wait(RENEWAL):
             found = found or next((one for one in self.each() if self._listener(one[1], "renew")), None)
-            if self.minds and found is not None:
+            if self.minds and found is not None and time.monotonic() - self.heard_at < SILENT:
                 with suppress(ConnectionClosed):
                     self.emit(found, "renew", {"beat": self.beat, "jogs": self.jogs})
 

@@ -42,6 +42,7 @@ class Controls:
         """Hold the joints where they are, with air."""
         if self.drives:
             self._desk.pilot.stop()
+            self._desk.rounds.hurry()
 
     def vent(self) -> None:
         """Hold the joints, then let out the air."""

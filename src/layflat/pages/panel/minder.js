@@ -31,7 +31,9 @@ export default {
   methods: {
     beat(number) {
       this.$el.dataset.beat = this.seen = number;
+      const silent = performance.now() - this.heard > SILENT;
       this.heard = performance.now();
+      if (silent) this.renew(); // it drives from now on
     },
     key(event) {
       if (event.key === "Escape") this.$emit("stop");

@@ -2,6 +2,7 @@
 
 import threading
 import time
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from layflat.rig.lease import Lease
@@ -18,6 +19,7 @@ class Visitor:
 
     key: str
     name: str  # for others to read
+    told: Callable[[], object] = lambda: None  # called once it drives
 
 
 class Operators:
@@ -36,11 +38,11 @@ class Operators:
         self._beats: dict[int, float] = {}
         self.asked_by: Visitor | None = None  # who would like to drive
 
-    def come(self, key: str) -> Visitor:
-        """A page was opened; the first one drives."""
+    def come(self, key: str, told: Callable[[], object] = lambda: None) -> Visitor:
+        """A page was opened; the first one drives, and whoever drives is told so."""
         with self._guard:
             self._count += 1
-            visitor = self._visitors[key] = Visitor(key, f"page {self._count}")
+            visitor = self._visitors[key] = Visitor(key, f"page {self._count}", told)
             if self.operator is None:
                 self._give(key)
             return visitor
@@ -116,3 +118,4 @@ class Operators:
 
     def _give(self, key: str) -> None:
         self._operator, self._silent_from, self.asked_by = key, time.monotonic() + APPEARS, None
+        self._visitors[key].told()

@@ -45,10 +45,11 @@ class PanelPage:
     def __init__(self, desk: Desk) -> None:
         """Build the header within the present client."""
         self._desk = desk
+        self._minder: Minder | None = None
         client = ui.context.client
         self._key = client.id
         self.controls = controls = Controls(desk, self._key, USUAL_SHARE)
-        visitor = desk.operators.come(self._key)
+        visitor = desk.operators.come(self._key, self._drives_now)
         client.on_delete(lambda: desk.operators.leave(self._key))
         ui.add_css(files("layflat.pages.panel").joinpath("panel.css").read_text(encoding="utf-8"))
         with theme.frame("Panel", f"{desk.first.name} at {desk.rig.address}") as frame:
@@ -56,7 +57,7 @@ class PanelPage:
                 self.operator = OperatorView(desk, self._key, visitor.name)
             with frame.buttons:
                 self.stop = theme.button("Stop", controls.stop, icon="front_hand", kind="danger").classes("lf-stop")
-            self.minder = Minder(self._renewed, controls.stop)
+            self._minder = Minder(self._renewed, controls.stop)
             self._columns = ui.element("div").classes("lf-desk")
         self._seeks_reach, self._height = False, 0.0
         self._speeds: Callable[[Jogs], list[float]] | None = None  # of jogs, once they can be pressed
@@ -146,11 +147,16 @@ class PanelPage:
             self._seeks_reach = False
         self.scene.reachable(*found, on_floor=desk.inverse.directions < 3)
 
+    def _drives_now(self) -> None:
+        """Let the page renew the lease from the moment on in which it drives."""
+        if self._minder is not None:
+            self._minder.beat(self._desk.operators.beat())
+
     def _beat(self) -> None:
         desk = self._desk
         shot = desk.snapshot()
         if self.controls.drives:
-            self.minder.beat(desk.operators.beat())
+            self._drives_now()
         self.stop.set_enabled(self.controls.drives and shot is not None and bool(shot["air"]))
         self.operator.refresh()
 

@@ -3,11 +3,13 @@
 import asyncio
 import logging
 from collections.abc import Callable
+from contextlib import suppress
 from time import monotonic
 
 LOG = logging.getLogger(__name__)
 EVERY = 0.1  # between two pictures for the page that drives, s
 OTHERS = 0.03  # time of a round after which pages that look on wait for the next one, s
+ANSWERED = 0.02  # time in which a rig obeys, s
 REST = 0.02  # between two rounds, at least, s
 
 
@@ -22,6 +24,7 @@ class Rounds:
         self._drives = drives
         self._pages: dict[str, Callable[[], object]] = {}  # the one that was shown longest ago stands first
         self._task: asyncio.Task[None] | None = None
+        self._hurry = asyncio.Event()
 
     def add(self, key: str, show: Callable[[], object]) -> None:
         """Show a page what is so, from now on; to be called in the event loop."""
@@ -33,6 +36,10 @@ class Rounds:
         """Show a page nothing more."""
         self._pages.pop(key, None)
 
+    def hurry(self) -> None:
+        """Show pages soon what somebody has just asked for."""
+        asyncio.get_running_loop().call_later(ANSWERED, self._hurry.set)
+
     async def _go(self) -> None:
         while self._pages:
             begun = monotonic()
@@ -41,7 +48,9 @@ class Rounds:
                     break
                 self._show(key)
                 await asyncio.sleep(0)
-            await asyncio.sleep(max(REST, begun + EVERY - monotonic()))
+            self._hurry.clear()
+            with suppress(TimeoutError):
+                await asyncio.wait_for(self._hurry.wait(), max(REST, begun + EVERY - monotonic()))
 
     def _show(self, key: str) -> None:
         show = self._pages.pop(key, None)
