@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from layflat.cli.virtual_rig import simulated_rig
+from layflat.errors import LayflatError
 from layflat.machine import changed, load
 from layflat.pages.panel.link import RigLink, Standing
 from layflat.rig.drivers.address import driver_of
@@ -71,6 +72,23 @@ def test_a_rig_is_lent_and_taken_back(link: RigLink) -> None:
     assert not before.process.is_alive()
     link.take_back()
     until(lambda: link.at_rest)
+
+
+def test_a_rig_is_lent_to_one_at_a_time_and_changed_at_rest_only(
+    link: RigLink, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    link.lend()
+    for ask in (link.lend, lambda: link.change(ARM)):
+        with pytest.raises(LayflatError, match=r"has to be at rest|has the rig"):
+            ask()
+    link.take_back()
+    until(lambda: link.at_rest)
+    before = session_of(link)
+    monkeypatch.setattr(RigLink, "at_rest", False)
+    for ask in (link.lend, lambda: link.change(ARM)):
+        with pytest.raises(LayflatError, match="has to be at rest, without air: press Vent"):
+            ask()
+    assert session_of(link) is before
 
 
 def test_a_rig_that_is_not_there_is_tried_again(tmp_path: Path) -> None:

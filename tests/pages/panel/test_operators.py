@@ -83,3 +83,29 @@ def test_a_page_that_was_closed_drives_no_more(clock: Clock) -> None:
     assert not desk.take("a")
     desk.come("b")
     assert desk.drives("b")
+
+
+def test_a_beat_is_known_for_long_enough_however_many_pages_ask_for_one(clock: Clock) -> None:
+    desk = Operators(lease := Lease())
+    desk.come("a")
+    beat = desk.beat()
+    for _ in range(10):
+        clock.now += 0.03
+        for _ in range(100):
+            desk.beat()
+    assert desk.renew("a", beat)
+    assert lease.lives
+
+
+def test_who_drives_is_told_at_once(clock: Clock) -> None:
+    told: list[str] = []
+    desk = Operators(Lease())
+    for key in "abc":
+        desk.come(key, lambda key=key: told.append(key))  # type: ignore[misc]
+    assert told == ["a"]
+    desk.take("b")
+    desk.hand_over("a")
+    assert told == ["a", "b"]
+    desk.leave("b")
+    desk.take("c")
+    assert told == ["a", "b", "c"]
