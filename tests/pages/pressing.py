@@ -18,9 +18,10 @@ VALUES, THEN = ("update:modelValue", "update:value"), ("change", "blur", "keydow
 
 
 def name_of(found: Found) -> str:
-    """The name of an element for readers of screens; numbers in it do not count."""
+    """The name of an element for readers of screens, without the numbers in it."""
     props = found.get("props", {})
-    return re.sub(r"\d+", "N", str(props.get("aria-label") or props.get("label") or found.get("text") or ""))
+    name = str(props.get("aria-label") or props.get("label") or found.get("text") or "")
+    return " ".join(re.sub(r"[-+]?\d[\d.]*(e[-+]?\d+)?", "", name).split())
 
 
 def hard_values(visitor: Visitor, found: Found) -> list[Any]:
@@ -136,8 +137,13 @@ class Presser:
     def fill(self, turn: int) -> None:
         """Put hard values into all fields of the page."""
         for element in self._visitor.each():
-            values = hard_values(self._visitor, element[1])
-            kinds = [kind for kind in VALUES if values and self._visitor._listener(element[1], kind)]
-            for kind in [*kinds, *(THEN if kinds else ())]:
-                if self._visitor._listener(element[1], kind):
-                    self._visitor.emit(element, kind, values[turn % len(values)] if kind in VALUES else None)
+            put(self._visitor, element, turn)
+
+
+def put(visitor: Visitor, element: Element, turn: int) -> None:
+    """Put a hard value into a field, another one each turn, as a person does who goes on to the next field then."""
+    values = hard_values(visitor, element[1])
+    kinds = [kind for kind in VALUES if values and visitor._listener(element[1], kind)]
+    for kind in [*kinds, *(THEN if kinds else ())]:
+        if visitor._listener(element[1], kind):
+            visitor.emit(element, kind, values[turn % len(values)] if kind in VALUES else None)

@@ -126,7 +126,8 @@ class Visitor:
     def _renew(self) -> None:
         found: tuple[int, Found] | None = None
         while not self._over.wait(RENEWAL):
-            found = found or next((one for one in self.each() if self._listener(one[1], "renew")), None)
+            if found is None and self.heard_at > 0.0:
+                found = next((one for one in self.each() if self._listener(one[1], "renew")), None)
             if self.minds and found is not None and time.monotonic() - self.heard_at < SILENT:
                 with suppress(ConnectionClosed):
                     self.emit(found, "renew", {"beat": self.beat, "jogs": self.jogs})

@@ -7,6 +7,7 @@ from fastapi import Response
 from nicegui import app
 
 from layflat.pages.cell.snapshot import About, Requests, Snapshot
+from layflat.pages.look.rounds import Rounds
 
 IMAGES = ("overview", "camera")
 
@@ -19,12 +20,14 @@ class Desk:
         asked: what people ask of it.
         snapshot: the newest.
         numbers: of the newest images, from 1; 0 where there is none.
+        rounds: show all pages what is so.
         over: whether there is nobody any more who tells of the run.
     """
 
     def __init__(self, about: About, asked: Requests) -> None:
         self.about, self.asked, self.snapshot, self.over = about, asked, Snapshot(), False
         self.numbers = dict.fromkeys(IMAGES, 0)
+        self.rounds = Rounds()
         self._images: dict[str, bytes] = {}
 
     def follow(self, pipe: Connection) -> None:

@@ -7,6 +7,7 @@ from nicegui import ui
 
 from layflat.pages.cell.snapshot import ROWS, About, Snapshot
 from layflat.pages.look import theme
+from layflat.pages.look.pieces import Pieces
 
 FIGURES = {
     "picks": "Picks",
@@ -65,6 +66,7 @@ class PicksView:
 
     def __init__(self, about: About) -> None:
         """Build it."""
+        self._columns = len(about.columns)
         self._rows: list[list[ui.label]] = []
         self._boxes: list[ui.element] = []
         self._remarks: tuple[str, ...] = ()
@@ -76,10 +78,15 @@ class PicksView:
                 with ui.element("thead"), ui.element("tr"):
                     for name in about.columns:
                         theme.text_element("th", name).props("scope=col")
-                with ui.element("tbody"):
-                    for _ in range(ROWS):
-                        self._add_row(len(about.columns))
+                self._body = ui.element("tbody")
             self._list = ui.element("ul").classes("ce-list").props("id=cell-remarks")
+
+    async def build(self, pieces: Pieces) -> None:
+        """Make the rows of the table, piece by piece."""
+        with self._body:
+            for _ in range(ROWS):
+                self._add_row(self._columns)
+                await pieces.pause()
 
     def _add_row(self, columns: int) -> None:
         with ui.element("tr") as box:

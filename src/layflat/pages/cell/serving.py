@@ -11,12 +11,12 @@ from layflat.pages.server.serve import serve
 def serve_run(about: About, place: Place, pipe: Connection, asked: Requests) -> None:
     """Serve until the other side of the pipe is gone; its first message is the start link, or what is wrong."""
     from layflat.pages.cell.desk import Desk  # noqa: PLC0415  # they need the extra
-    from layflat.pages.cell.page import RunPage  # noqa: PLC0415
+    from layflat.pages.cell.page import run_page  # noqa: PLC0415
 
     desk = Desk(about, asked)
     try:
         serve(
-            lambda: RunPage(desk),
+            lambda: run_page(desk),
             place,
             title=f"layflat: {about.cell}",
             started=lambda: desk.follow(pipe),

@@ -6,7 +6,7 @@ from time import monotonic
 
 from nicegui import ui
 
-PIECE = 0.005  # time after which a pause is due, s
+PIECE = 0.003  # time after which a pause is due, s
 
 
 class Queue:
@@ -37,6 +37,14 @@ class Queue:
 _queue = Queue()
 
 
+async def arrived() -> bool:
+    """Wait until the browser of the page that is built is there, and for a turn; return whether it still is then."""
+    client = ui.context.client
+    await client.connected()
+    await _queue.wait()
+    return not client.is_deleted
+
+
 class Pieces:
     """Pauses between pieces of work in the event loop; make it within the page that is built."""
 
@@ -45,8 +53,11 @@ class Pieces:
 
     async def pause(self) -> None:
         """Yield to other handlers, if it is time for that; cancel the work where the page is gone."""
-        if monotonic() - self._since < PIECE:
-            return
+        if monotonic() - self._since >= PIECE:
+            await self.turn()
+
+    async def turn(self) -> None:
+        """Yield to other handlers, as at the beginning of work that may begin at many places at once; see `pause`."""
         await _queue.wait()
         if self._client.is_deleted:
             raise asyncio.CancelledError

@@ -63,6 +63,9 @@ class ControllerView:
 
     async def _draw_fields(self, drawing: int, base: Machine) -> None:
         pieces, written = Pieces(), self._desk.written
+        await pieces.turn()
+        if drawing != self._drawn:
+            return
         self.fields.clear()
         self._numbers = numbers = {}
         for path in paths(base):

@@ -12,11 +12,11 @@ from layflat.errors import LayflatError
 from layflat.machine import Machine
 from layflat.machine.loader import tables
 from layflat.motion.inverse import Inverse
+from layflat.pages.look.rounds import Rounds
 from layflat.pages.panel.history import Seen
 from layflat.pages.panel.link import Reached, RigLink, Standing
 from layflat.pages.panel.operators import Operators
 from layflat.pages.panel.pilot import Pilot
-from layflat.pages.panel.rounds import Rounds
 from layflat.pages.panel.search import prepare
 from layflat.pages.server.worker import Worker
 from layflat.rig.lease import Lease

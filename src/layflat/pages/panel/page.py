@@ -12,7 +12,8 @@ from layflat.errors import LayflatError
 from layflat.pages.look import theme
 from layflat.pages.look.arm_scene import ArmScene
 from layflat.pages.look.numbers import number
-from layflat.pages.look.pieces import Pieces
+from layflat.pages.look.pieces import Pieces, arrived
+from layflat.pages.look.rounds import EVERY
 from layflat.pages.panel.charts_view import ChartsView
 from layflat.pages.panel.check_view import CheckView
 from layflat.pages.panel.controller_view import ControllerView
@@ -23,7 +24,6 @@ from layflat.pages.panel.failures_view import FailuresView
 from layflat.pages.panel.logs_view import LogsView
 from layflat.pages.panel.minder import Jogs, Minder
 from layflat.pages.panel.pilot import MOVES, USUAL_SHARE
-from layflat.pages.panel.rounds import EVERY
 from layflat.pages.panel.search import LONGEST_SEARCH, find_reachable
 from layflat.pages.panel.sequence_view import SequenceView
 from layflat.pages.panel.status_view import OperatorView, StatusView, TimingView
@@ -33,9 +33,7 @@ View = TypeVar("View")
 
 async def panel_page(desk: Desk) -> None:
     """Build the page of a browser's tab within the present client, once its browser is there."""
-    client = ui.context.client
-    await client.connected()
-    if not client.is_deleted:
+    if await arrived():
         await PanelPage(desk).build()
 
 

@@ -5,10 +5,17 @@ import sys
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from nicegui import Client, ui
+from nicegui import Client
 from nicegui.element import Element
 from nicegui.elements.choice_element import ChoiceElement
+from nicegui.elements.input import Input
+from nicegui.elements.keyboard import Keyboard
 from nicegui.elements.mixins.value_element import ValueElement
+from nicegui.elements.number import Number
+from nicegui.elements.scene import Scene
+from nicegui.elements.select import Select
+from nicegui.elements.slider import Slider
+from nicegui.elements.tabs import TabPanels, Tabs
 from nicegui.helpers import event_type_to_camel_case
 
 MAX_NUMBER = sys.float_info.max  # that a field can hold
@@ -40,17 +47,17 @@ def problem_of_value(event: Mapping[str, Any]) -> str:
 
 def _check_of(element: Element, kind: str) -> Callable[[Any], bool] | None:
     """Return the check of what comes with a kind of event; None where nobody looks at it."""
-    if isinstance(element, ui.keyboard):
+    if isinstance(element, Keyboard):
         return _is_key
-    if isinstance(element, ui.scene):
+    if isinstance(element, Scene):
         return _is_click if kind == "click3d" else (lambda _: kind == "init")
     if not isinstance(element, ValueElement) or kind != event_type_to_camel_case(f"update:{element.VALUE_PROP}"):
         return None
     if isinstance(element, ChoiceElement):
         return lambda value: _is_choice(element, value)
-    if isinstance(element, (ui.tabs, ui.tab_panels)):
+    if isinstance(element, (Tabs, TabPanels)):
         return lambda value: value in [child.props.get("name") for child in element.default_slot.children]
-    return next((check for kinds, check in CHECKS if isinstance(element, kinds)), _is_truth)
+    return next((check for of, check in CHECKS if isinstance(element, of)), _is_truth)
 
 
 def _is_truth(value: Any) -> bool:
@@ -81,10 +88,10 @@ def _is_text(value: Any) -> bool:
     return value is None or isinstance(value, str)
 
 
-CHECKS: tuple[tuple[tuple[type[Element], ...], Callable[[Any], bool]], ...] = (
-    ((ui.number,), _is_typed_number),
-    ((ui.input, ui.textarea), _is_text),
-    ((ui.slider,), _is_slide),
+CHECKS: tuple[tuple[type[Element], Callable[[Any], bool]], ...] = (
+    (Number, _is_typed_number),
+    (Input, _is_text),
+    (Slider, _is_slide),
 )
 """Checks of values by their elements; all others are on or off."""
 
@@ -92,7 +99,7 @@ CHECKS: tuple[tuple[tuple[type[Element], ...], Callable[[Any], bool]], ...] = (
 def _is_choice(element: ChoiceElement, value: Any) -> bool:
     """Return whether an option is there, under the name that the page shows: options may have changed since."""
     options: list[dict[str, Any]] = element.props.get("options", [])
-    if isinstance(element, ui.select):
+    if isinstance(element, Select):
         return value is None or (isinstance(value, dict) and _names_option(options, value))
     return isinstance(value, int) and not isinstance(value, bool) and 0 <= value < len(options)
 

@@ -9,6 +9,7 @@ BLUE, RED, GREEN = (colour for colour, _ in STYLES[:3])
 OTHER = "A: "  # before the names of lines of the design that is kept as A
 CHAIN = [8, 4]
 HEIGHT = "13.5rem"
+WAITING = "Waiting for the first figures."
 
 
 class Panel:

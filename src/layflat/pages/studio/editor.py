@@ -132,6 +132,7 @@ class Editor:
     async def _fill(self, fields: list[Field]) -> None:
         """Make the rows of a section, piece by piece, as long as it is there."""
         pieces, rows = Pieces(), self._rows
+        await pieces.turn()
         for field in fields:
             rows.append(Row(self.design, field, self._edited))
             await pieces.pause()
@@ -160,6 +161,7 @@ class Editor:
     async def _show_matching(self, look: int) -> None:
         """Show the values that are searched; a newer search ends this one."""
         pieces, matching = Pieces(), self._matching()
+        await pieces.turn()
         found = [field for field in self.design.fields if field.path in matching]
         if not found:
             ui.label("No value of this name." if self._search.value else "Nothing was changed.").classes("lf-quiet")

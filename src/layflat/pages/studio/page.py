@@ -11,7 +11,7 @@ from nicegui import background_tasks, events, ui
 
 from layflat.errors import LayflatError
 from layflat.pages.look import theme
-from layflat.pages.look.pieces import Pieces
+from layflat.pages.look.pieces import Pieces, arrived
 from layflat.pages.studio.beside import LIMIT, open_design
 from layflat.pages.studio.commands import Commands
 from layflat.pages.studio.disk_view import DiskView
@@ -52,8 +52,7 @@ async def studio_page(machine: str, folder: Path | None = None) -> None:
         folder: that results are saved in; default: the current one.
     """
     client = ui.context.client
-    await client.connected()
-    if client.is_deleted:
+    if not await arrived():
         return
     worker = shared_worker()
     try:

@@ -68,7 +68,7 @@ class ResultsView:
             self.torque.show(figures, kept)
             self.cam.show(figures, kept)
             self.strap.show(figures)
-        self.findings.show(session.findings, session.design.machine.origin)
+        self.findings.show(session.findings, session.design.machine.origin, known=figures is not None)
         self._show_tables()
 
     def _show_cloud(self) -> None:

@@ -11,7 +11,7 @@ from layflat.design.strap import StrapStress
 from layflat.errors import LayflatError
 from layflat.pages.look.charts import Axis, Line, LineChart, points
 from layflat.pages.studio.beside import LIMIT, find_drawing
-from layflat.pages.studio.box import BLUE, CHAIN, HEIGHT, OTHER, RED, Panel
+from layflat.pages.studio.box import BLUE, CHAIN, HEIGHT, OTHER, RED, WAITING, Panel
 from layflat.pages.studio.results import Figures
 from layflat.pages.studio.session import Session
 
@@ -102,11 +102,12 @@ class StrapView(Panel):
         super().__init__("Strap stress")
         self._bars: list[StressBar] = []
         with self.content:
-            self._none = ui.label("No stress is known: the joint can't be made like this.").classes("lf-quiet")
+            self._none = ui.label(WAITING).classes("lf-quiet")
 
     def show(self, figures: Figures) -> None:
         """Draw bars up to the yield stress, the limit."""
         stresses = () if figures.design is None else figures.design.stresses
+        self._none.set_text("No stress is known: the joint can't be made like this.")
         self._none.set_visibility(not stresses)
         with self.content:
             while len(self._bars) < len(stresses):

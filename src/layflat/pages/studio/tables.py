@@ -5,7 +5,7 @@ from nicegui import ui
 from layflat.design.findings import Finding
 from layflat.pages.look import theme
 from layflat.pages.look.pieces import Pieces
-from layflat.pages.studio.box import Panel
+from layflat.pages.studio.box import WAITING, Panel
 from layflat.pages.studio.cloud import Cloud
 from layflat.pages.studio.results import Quantity, differences, share
 from layflat.pages.studio.session import Session, Shown
@@ -101,15 +101,17 @@ class FindingsView:
         self._box.props('role=region aria-label="Design rules" aria-live=polite')
         self._shown: list[Finding] | None = None
 
-    def show(self, findings: list[Finding], origin: str) -> None:
-        """List findings."""
+    def show(self, findings: list[Finding], origin: str, *, known: bool = True) -> None:
+        """List findings; `known`: whether the rules have been asked by now."""
         if findings == self._shown:
             return
-        self._shown = list(findings)
+        self._shown = list(findings) if findings or known else None
         self._box.clear()
         with self._box:
-            if not findings:
+            if not findings and known:
                 theme.note("The design rules find nothing.", "good")
+            elif not findings:
+                theme.note(WAITING)
             for one in findings:
                 text = str(one).removeprefix(f"{origin}: ")
                 theme.note(f"{one.severity.capitalize()}: {text}", TONES[one.severity])

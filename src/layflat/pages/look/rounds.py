@@ -17,10 +17,10 @@ class Rounds:
     """Shows pages what is so, one in each turn of the event loop; ends with the last page.
 
     Args:
-        drives: whether the page of a key drives.
+        drives: whether the page of a key drives something, and so is shown first.
     """
 
-    def __init__(self, drives: Callable[[str], bool]) -> None:
+    def __init__(self, drives: Callable[[str], bool] = lambda _: False) -> None:
         self._drives = drives
         self._pages: dict[str, Callable[[], object]] = {}  # the one that was shown longest ago stands first
         self._task: asyncio.Task[None] | None = None
