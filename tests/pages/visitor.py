@@ -59,6 +59,7 @@ class Visitor:
         self.elements: dict[int, Found] = {int(key): one for key, one in json.loads(unescape(raw[1])).items()}
         self.query = json.loads(query[1].replace("True", "true").replace("'", '"'))
         self.client = str(self.query["client_id"])
+        self.tab = {"tab_id": str(uuid4()), "document_id": str(uuid4())}
         self.messages: list[tuple[str, Any]] = []  # all but updates
         self.beat, self.minds, self.jogs = 0, True, list[str]()
         self.heard_at = -SILENT  # the last beat, s, monotonic
@@ -67,9 +68,8 @@ class Visitor:
         self._over = threading.Event()
 
     def __enter__(self) -> Self:
-        """Open the socket."""
-        query = {**self.query, "tab_id": str(uuid4()), "document_id": str(uuid4()), "implicit_handshake": "true"}
-        self.line = self.socket(query)
+        """Open the socket; again where it was closed, as a browser does that comes back."""
+        self.line = self.socket({**self.query, **self.tab, "implicit_handshake": "true"})
         self._threads = [threading.Thread(target=work, daemon=True) for work in (self._listen, self._renew)]
         for thread in self._threads:
             thread.start()

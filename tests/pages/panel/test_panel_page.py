@@ -288,7 +288,9 @@ def test_sequences_are_run_saved_and_loaded(page: Any) -> None:
     until(lambda: added(page) == ["nothing", "gripper"])
     page.get_by_label("name").fill("to and fro")
     press(page, "Save")
+    until(lambda: "saved build" in page.inner_text("main"))
     press(page, "Clear")
+    until(lambda: page.locator("main .lf-table tr").count() == 0)
     press(page, "Load")
     until(lambda: page.locator("main .lf-table tr").count() == 3)
 

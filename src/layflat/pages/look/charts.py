@@ -5,7 +5,6 @@ The page around the chart is not touched by that; an update of the element would
 """
 
 from collections.abc import Iterable, Mapping, Sequence
-from copy import deepcopy
 from dataclasses import dataclass
 from math import floor, log10
 from typing import Any
@@ -129,7 +128,7 @@ class LineChart:
         self.label = label
         with self.box:
             self._options = _options(across, up, series, self._legend)
-            self.chart = ui.echart(deepcopy(self._options)).classes("lf-chart").style("height: 100%")
+            self.chart = ui.echart(_copied(self._options)).classes("lf-chart").style("height: 100%")
         self._drawn = False
         self.chart.on("chart:rendered", self._first_drawn, js_handler=ONCE.replace("ID", str(self.chart.id)))
 
@@ -170,7 +169,7 @@ class LineChart:
     def _first_drawn(self) -> None:
         self._drawn = True
         # With what was shown since it was sent first. The element has a copy: it would send itself with every change.
-        self.chart.props["options"] = deepcopy(self._options)
+        self.chart.props["options"] = _copied(self._options)
 
     def bounds(self, up: tuple[float | None, float | None]) -> None:
         """Set least and most of the vertical axis; None follows the data."""
@@ -181,6 +180,16 @@ def edges(across: Iterable[float], low: Iterable[float], high: Iterable[float]) 
     """Return the outline of a band for `LineChart.show`."""
     across = np.asarray(across, float)
     return [*points(across, low), *points(across[::-1], np.asarray(high, float)[::-1])]
+
+
+def _copied(options: dict[str, Any]) -> dict[str, Any]:
+    """Return a copy of a chart's options that keeps what is in them now; points are shared, as nobody changes them."""
+    copied: dict[str, Any] = {
+        key: _copied(value) if isinstance(value, dict) else value for key, value in options.items()
+    }
+    if "series" in copied:
+        copied["series"] = [dict(one) for one in copied["series"]]
+    return copied
 
 
 def _line(line: Line, place: int, at: int) -> dict[str, Any]:

@@ -10,7 +10,10 @@ PIECE = 0.003  # time after which a pause is due, s
 
 
 class Queue:
-    """Tasks that wait for their next piece; one of them goes on in each turn of the event loop, in order."""
+    """Tasks that wait for their next piece; one goes on at a time, in order, and leaves as much time to all else.
+
+    A renewal of a lease takes several turns of the event loop on its way, so these must not all be long.
+    """
 
     def __init__(self) -> None:
         self._waiting: deque[asyncio.Future[None]] = deque()
@@ -28,10 +31,13 @@ class Queue:
         future = self._waiting[0]
         if not future.done():  # its page may be gone
             future.set_result(None)
-        # It goes on in the next turn, so that the one behind it, if there is one, does in the turn after that.
+        # It goes on in the next turn; this is called in that turn as well, behind it.
+        asyncio.get_running_loop().call_soon(self._rest, monotonic())
+
+    def _rest(self, since: float) -> None:
         self._waiting.popleft()
         if self._waiting:
-            asyncio.get_running_loop().call_soon(self._release)
+            asyncio.get_running_loop().call_later(monotonic() - since, self._release)
 
 
 _queue = Queue()

@@ -38,33 +38,24 @@ async def panel_page(desk: Desk) -> None:
 
 
 class PanelPage:
-    """The page of one browser's tab: at first what minds the rig and stops it, then `build` adds all else."""
+    """The page of one browser's tab."""
 
     def __init__(self, desk: Desk) -> None:
-        """Build the header within the present client."""
+        """Take what all pages share; `build` makes what is seen."""
         self._desk = desk
         self._minder: Minder | None = None
         client = ui.context.client
         self._key = client.id
-        self.controls = controls = Controls(desk, self._key, USUAL_SHARE)
-        visitor = desk.operators.come(self._key, self._drives_now)
+        self.controls = Controls(desk, self._key, USUAL_SHARE)
+        self._name = desk.operators.come(self._key, self._drives_now).name
         client.on_delete(lambda: desk.operators.leave(self._key))
-        ui.add_css(files("layflat.pages.panel").joinpath("panel.css").read_text(encoding="utf-8"))
-        with theme.frame("Panel", f"{desk.first.name} at {desk.rig.address}") as frame:
-            with frame.status:
-                self.operator = OperatorView(desk, self._key, visitor.name)
-            with frame.buttons:
-                self.stop = theme.button("Stop", controls.stop, icon="front_hand", kind="danger").classes("lf-stop")
-            self._minder = Minder(self._renewed, controls.stop)
-            self._columns = ui.element("div").classes("lf-desk")
         self._seeks_reach, self._height = False, 0.0
         self._speeds: Callable[[Jogs], list[float]] | None = None  # of jogs, once they can be pressed
-        self._beat()
-        ui.timer(EVERY, self._beat)
 
     async def build(self) -> None:
-        """Build all that stands below the header, piece by piece, and keep it up to date."""
+        """Build the page piece by piece, at first what minds the rig and stops it, and keep it up to date."""
         pieces = Pieces()
+        await self._build_header(pieces)
         with self._columns:
             with ui.element("div").classes("lf-side"):
                 await self._build_left(pieces)
@@ -76,6 +67,21 @@ class PanelPage:
         await self._show_reach()
         await self.logs.list_logs()
         await self.sequence.list_saved()
+
+    async def _build_header(self, pieces: Pieces) -> None:
+        desk, controls = self._desk, self.controls
+        ui.add_css(files("layflat.pages.panel").joinpath("panel.css").read_text(encoding="utf-8"))
+        with theme.frame("Panel", f"{desk.first.name} at {desk.rig.address}") as frame:
+            await pieces.pause()
+            with frame.buttons:
+                self.stop = theme.button("Stop", controls.stop, icon="front_hand", kind="danger").classes("lf-stop")
+            self._minder = Minder(self._renewed, controls.stop)
+            with frame.status:
+                self.operator = OperatorView(desk, self._key, self._name)
+            self._columns = ui.element("div").classes("lf-desk")
+        self._beat()
+        ui.timer(EVERY, self._beat)
+        await pieces.pause()
 
     async def _build_left(self, pieces: Pieces) -> None:
         desk = self._desk

@@ -51,7 +51,7 @@ class SequenceView:
             self.loop = theme.button("Run again and again", lambda: self._run(repeats=True), icon="repeat")
             self.progress = ui.label("").props("role=status").classes("lf-quiet")
         with ui.row().classes("lf-line"):
-            self.name = ui.input("name").props("dense outlined")
+            self.name = ui.input("name").props("dense outlined maxlength=200")
             theme.button("Save", self._save, icon="save")
             self.saved = ui.select([], label="saved").props("dense outlined").classes("lf-select")
             theme.button("Load", self._load, icon="folder_open")
@@ -118,15 +118,15 @@ class SequenceView:
         self.told.set_text("")
 
     async def _save(self) -> None:
-        name, desk = str(self.name.value or ""), self._desk
-        if not self.steps:
+        name, desk, steps = str(self.name.value or ""), self._desk, tuple(self.steps)
+        if not steps:
             self.told.set_text("There are no steps to save: add some.")
             return
         try:
             there = await self._files(is_saved, name)
             if there and not await confirmed(f"Replace the sequence {name!r}?", "Replace"):
                 return
-            path = await self._files(save_sequence, name, desk.first, tuple(self.steps))
+            path = await self._files(save_sequence, name, desk.first, steps)
             await self.list_saved(name)
         except LayflatError as error:
             self.told.set_text(str(error))

@@ -1,7 +1,9 @@
 """Who may see the pages: those who had the start link, from pages of our own."""
 
+import asyncio
 import secrets
 from collections.abc import Callable
+from time import monotonic
 from typing import TYPE_CHECKING
 from urllib.parse import parse_qs
 
@@ -13,6 +15,7 @@ from layflat.pages.server.requests import Refusal, headers, refusal
 if TYPE_CHECKING:
     from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
+SLOT = 0.04  # from one page that is made to the next, s
 LARGEST = 2**20  # bytes of a body or of a message
 UNKNOWN = Refusal(
     403,
@@ -48,6 +51,7 @@ class Guard:
         self._hosts, self._cookie, self._secure = hosts, cookie, secure
         self._admit, self._judge = admit, judge
         self._secret = secrets.token_urlsafe(32)
+        self._last_slot = 0.0  # in which the last page was made, or will be, s, monotonic
 
     async def __call__(self, scope: "Scope", receive: "Receive", send: "Send") -> None:
         """Serve a request, as ASGI asks."""
@@ -70,7 +74,15 @@ class Guard:
             flags = "; Secure" if self._secure else ""
             await enter(protected(send), f"{self._cookie}={self._secret}; HttpOnly; SameSite=Strict; Path=/{flags}")
         else:
+            if scope["path"] == "/":
+                await self._wait_for_slot()
             await _serve_limited(self.app, scope, receive, protected(send))
+
+    async def _wait_for_slot(self) -> None:
+        """Wait until a page may be made: those that are asked for at the same time are made one after the other."""
+        now = monotonic()
+        slot = self._last_slot = max(now, self._last_slot + SLOT)
+        await asyncio.sleep(slot - now)
 
     def _tokens(self, scope: "Scope") -> list[str]:
         """Return the tokens that a request enters with."""

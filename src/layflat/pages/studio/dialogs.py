@@ -39,7 +39,11 @@ async def save_as(
         ui.label(explained)
         if warned:
             theme.note(warned, "warning")
-        field = ui.input(f"Name, below {root.name or root}", value=name).props("outlined autofocus").classes("st-full")
+        field = (
+            ui.input(f"Name, below {root.name or root}", value=name)
+            .props("outlined autofocus maxlength=1000")
+            .classes("st-full")
+        )
         wrong = ui.label().classes("st-wrong").props("role=alert")
 
         async def go() -> None:

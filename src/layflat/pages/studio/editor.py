@@ -69,7 +69,7 @@ class Editor:
         self._looked = 0  # which search is the newest
         with ui.element("div").classes("st-search"):
             self._search = ui.input(placeholder="Search values", on_change=self._look).classes("st-find")
-            self._search.props('outlined dense clearable aria-label="Search values of the description"')
+            self._search.props('outlined dense clearable maxlength=200 aria-label="Search values of the description"')
             with self._search.add_slot("prepend"):
                 ui.icon("search").props("aria-hidden=true")
             self._only = ui.checkbox("changed only", on_change=self._look).props("dense")

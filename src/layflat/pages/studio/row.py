@@ -12,6 +12,8 @@ from layflat.pages.studio.design import Design, message
 from layflat.pages.studio.field import Field
 from layflat.pages.studio.words import NOTES, place_of, sentence
 
+MAX_TEXT = 20_000  # characters of a value, such as a long list: a message of a page holds a few times as many
+
 
 class Row:
     """A value that can be edited. `refresh` brings it up to date with the design."""
@@ -98,7 +100,7 @@ class Row:
         else:
             self._build_number(label)
             self._control = ui.input(value=self._text(), suffix=field.unit or None).props(
-                "outlined dense hide-bottom-space no-error-icon"
+                f"outlined dense hide-bottom-space no-error-icon maxlength={MAX_TEXT}"
             )
             self._control.on("blur", self._typed).on("keydown.enter", self._typed).on("keydown.esc", self.reset)
             self._control.classes("st-wide" if self._slider is None and not field.unit else "")
