@@ -63,7 +63,7 @@ def picks(page: Any) -> int:
 
 def width(page: Any, name: str) -> int:
     """How many pixels wide the image is that a page shows, 0 where there is none."""
-    return int(page.evaluate(f"document.getElementById('cell-{name}').naturalWidth"))
+    return int(page.evaluate(f"document.getElementById('cell-{name}')?.naturalWidth ?? 0"))
 
 
 def serious(page: Any) -> list[tuple[str, str]]:
