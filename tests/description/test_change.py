@@ -128,3 +128,13 @@ def test_a_bench_is_changed_alike() -> None:
     assert changed(rig, "friction.base", "3 N").friction.base == 3.0
     with pytest.raises(InputError, match=r"friction-rig: piston\.area: '3 m' is not an area"):
         changed(rig, "piston.area", "3 m")
+
+
+@pytest.mark.parametrize("odd", [None, 1, 1j, b"x", [], {}, object(), ("arm", "payload")])
+def test_what_is_no_path_or_no_description_is_one_line(odd: Any) -> None:
+    with pytest.raises(InputError, match="is no path"):
+        changed(load("paper-arm"), odd, 1.0)
+    with pytest.raises(InputError, match="is no description"):
+        changed(odd, "arm.payload", 1.0)
+    with pytest.raises(InputError, match=r"arm\.payload"):
+        changed(load("paper-arm"), "arm.payload", 10**400)

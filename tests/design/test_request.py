@@ -125,3 +125,13 @@ def test_both_ends_of_a_range_are_accepted(end: str) -> None:
 def test_a_name_must_do_for_a_file(name: str) -> None:
     with pytest.raises(InputError, match="size: name: "):
         replace(SMALL, name=name)
+
+
+@pytest.mark.parametrize("odd", ["5 N m", None, 1j, True, b"x", [], {}, object()])
+@pytest.mark.parametrize("key", ["torque", "stroke", "supply", "wrap", "strap_width", "name"])
+def test_what_is_no_number_is_named(key: str, odd: object) -> None:
+    if (odd is None and key == "strap_width") or (key == "name" and isinstance(odd, str)):
+        return
+    wrong: Any = {"torque": 5.0, "stroke": 1.5, "supply": 4e5} | {key: odd}
+    with pytest.raises(InputError, match=f"size: {key}: .* is no"):
+        SizingRequest(**wrong)

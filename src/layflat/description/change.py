@@ -33,6 +33,8 @@ def changed(described: Described, path: str, value: Any) -> Described:
     Raises:
         InputError: there is no such path, or the value can't stand there.
     """
+    if not isinstance(path, str):
+        raise InputError(f"{shown(path)} is no path", where="path", right='give one such as "arm.payload"')
     return changed_all(described, {path: value})
 
 
@@ -50,7 +52,12 @@ def changed_all(
     Raises:
         InputError: there is no such path, or a value can't stand there.
     """
+    if not isinstance(described, Part):
+        raise InputError(f"{shown(described)} is no description", where=where, right="give a machine: load(...)")
     where = where or _origin(described)
+    odd = next((path for path in values if not isinstance(path, str)), None)
+    if odd is not None:
+        raise InputError(f"{shown(odd)} is no path", where=where, right='give one such as "arm.payload"')
     above: set[str] = set()
     for path, value in values.items():
         value_at(described, path)

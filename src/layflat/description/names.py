@@ -34,7 +34,7 @@ def file_name(name: str, where: str) -> str:
     Raises:
         InputError: naming `where` it was given.
     """
-    found = problem(name)
+    found = problem(name) if isinstance(name, str) else "is no text"
     if found is not None:
         raise InputError(f"{shown(name)} {found}", where=where, right=_RIGHT)
     return name

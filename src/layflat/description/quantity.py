@@ -2,6 +2,7 @@
 
 import math
 import re
+import sys
 from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -164,7 +165,7 @@ class Quantity:
         def validate(value: object, info: ValidationInfo) -> float:
             try:
                 if info.context == SI and isinstance(value, (int, float)) and not isinstance(value, bool):
-                    return self.within(float(value))
+                    return self.within(float(value) if abs(value) < sys.float_info.max else math.inf)
                 return self.parse(value)
             except QuantityError as error:
                 raise wrong(error.what, error.right, INPUT) from None

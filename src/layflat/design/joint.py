@@ -3,6 +3,7 @@
 from dataclasses import replace
 from pathlib import Path
 
+from layflat.description.wrong import shown
 from layflat.design import straplines
 from layflat.design.cam import synthesise
 from layflat.design.characteristic import Characteristic, Through, of_cylinder, spline
@@ -38,9 +39,11 @@ def design_joint(
     names = list(machine.joints)
     if joint is None and len(names) > 1:
         raise MachineError("the joint is missing", where=machine.origin, right=f"name one of {', '.join(names)}")
-    name = joint or names[0]
-    if name not in machine.joint:
-        raise MachineError(f"unknown joint {name!r}", where=machine.origin, right=f"name one of {', '.join(names)}")
+    name = names[0] if joint is None else joint
+    if not isinstance(name, str) or name not in machine.joint:
+        raise MachineError(
+            f"unknown joint {shown(name)}", where=machine.origin, right=f"name one of {', '.join(names)}"
+        )
     described = machine.joint[name]
     characteristic = measured or of_cylinder(described, through=through)
     cam = outline = None

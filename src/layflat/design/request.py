@@ -16,6 +16,7 @@ from typing import Any, Self
 
 from layflat.description import units as u
 from layflat.description.names import file_name
+from layflat.description.wrong import shown
 from layflat.errors import DesignError
 from layflat.physics.hose import peeled_volume
 
@@ -43,6 +44,9 @@ RESERVE = radians(40.0 / 3.0)  # travel beyond the working stroke: two thirds to
 CONTACT_SHARE = 0.7  # contact angle at full travel over wrap: 84 deg of 120 deg in Table 1
 
 
+MISSING = object()  # stands for a field without a default
+
+
 @dataclass(frozen=True)
 class SizingRequest:
     """What a joint must do, in SI; what is None is chosen.
@@ -67,9 +71,12 @@ class SizingRequest:
         file_name(self.name, "size: name")
         for key, (kind, least, greatest) in RANGES.items():
             value = getattr(self, key)
-            if value is not None and not (
-                isfinite(value) and least * (1 - ROUNDING) <= value <= greatest * (1 + ROUNDING)
-            ):
+            if value is None and getattr(type(self), key, MISSING) is None:
+                continue
+            if isinstance(value, bool) or not isinstance(value, (int, float)):
+                right = f"give a number in {kind.unit}" if kind is not None else "give a number such as 1.5"
+                raise DesignError(f"{shown(value)} is no number", where=f"size: {key}", right=right)
+            if not (isfinite(value) and least * (1 - ROUNDING) <= value <= greatest * (1 + ROUNDING)):
                 right = f"give {_text(kind, least)} to {_text(kind, greatest)}"
                 raise DesignError(_text(kind, value), where=f"size: {key}", right=right)
 

@@ -6,14 +6,20 @@ and friction.
 
 from dataclasses import dataclass
 from math import degrees
+from pathlib import Path
 
 import numpy as np
 
 from layflat.arrays import Array
+from layflat.description import units as u
+from layflat.description.wrong import shown
 from layflat.errors import InputError
-from layflat.machine import Machine, parameters
+from layflat.machine import Machine, load, parameters
+from layflat.motion.signal_values import Value, read_number
+from layflat.sim.scenario import check_whole
 from layflat.sim.slow import sweep_joint
 
+MAX_POINTS = 1_000_000  # of a sweep, each way
 HIGHEST = 100e5  # no layflat hose bears more, Pa
 MOST_BRAKE = 100.0  # times the brake's own torque
 
@@ -44,34 +50,40 @@ class Loop:
 
 
 def sweep(
-    machine: Machine,
+    machine: str | Path | Machine,
     joint: str,
-    pressure: float,
+    pressure: Value,
     *,
-    centre: float = 0.0,
-    stroke: float | None = None,
+    centre: Value = 0.0,
+    stroke: Value | None = None,
     brake: float = 1.0,
     points: int = 1001,
 ) -> Loop:
     """Turn a joint to and fro with hose A at a gauge pressure (Pa) and hose B vented, until the loop repeats.
 
     Args:
-        machine: the machine.
+        machine: a description, its file, or the name of a built-in machine.
         joint: name of the joint.
-        pressure: gauge pressure in hose A, Pa.
-        centre: middle of the sweep, rad from mid-stroke.
-        stroke: from end to end, rad; default: the working stroke.
+        pressure: gauge pressure in hose A, such as "3 bar"; a number is in Pa.
+        centre: middle of the sweep from mid-stroke; a number is in rad.
+        stroke: from end to end; default: the working stroke.
         brake: share of the brake's torque.
         points: instants each way.
 
     Raises:
-        InputError: the pressure is not positive or bursts any hose, the stroke exceeds the mechanical one, or the
-            brake's share is negative.
+        InputError: there is no such joint, the pressure is not positive or bursts any hose, the stroke exceeds the
+            mechanical one, the brake's share is negative, or a value is of another kind.
     """
+    machine = load(machine)
+    if not isinstance(joint, str) or joint not in machine.joint:
+        right = f"give {' or '.join(machine.joint)}"
+        raise InputError(f"unknown joint {shown(joint)}", where="joint", right=right)
     described = machine.joint[joint]
+    pressure, centre = read_number(pressure, u.PRESSURE, "pressure"), read_number(centre, u.ANGLE, "centre")
+    brake, points = read_number(brake, None, "brake"), check_whole(points, "points", 3, MAX_POINTS)
     hose_a = parameters.hose(described)
     hose_b = hose_a if described.acting == "double" else parameters.no_hose(hose_a)
-    reach = described.stops.working_stroke if stroke is None else stroke
+    reach = described.stops.working_stroke if stroke is None else read_number(stroke, u.ANGLE, "stroke")
     if not 0.0 < pressure <= HIGHEST:
         right = f'pressure must be positive and at most {HIGHEST / 1e5:g} bar, such as "3 bar"'
         raise InputError(f"{pressure / 1e5:g} bar is out of range", where="pressure", right=right)
