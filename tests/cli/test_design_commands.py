@@ -64,7 +64,7 @@ def test_size_names_the_file_and_the_command_that_tunes_it(tmp_path: Path) -> No
     assert machine.joint["small"].planar_link.length == pytest.approx(0.3)
 
 
-@pytest.mark.parametrize("name", ["", "../../evil", "/abs/path", "nul\0"])
+@pytest.mark.parametrize("name", [" ", "../../evil", "/abs/path", "nul\0"])
 def test_a_name_that_leaves_the_folder_is_refused(name: str, tmp_path: Path) -> None:
     assert refused(*SIZE, "--name", name, "--out", tmp_path / "out").startswith("size: name: ")
     assert not (tmp_path / "out").exists()

@@ -13,9 +13,10 @@ from layflat.bridge.meshes import Meshes
 from layflat.bridge.mjcf import arm_tree, text_of, to_mjcf
 from layflat.bridge.pieces import link_pieces
 from layflat.bridge.urdf import to_urdf
+from layflat.description.wrong import shown
 from layflat.errors import InputError, MissingExtraError
 from layflat.files import whole_file, write_text
-from layflat.machine import Machine
+from layflat.machine import Machine, load
 
 FORMATS = {".xml": to_mjcf, ".urdf": to_urdf}
 """Writers by the suffix of a file."""
@@ -90,17 +91,21 @@ def arm_spec(machine: Machine, *, passive: bool = False) -> Any:
         InputError: MuJoCo is not installed, the arm is of a kind without bodies, or a mesh is not there.
     """
     mj = engine()
-    tree, meshes = arm_tree(machine, passive=passive)
+    tree, meshes = arm_tree(load(machine), passive=passive)
     return mj.MjSpec.from_string(text_of(tree), assets=meshes.contents())
 
 
-def save_arm(machine: Machine, path: Path) -> list[Path]:
+def save_arm(machine: str | Path | Machine, path: str | Path) -> list[Path]:
     """Write the arm to a file, .xml (MJCF) or .urdf, and its meshes to a folder beside it; return what was written.
 
     Raises:
         InputError: another suffix, the arm is of a kind without bodies, or a mesh is not there.
         OutputError: it can't be written there.
     """
+    machine = load(machine)
+    if not isinstance(path, (str, Path)):
+        raise InputError(f"{shown(path)} is no path", where="path", right="give one such as arm.xml or arm.urdf")
+    path = Path(path)
     if path.suffix not in FORMATS:
         raise InputError(
             f"{path.name!r} has an unknown format", where="path", right="give a name such as arm.xml or arm.urdf"

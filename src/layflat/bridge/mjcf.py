@@ -1,6 +1,7 @@
 """A machine's arm as MJCF, with every digit that its bodies have."""
 
 from collections.abc import Iterable
+from pathlib import Path
 from typing import Any
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
@@ -11,14 +12,14 @@ from layflat.bridge.inertia import nearest_inertia
 from layflat.bridge.limits import effort
 from layflat.bridge.meshes import Meshes
 from layflat.bridge.pieces import BODY, COLOURS, Piece, joint_pieces, link_pieces, rigid
-from layflat.machine import Machine
+from layflat.machine import Machine, load
 from layflat.physics.arms.bodies import RigidLink
 from layflat.physics.step import STEP
 
 IN_FRONT = 1.01  # bodies of joints are drawn so much larger, so that they are seen where links are described with them
 
 
-def to_mjcf(machine: Machine, folder: str = "") -> str:
+def to_mjcf(machine: str | Path | Machine, folder: str = "") -> str:
     """Return the arm as MJCF, for use without our joints: with stops, bearings, brakes and torques, drawn whole.
 
     Args:
@@ -28,6 +29,7 @@ def to_mjcf(machine: Machine, folder: str = "") -> str:
     Raises:
         InputError: the arm is of a kind without bodies, or a mesh is not there.
     """
+    machine = load(machine)
     return text_of(arm_tree(machine, passive=True, folder=folder or f"{machine.name}-meshes")[0])
 
 

@@ -1,6 +1,7 @@
 """A machine's arm as URDF."""
 
 from collections.abc import Iterable
+from pathlib import Path
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 import numpy as np
@@ -11,7 +12,7 @@ from layflat.bridge.limits import effort, velocity
 from layflat.bridge.meshes import Meshes, is_unread
 from layflat.bridge.mjcf import numbers
 from layflat.bridge.pieces import BODY, COLOURS, Piece, joint_pieces, link_pieces, rigid
-from layflat.machine import Machine
+from layflat.machine import Machine, load
 from layflat.physics.arms.bodies import moments, turn_of
 
 POINT = 1e-14  # inertia of a point mass, kg m2: some readers refuse none at all
@@ -20,7 +21,7 @@ NOTHING = (0.0, np.zeros(3), np.zeros((3, 3)))  # body of a frame: PyBullet take
 LEVEL = np.eye(3)
 
 
-def to_urdf(machine: Machine, folder: str = "") -> str:
+def to_urdf(machine: str | Path | Machine, folder: str = "") -> str:
     """Return the arm as URDF: bodies as in `arm_spec`, drawn whole, with limits, friction and damping of the joints.
 
     Limits are the stops; the working stroke stands in `safety_controller`. `effort` is the greatest torque at supply
@@ -34,6 +35,7 @@ def to_urdf(machine: Machine, folder: str = "") -> str:
     Raises:
         InputError: the arm is of a kind without bodies, or a mesh is not there.
     """
+    machine = load(machine)
     arm, pieces, bodies = rigid(machine), link_pieces(machine), joint_pieces(machine)
     meshes = Meshes((piece for own in pieces for piece in own), folder or f"{machine.name}-meshes", engine=False)
     robot = Element("robot", name=machine.name)

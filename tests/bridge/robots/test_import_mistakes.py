@@ -4,6 +4,7 @@ from typing import Any
 import pytest
 from robot_files import ELBOW, FLANGE, LOWER, MJCF, SHOULDER, TOOL, UPPER, joint, urdf, written
 
+from layflat.bridge import arm_spec, save_arm, to_mjcf, to_urdf
 from layflat.bridge.robots import import_arm
 from layflat.errors import InputError, MachineError
 
@@ -189,3 +190,24 @@ def test_a_point_beside_others_is_a_point_though_its_zeros_are_rounded(tmp_path:
     flange = FLANGE.replace('ixx="0.0001" iyy="0.0001" izz="0.0001"', 'ixx="-2e-35" iyy="0" izz="3e-35"')
     assert flange != FLANGE
     assert len(import_arm(written(tmp_path, urdf(flange=flange))).machine.joints) == 2
+
+
+@pytest.mark.parametrize("odd", [None, 1, 1.5, 1j, True, b"x", [1], {1: 2}, object(), float("nan")])
+@pytest.mark.parametrize("name", ["file", "joints", "base", "to", "tool", "name", "stroke", "gravity"])
+def test_what_is_of_another_type_is_one_line(name: str, odd: Any, tmp_path: Path) -> None:
+    if odd is None and name in {"stroke", "gravity"}:
+        return
+    given: Any = {"file": str(written(tmp_path, urdf()))} | {name: odd}
+    with pytest.raises(InputError) as caught:
+        import_arm(**given)
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("odd", [None, 1, 1j, b"x", [], {}, object(), ""])
+def test_what_is_no_machine_is_not_exported(odd: Any, tmp_path: Path) -> None:
+    for export in (to_mjcf, to_urdf, arm_spec, lambda machine: save_arm(machine, tmp_path / "arm.xml")):
+        with pytest.raises(InputError):
+            export(odd)
+    with pytest.raises(InputError, match="path"):
+        save_arm("paper-arm", odd)
+    assert list(tmp_path.iterdir()) == []

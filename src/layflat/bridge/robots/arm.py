@@ -17,9 +17,13 @@ from layflat.bridge.robots.serial import Serial, serial
 from layflat.bridge.robots.standing import stand_on
 from layflat.bridge.robots.strokes import ROOM, Turning, strokes
 from layflat.bridge.robots.template import templates
+from layflat.description import units as u
 from layflat.description.names import file_name
+from layflat.description.wrong import shown
+from layflat.errors import InputError
 from layflat.files import whole_file, write_text
 from layflat.machine import Machine, parameters
+from layflat.motion.signal_values import SignalKind, read_row
 
 POSES = 200  # in which gravity's torques are looked at
 
@@ -84,7 +88,7 @@ class ImportedArm:
 
 
 def import_arm(
-    file: Path,
+    file: str | Path,
     *,
     joints: Sequence[str] = (),
     base: str = "",
@@ -115,14 +119,16 @@ def import_arm(
         InputError: in one line, what is wrong with file or options, and what would be right.
         MissingExtraError: an MJCF, and MuJoCo is not installed.
     """
-    robot = read_robot(file, meshes=meshes)
+    _check_types(file, joints, {"base": base, "to": to, "tool": tool, "name": name})
+    robot = read_robot(Path(file), meshes=meshes)
     if base:
         robot = stand_on(robot, base)
     if gravity is not None:
-        robot = replace(robot, gravity=np.array(gravity, float))
+        pull = read_row(gravity, SignalKind("gravity", u.ACCELERATION, ("x", "y", "z"), "axis"), np.zeros(3))
+        robot = replace(robot, gravity=pull)
     chain, renamed = with_key_names(with_meshes(serial(robot, to=to, tool=tool), packages or {}))
     hoses = templates([stage.joint.name for stage in chain.stages], joints, renamed)
-    limits = translated(stroke or {}, renamed)
+    limits = translated(_limits(stroke or {}), renamed)
     turning = strokes(chain, {joint: one.described for joint, one in hoses.items()}, limits)
     called, notes = (file_name(name, "--name"), ()) if name else machine_name(robot)
     chain = replace(chain, notes=(*chain.notes, *notes))
@@ -130,6 +136,31 @@ def import_arm(
     machine = text.machine
     torques = np.array([effort(machine, joint) for joint in machine.joints])
     return ImportedArm(machine, chain, tuple(turning), torques, _weights(machine), text)
+
+
+def _check_types(file: object, joints: object, names: Mapping[str, object]) -> None:
+    """Raise InputError if something has another type than it should."""
+    if not isinstance(file, (str, Path)):
+        raise InputError(f"{shown(file)} is no path", where="file", right="give that of a URDF or an MJCF")
+    texts = isinstance(joints, (list, tuple)) and all(isinstance(joint, str) for joint in joints)
+    if not texts:
+        raise InputError(f"{shown(joints)} is no list of texts", where="joints", right='give ["MACHINE:JOINT"]')
+    odd = next((key for key, value in names.items() if not isinstance(value, str)), None)
+    if odd is not None:
+        raise InputError(f"{shown(names[odd])} is no text", where=odd, right="give a name")
+
+
+def _limits(stroke: object) -> dict[str, tuple[float, float]]:
+    """Return limits of joints, rad; raise InputError if they are no two growing angles a joint."""
+    if not isinstance(stroke, Mapping):
+        raise InputError(f"{shown(stroke)} is no table", where="stroke", right='give {"wrist": (-1.0, 1.0)}')
+    limits = {}
+    for name, given in stroke.items():
+        ends = read_row(given, SignalKind("stroke", u.ANGLE, ("lower", "upper"), "axis"), np.zeros(2))
+        if not ends[0] < ends[1]:
+            raise InputError(f"{shown(given)} does not grow", where="stroke", right='give {"wrist": (-1.0, 1.0)}')
+        limits[name] = float(ends[0]), float(ends[1])
+    return limits
 
 
 def _weights(machine: Machine) -> Array:
