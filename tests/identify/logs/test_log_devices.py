@@ -117,13 +117,19 @@ def test_counters_and_days_that_start_anew_go_on(turn: float) -> None:
     assert anew == [21]
 
 
-def test_a_clock_in_a_unit_with_a_number(tmp_path: Path) -> None:
-    path = written(tmp_path, "t [0.1ms],angle_deg", 1e4 * TIME, DEGREES)
+@pytest.mark.parametrize("unit", ["0.1ms", "x 0.1 ms", "100 us"])
+def test_a_clock_in_a_unit_with_a_number(tmp_path: Path, unit: str) -> None:
+    _, _, time = guessed(tmp_path, f"t [{unit}],angle_deg", 1e4 * TIME, DEGREES)
+    assert time == pytest.approx(TIME)
+
+
+def test_a_clock_in_a_fraction_of_a_unit_is_asked_for(tmp_path: Path) -> None:
+    path = written(tmp_path, "t [ms/10],angle_deg", 1e4 * TIME, DEGREES)
     with pytest.raises(InputError, match=r'a mapping may say unit = "0.1 ms"'):
         guess_mapping(path)
     mapping = tmp_path / "m.toml"
     mapping.write_text(
-        '[time]\ncolumn = "t [0.1ms]"\nunit = "0.1 ms"\n'
+        '[time]\ncolumn = "t [ms/10]"\nunit = "0.1 ms"\n'
         '[[column]]\nfrom = "angle_deg"\nsignal = "angle"\nunit = "deg"\n'
     )
     assert read_log(path, mapping, as_recorded=True)["time"].values == pytest.approx(TIME)
@@ -203,3 +209,118 @@ def test_rows_out_of_order_are_to_be_ordered(order: str, tmp_path: Path) -> None
     rows = np.arange(COUNT)[::-1] if order == "reversed" else np.random.default_rng(0).permutation(COUNT)
     with pytest.raises(InputError, match="order the rows by it"):
         guessed(tmp_path, "time [s],angle [deg]", TIME[rows], DEGREES[rows])
+
+
+def thousands(sign: str) -> str:
+    rows = (
+        f"{10 * i:,};{int(1e3 * d):,};{int(1e5 * b):,}".replace(",", sign)
+        for i, (d, b) in enumerate(zip(DEGREES, BAR, strict=True))
+    )
+    return "Time [ms];Angle [mdeg];PA [Pa abs]\n" + "\n".join(rows) + "\n"
+
+
+@pytest.mark.parametrize("sign", [".", ",", "'", " "])
+def test_whole_numbers_with_thousands_are_no_fractions(tmp_path: Path, sign: str) -> None:
+    path = tmp_path / "log.csv"
+    path.write_text(thousands(sign))
+    columns = read_table(path).columns
+    assert columns["Time [ms]"].values == pytest.approx(10.0 * np.arange(COUNT))
+    assert columns["PA [Pa abs]"].values == pytest.approx(np.trunc(1e5 * BAR))
+
+
+def test_fractions_with_three_digits_stay_fractions(tmp_path: Path) -> None:
+    rows = (f"{t:.2f};{a:.3f};{0 if i % 9 == 0 else format(b, '.3f')}" for i, (t, a, b) in enumerate(
+        zip(TIME, DEGREES, BAR, strict=True)))  # fmt: skip
+    path = tmp_path / "log.csv"
+    path.write_text("time_s;angle_deg;p_bar\n" + "\n".join(rows) + "\n")
+    assert read_table(path).columns["angle_deg"].values == pytest.approx(DEGREES, abs=1e-3)
+    assert read_table(path).columns["p_bar"].values.max() == pytest.approx(BAR.max(), abs=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("name", "unit", "gauge"),
+    [
+        ("Presión A (kPa man.)", "kPa", True), ("Pressure A (mbar sensor)", "mbar", None),
+        ("pA bar(rel.)", "bar", True), ("p A (0-10 bar)", "bar", None), ("p_A [bar Überdruck]", "bar", True),
+        ("pressureAKPa", "kPa", None), ("hosePressureABar", "bar", None), ("p_A [\u33aa]", "kPa", None),
+        ("Tryck A (kPa)", "kPa", None), ("Давление A, кПа", "kPa", None), ("pₐ [bar]", "bar", None),
+    ],
+)  # fmt: skip
+def test_units_that_other_words_stand_beside(tmp_path: Path, name: str, unit: str, gauge: bool | None) -> None:
+    size = {"kPa": 100.0, "mbar": 1e3, "bar": 1.0}[unit]
+    path = tmp_path / "log.csv"
+    rows = (f"{t:.2f};{size * b:.6g}" for t, b in zip(TIME, BAR, strict=True))
+    path.write_text(f"time_s;{name}\n" + "\n".join(rows) + "\n", encoding="utf-8")
+    column = read_table(path).columns[name]
+    assert (column.header.unit, column.header.gauge) == (unit, gauge)
+    assert [entry.signal for entry in guess_mapping(path).mapping.column] == ["pressure_a"]
+
+
+@pytest.mark.parametrize(
+    ("names", "signals"),
+    [
+        (("position [deg]", "Druck A [bar]"), ["angle", "pressure_a"]),
+        (("current angle [deg]", "valve current [A]"), ["angle"]),
+        (("angle_deg", "p_amb_bar"), ["angle"]),
+        (("Angle_deg", "angle_deg"), []),
+        (("theta", "pB_bar"), ["pressure_b"]),
+        (("pA_bar", "p_tank_bar"), ["pressure_a"]),
+    ],
+)
+def test_what_names_and_units_say_together(tmp_path: Path, names: tuple[str, str], signals: list[str]) -> None:
+    sizes = {"theta": 0.1 * DEGREES, "Angle_deg": DEGREES + 3.0}
+    values = [sizes.get(name, 2.0 * BAR if "p" in name else DEGREES) for name in names]
+    path = written(tmp_path, ",".join(["time_s", *names]), TIME, *values)
+    if not signals:
+        with pytest.raises(InputError, match="may all be angle"):
+            guess_mapping(path)
+        return
+    guess = guess_mapping(path)
+    assert [entry.signal for entry in guess.mapping.column] == signals
+    assert set(guess.left) == set(names) - {column for entry in guess.mapping.column for column in entry.columns}
+
+
+def test_a_pressure_without_zero_follows_those_that_state_it(tmp_path: Path) -> None:
+    guess = guess_mapping(written(tmp_path, "time_s,pA_bar_g,p_supply_bar", TIME, BAR, 6.0 + 0.1 * BAR))
+    assert [entry.gauge for entry in guess.mapping.column] == [True, True]
+    assert "gauge as others are: check it" in guess.notes["p_supply_bar"]
+
+
+@pytest.mark.parametrize("name", ["ticks", "sample counter", "tick"])
+def test_ticks_are_asked_for(tmp_path: Path, name: str) -> None:
+    path = written(tmp_path, f"{name},angle_deg", 62500.0 * TIME, DEGREES)
+    with pytest.raises(InputError, match=r"counts ticks, .* \(--period\)"):
+        guess_mapping(path)
+    guess_mapping(path, period="10 ms")
+
+
+@pytest.mark.parametrize("form", ["[{:12.6f}] ", "({:.6f}) ", "\x1b[32m{:.6f} \x1b[0m"])
+def test_a_time_in_brackets_before_labels(tmp_path: Path, form: str) -> None:
+    rows = (f"{form.format(t)}rig: angle={a:.5f} pA={b:.5f}" for t, a, b in zip(TIME, DEGREES, BAR, strict=True))
+    path = tmp_path / "log.txt"
+    path.write_text("\n".join(rows) + "\n")
+    table = read_table(path)
+    assert table.columns["1"].values == pytest.approx(TIME)
+    assert table.columns["angle"].values == pytest.approx(DEGREES, abs=1e-4)
+
+
+def test_numbers_of_rows_as_r_writes_them(tmp_path: Path) -> None:
+    rows = (f'"{i + 1}" {t:.2f} {a:.5f}' for i, (t, a) in enumerate(zip(TIME, DEGREES, strict=True)))
+    path = tmp_path / "log.txt"
+    path.write_text('"time" "angle"\n' + "\n".join(rows) + "\n")
+    assert read_table(path).columns["angle"].values == pytest.approx(DEGREES, abs=1e-4)
+
+
+def test_units_that_differ_within_a_column_are_named(tmp_path: Path) -> None:
+    cells = [f"{1e3 * b:.0f} mbar" if b < 2.0 else f"{b:.4f} bar" for b in BAR]
+    words = read_table(written(tmp_path, "time_s,pA", TIME, cells)).words
+    assert "numbers with different units, 'bar', 'mbar': write all with one" in words["pA"]
+
+
+def test_a_table_without_header_says_what_would_do(tmp_path: Path) -> None:
+    path = tmp_path / "log.csv"
+    path.write_text("".join(f"{t},{a},{b}\n" for t, a, b in zip(TIME, DEGREES, BAR, strict=True)))
+    with pytest.raises(InputError, match="give it a header, such as time_s,angle_deg"):
+        guess_mapping(path)
+    path.write_text("time_s,angle_deg,pA_kPa_gauge\n" + path.read_text())
+    assert len(guess_mapping(path).mapping.column) == 2

@@ -1,5 +1,6 @@
 """Clocks of a log: those in two columns, counters that start anew, and which column is the clock."""
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -30,6 +31,8 @@ DAY = 86400.0  # s
 FIRST_OF_DAY, DAY_STEP = 1e-3, 2e-6  # least fraction of a day, and its greatest step, that tell it from seconds
 COUNTERS = (2.0**16, 2.0**24, 2.0**32, DAY, 1e3 * DAY, 1e6 * DAY)  # at which whole numbers of a clock start anew
 TURNS = (65.536, 16777.216, 4294.967296, 4294967.296, DAY, 1e3 * DAY)  # the same of numbers with fractions
+TICKS = frozenset(["tick", "ticks", "counter", "count", "counts", "cycles", "cnt"])
+_TIMES = re.compile(r"[x*×·]?\s*(?P<number>\d+(?:[.,]\d+)?)\s*[x*×·]?\s*(?P<unit>[^\d\s/]+)")
 FEW_SHARED = 0.05  # fraction of rows with the stamp of the row before that may be left out
 MAX_FALLS = 0.01  # fraction of steps back of what is still a clock
 RIGHT = 'give the log a column of times; or say period = "5 ms" (--period) if its samples are evenly spaced'
@@ -116,6 +119,12 @@ def choose_clock(table: Table) -> ClockChoice:
         why, right = _why_not(table)
         raise InputError(f"no column rises as a clock does{why}", where=str(table.path), right=right)
     chosen = max(named, key=lambda name: named[name][0])
+    if TICKS & set(words_of(table.columns[chosen].header.stem)) and not table.columns[chosen].header.unit:
+        what = f"column {chosen!r} counts ticks, and nothing says how long one is"
+        right = (
+            'say period = "5 ms" (--period) if the samples are evenly spaced, or write a mapping with unit = "0.1 ms"'
+        )
+        raise InputError(what, where=str(table.path), right=right)
     unit, why = _unit(table.columns[chosen])
     said = "".join(f"; {note}" for note in table.columns[chosen].notes)
     others = [column.values for name, column in table.columns.items() if name not in scores]
@@ -196,8 +205,8 @@ def _score(column: Column) -> tuple[float, str] | None:
     header, values = column.header, unwrap_counter(column.values)[0]
     words = words_of(header.stem)
     meant = meanings(words)
-    timed = bool(header.unit) and kind_of_unit(header.unit) == TIME
-    if (header.unit and not timed) or header.unknown or not rises(values):
+    timed = (bool(header.unit) and kind_of_unit(header.unit) == TIME) or bool(_scaled_unit(header))
+    if (header.unit and not timed) or (header.unknown and not timed) or not rises(values):
         return None
     named = "clock" in meant and (timed or not meant & {"pressure", "angle", "torque", "force", "rate", "temperature"})
     coarse = 0.5 if np.median(np.diff(values[np.isfinite(values)])) <= 0.0 else 0.0
@@ -211,6 +220,15 @@ def _score(column: Column) -> tuple[float, str] | None:
     if meant or not 0.0 < high <= 1.5 * low or _counts(values):
         return None
     return 0.5, "as its values rise evenly"
+
+
+def _scaled_unit(header: Header) -> str:
+    """Return the unit of a clock that is stated with a number, as "0.1 ms" in "t [0.1 ms]" and "t [x 10 us]"."""
+    match = _TIMES.fullmatch(header.unknown)
+    found = unit_written(match["unit"]) if match else None
+    if match is None or found is None or kind_of_unit(found[0]) != TIME:
+        return ""
+    return f"{match['number'].replace(',', '.')} {found[0]}"
 
 
 def _counts(values: Array) -> bool:
@@ -233,8 +251,8 @@ def rises(values: Array) -> bool:
 
 def _unit(column: Column) -> tuple[str, str]:
     """Return the unit of a clock, and why."""
-    if column.header.unit:
-        return column.header.unit, "unit as in the header" if not column.notes else "unit by its stamps"
+    if stated := _scaled_unit(column.header) or column.header.unit:
+        return stated, "unit as in the header" if not column.notes else "unit by its stamps"
     for word in words_of(column.header.stem):
         found = unit_written(word, listed=True) if len(word) > 1 else None
         if found is not None and kind_of_unit(found[0]) == TIME:

@@ -25,7 +25,7 @@ POSSIBLE: dict[u.Quantity, tuple[float, float]] = {
 """Range of the greatest magnitude of a signal that moves, SI: outside it a stated unit can't be."""
 
 RANGES: dict[u.Quantity, tuple[tuple[float, str], ...]] = {
-    u.ANGLE: ((7.0, "rad"), (np.inf, "deg")),
+    u.ANGLE: ((3.5, "rad"), (7.0, ""), (np.inf, "deg")),  # neither a few degrees nor a whole turn is usual
     u.PRESSURE: ((20.0, "bar"), (160.0, "psi"), (5e3, "kPa"), (np.inf, "Pa")),
     u.VOLTAGE: ((30.0, "V"), (np.inf, "mV")),
     u.TEMPERATURE: ((150.0, "degC"), (np.inf, "K")),
@@ -37,9 +37,13 @@ _CHANNELS = "ch chan channel kanal canal ai ain ao aout analog adc dac dev input
 CHANNELS = frozenset(_CHANNELS.split())
 """Words before the number of a recorder's channel, which is neither a joint's nor a hose's."""
 
+QUANTITIES = frozenset(["pressure", "angle", "torque", "force", "temperature", "position", "brake"])
+"""Roles beside which "current" is the present value."""
+
 COUNTS = frozenset(["counts", "dac", "adc", "pwm", "lsb", "digit", "digits", "bits", "inc", "incr", "increments"])
 """Words of numbers that are no quantity before their scale."""
 
+LEAST_COUNT = 200.0  # from which whole numbers may be counts of a converter
 GLITCH, MOST = 5.0, 99.0  # times the usual magnitude that no motion explains; the percentile that is usual
 
 OWN_NAME, WORDS, UNIT_FITS, UNIT_ALONE, RAW_MORE = 6.0, 4.0, 3.0, 1.0, 0.5  # points of a score
@@ -92,9 +96,10 @@ def find_candidate(column: Column, joints: list[str], hose: str = "") -> Candida
     words = [word for word in words if word not in words_of(joint)]
     kind = kind_of_unit(header.unit) if header.unit else None
     meant, group, counted = _roles(words, kind, bool(joint), header.stem, hose)
-    if "rate" in meant or STATISTICS & set(words):
-        return "a rate, which follows from the rest" if "rate" in meant else "a statistic of samples, not a sample"
-    name = own if own in SIGNALS else _signal_of(meant, kind)
+    if why := _no_signal(column, set(words), meant):
+        return why
+    measured = own in SIGNALS and (not header.unit or kind in {None, SIGNALS[own].kind})
+    name = own if measured else _signal_of(meant, kind)
     if name is None:
         if kind is not None and kind.unit in BY_UNIT:
             signal = SIGNALS[BY_UNIT[kind.unit]]
@@ -102,9 +107,23 @@ def find_candidate(column: Column, joints: list[str], hose: str = "") -> Candida
             return _checked(Candidate(column, signal, why, UNIT_ALONE, joint, group))
         low, high = np.nanmin(column.values), np.nanmax(column.values)
         return f"its name says nothing that is known here; goes from {low:.4g} to {high:.4g}"
-    score = (OWN_NAME if own == name else WORDS) + UNIT_FITS * bool(header.unit)
+    score = (OWN_NAME if SENSED.get(own.lower(), own.lower()) == name else WORDS) + UNIT_FITS * bool(header.unit)
     score += RAW_MORE * (bool(RAW & set(words)) - bool(FILTERED & set(words)))  # a fit models the sensor itself
     return _checked(Candidate(column, SIGNALS[name], f"{name} by its name{counted}", score, joint, group))
+
+
+def _no_signal(column: Column, words: set[str], meant: set[str]) -> str:
+    """Return why a column is none of the signals, by its name; empty where it may be one."""
+    if "rate" in meant:
+        return "a rate, which follows from the rest"
+    if STATISTICS & words:
+        return "a statistic of samples, not a sample"
+    if "current" in words and not meant & QUANTITIES:
+        return 'a current, which no signal is; a mapping may take it with a unit such as "0.5 V" for one of it'
+    if {"ambient", "pressure"} <= meant:
+        value = f"{float(np.nanmedian(column.values)):.4g} {column.header.unit or 'hPa'}"
+        return f'the ambient pressure: if gauges count from it, say ambient = "{value}" at the top of the mapping'
+    return ""
 
 
 def find_unused(table: Table, used: Iterable[str | None]) -> list[str]:
@@ -187,7 +206,11 @@ def _possible(candidate: Candidate) -> Candidate | str:
     if kind is None:
         return candidate
     low, high = POSSIBLE.get(kind, (0.0, np.inf))
-    factor, shift = conversion(unit_of(candidate.column, signal)[0], signal)
+    unit, _ = unit_of(candidate.column, signal)
+    if not unit:
+        least = usual_most(candidate.column.values)
+        return f"{candidate.why}, but up to {least:.3g}, which may be rad or deg: write a mapping with its unit"
+    factor, shift = conversion(unit, signal)
     sizes = np.abs(candidate.column.values * factor + shift)
     most = usual_most(sizes)
     if not header.unit and most > high:
@@ -220,10 +243,13 @@ def unit_of(column: Column, signal: Signal) -> tuple[str, str]:
     """Return the unit of a column, from its header or by its values, and why."""
     if column.header.unit:
         return column.header.unit, "unit as in the header"
-    most = usual_most(column.values)
+    known = column.values[np.isfinite(column.values)]
+    most = usual_most(known)
     if signal.kind is None:
         return ("%" if most > 1.5 else "1"), f"unit by values up to {most:.3g}: check it"
     if signal.kind not in RANGES:
         return signal.unit, "no unit is said: check it"
     unit = next(unit for limit, unit in RANGES[signal.kind] if most <= limit)
-    return unit, f"unit by values up to {most:.3g}: check it"
+    whole = known.size > 0 and most > LEAST_COUNT and bool(np.all(known % 1.0 == 0.0))
+    counted = ", which are whole numbers and may be counts" if whole else ""
+    return unit, f"unit by values up to {most:.3g}{counted}: check it"

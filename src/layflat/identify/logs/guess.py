@@ -80,8 +80,9 @@ def guess_mapping(
     entries = _entries(candidates, known, notes)
     if not entries:
         reasons = "; ".join(f"{name}: {notes[name]}" for name in list(table.columns)[:8] if notes.get(name))
-        right = f"write a mapping file by hand that says which column is which signal ({reasons})"
         bare = all(name.isdigit() for name in table.columns)
+        header = "give it a header, such as time_s,angle_deg,pA_kPa_gauge,valve_V, or " if bare else ""
+        right = f"{header}write a mapping file by hand that says which column is which signal ({reasons})"
         what = "no column looks like a signal" + (": the table has no header" if bare else "")
         raise InputError(what, where=str(table.path), right=right)
     for name in notes:
@@ -141,6 +142,7 @@ def _entries(candidates: list[Candidate], joints: list[str], notes: dict[str, st
     """Return entries of a mapping, one a channel; what is left out is noted."""
     named = _joints_of_groups(candidates, joints)
     channels: dict[str, list[tuple[Candidate, str | None]]] = {}
+    hosed = any(one.signal.name in {"pressure_a", "pressure_b"} for one in candidates)
     for one in candidates:
         joint = (one.joint or named.get(one.group)) if one.signal.by_joint else None
         if one.signal.by_joint and joint is None and named:
@@ -150,7 +152,10 @@ def _entries(candidates: list[Candidate], joints: list[str], notes: dict[str, st
     entries: list[dict[str, Any]] = []
     for channel, rivals in channels.items():
         chosen = _chosen(channel, [one for one, _ in rivals], notes)
-        if chosen is not None:
+        if chosen is not None and chosen.signal.name == "pressure" and hosed:
+            why = f"{chosen.why}, but of neither hose: name it in the mapping if it is one's"
+            notes[chosen.column.header.name] = why
+        elif chosen is not None:
             entries.append(_entry(chosen, rivals[0][1], notes))
     _set_gauges(entries, candidates, notes)
     return entries
@@ -197,8 +202,9 @@ def _set_gauges(entries: list[dict[str, Any]], candidates: list[Candidate], note
     columns = {one.column.header.name: one.column for one in candidates}
     unsure = [e for e in entries if SIGNALS[e["signal"]].absolute and "gauge" not in e]
     sunk = {e["from"]: _falls(columns[e["from"]], e) for e in unsure}
+    stated = {e["gauge"] for e in entries if SIGNALS[e["signal"]].absolute and "gauge" in e and e not in unsure}
     for entry in unsure:
-        entry["gauge"] = any(sunk.values())
+        entry["gauge"] = any(sunk.values()) or stated == {True}
         others = sunk[entry["from"]] != entry["gauge"]
         by = (
             "as others are"

@@ -1,10 +1,11 @@
 """Names and units of columns, as the words of their headers state them."""
 
 import re
+import unicodedata
 from dataclasses import dataclass, replace
 
 from layflat.description.units import PRESSURE
-from layflat.identify.logs.units import DATES, GAUGE_WORDS, kind_of_unit, unit_written
+from layflat.identify.logs.units import ALIASES, DATES, GAUGE_WORDS, kind_of_unit, unit_written
 from layflat.identify.logs.vocabulary import QUALIFIERS, ROLE_WORDS, meanings
 
 _TOO_SHORT = {"v", "s", "n", "m", "k", "g", "1", "min", "°", "a", "c", "f", "h", "d", "in", "at", "p", "t"}
@@ -21,6 +22,9 @@ _BEHIND = re.compile(
     r"^(?P<stem>.+?)(?:\s*,\s*|\s+/\s*|/| in )(?P<unit>[^,/]+(?:/[^,/]+)?)$"
 )  # "p, kPa", "p / kPa", "p in kPa"
 _LINKS = {"of", "since", "per", "der", "des", "du", "pro", "seit"}  # words before one that is no unit: "time of day"
+_LIMIT = r"[-+]?\d+(?:[.,]\d+)?"
+_RANGE = re.compile(rf"{_LIMIT}\s*(?:-|–|\.\.+|…|to|bis|à)\s*{_LIMIT}\s*")  # of a sensor: "0-10 bar"
+_ZERO_WORDS = GAUGE_WORDS | dict.fromkeys(("man", "manom", "manométrica", "manométrique"), True)  # behind a unit alone
 _NUMBER = r"\d+(?:[.,]\d+)?(?:[eE][-+]?\d+|\^[-+]?\d+)?"
 _SCALED = re.compile(
     rf"[x*×·/]?\s*{_NUMBER}\s*[x*×·]?\s*(?P<unit>[^\d\s/.…-].*)|(?P<unit_first>.*\D)\s*[x*×·/]\s*{_NUMBER}"
@@ -29,6 +33,7 @@ _FACTOR = re.compile(rf"[x*×·/]{_NUMBER}|\d+[.,]\d+|{_NUMBER}[x*×·]")  # bes
 _PREFIXED = re.compile(r"[µμumcdhkMG](?:V|W|Pa|bar|deg|rad|Hz|N|Nm)|[µμumk]A")  # a unit, known or not: mA, dV, mdeg
 _NUMBERED = re.compile(r" \(column \d+\)$")  # behind names that stand there twice
 STAMPED = "datetime"  # in place of a unit: cells are dates or clock times, which are read as seconds
+_HOSE_END = re.compile(r"[a-z\d][AB]$")  # of "pressureAKPa"
 _SEPARATORS = re.compile(r"[_\s]+")
 
 
@@ -50,7 +55,7 @@ def header_of(name: str, stated: str = "") -> Header:
         name: header such as "p_A [kPa (g)]", "theta_deg", "time (ms)" or "p / bar".
         stated: unit that stands elsewhere: in a row of units, in metadata, in the cells.
     """
-    full, name = name.strip(), _NUMBERED.sub("", name.strip())
+    full, name = name.strip(), unicodedata.normalize("NFKC", _NUMBERED.sub("", name.strip()))
     header = _bracketed(name) or _behind(name) or _suffixed(name) or Header(name, stem=name)
     header = replace(header, name=full)
     if stated == STAMPED:
@@ -73,11 +78,11 @@ def _bracketed(name: str) -> Header | None:
     for match in reversed(list(_BRACKETS.finditer(name))):
         text = next(part for part in match.groups() if part is not None).strip()
         stem = f"{name[: match.start()].rstrip()} {name[match.end() :].lstrip()}".strip()
-        gauge = GAUGE_WORDS.get(text.lower())
+        gauge = GAUGE_WORDS.get(text.lower().rstrip("."))
         if gauge is not None and len(text) == 1 and "pressure" in meanings(words_of(stem)):
             found = None
         else:
-            found = unit_written(text)
+            found = unit_written(text) or _unit_among_words(text)
         if found is not None:
             behind = _suffixed(stem)
             if behind is not None and behind.unit != found[0] and match["square"] is None:
@@ -97,6 +102,20 @@ def _bracketed(name: str) -> Header | None:
         if text and not known and text.lower() not in DATES and not unknown:
             unknown, rest = text, stem
     return Header(name, stem=rest, unknown=unknown) if unknown else None
+
+
+def _unit_among_words(text: str) -> tuple[str, bool | None] | None:
+    """Return the unit among words in brackets, as in "kPa man.", or behind a range, as in "0-10 bar"."""
+    words = _RANGE.sub("", text).split()
+    bare = [word.strip(".,;:") for word in words]
+    units = [found for word in bare if (found := unit_written(word, listed=True)) is not None]
+    if len(units) != 1 or any(character.isdigit() for word in bare for character in word if word not in ALIASES):
+        return None
+    told = {_ZERO_WORDS[word.lower()] for word in bare if len(word) > 1 and word.lower() in _ZERO_WORDS}
+    others = [word for word in bare if unit_written(word, listed=True) is None and word.lower() not in _ZERO_WORDS]
+    if kind_of_unit(units[0][0]) == PRESSURE and {"difference", "asked"} & meanings([word.lower() for word in others]):
+        return None
+    return units[0][0], told.pop() if len(told) == 1 else units[0][1]
 
 
 def _is_other_unit(text: str) -> bool:
@@ -166,6 +185,7 @@ def _in_last_letters(name: str) -> Header | None:
             continue
         found = unit_written(end_word, listed=True) if end_word.isalpha() else None
         border = end_word[0].isupper() if stem[-1:].islower() else end_word[0].islower()
+        border = border or (end_word[0].isupper() and _HOSE_END.search(stem) is not None)
         if found is not None and border and stem[-1:].isalnum() and end_word.lower() not in _TOO_SHORT:
             return Header(name, *found, stem) if words_of(stem)[-1:] != ["of"] else None
     return None

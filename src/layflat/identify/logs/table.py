@@ -14,6 +14,7 @@ from layflat.description.text import check_regular
 from layflat.errors import InputError
 from layflat.identify.logs.headers import Header
 
+RIGHT = "give a table of samples, with commas, semicolons, tabs, bars or blanks between columns"
 Cells = Array | list[str]  # numbers of a column, or its words
 
 
@@ -93,6 +94,6 @@ def read_table(path: str | Path, progress: Callable[[float], None] | None = None
     columns, clock, words, notes = read_content(path, start, progress)
     if not any(np.isfinite(column.values).any() for column in columns.values()):
         first = next((f": column {name!r} {why}" for name, why in words.items()), "")
-        raise InputError(f"holds no numbers{first}", where=str(path), right="give a table of samples")
+        raise InputError(f"holds no numbers{first}", where=str(path), right=RIGHT)
     columns = join_stamps(columns) if clock is None else columns
     return Table(path, sha256, columns, clock, notes, dict(words))

@@ -12,12 +12,15 @@ KINDS = (u.PRESSURE, u.ANGLE, u.VOLTAGE, u.TORQUE, FORCE, u.TEMPERATURE, u.LENGT
 """Kinds of quantities that a log may hold, the first that a unit measures."""
 
 SPELLINGS = {
-    "Pa": "pa", "hPa": "hpa", "kPa": "kpa", "MPa": "mpa", "bar": "bar, bars", "mbar": "mbar, millibar",
+    "Pa": "pa", "hPa": "hpa", "kPa": "kpa, кпа", "MPa": "mpa", "bar": "bar, bars, бар", "mbar": "mbar, millibar",
     "psi": "psi, lb/in2, lb/in^2, lbf/in2, lbf/in^2", "torr": "torr", "mmHg": "mmhg", "inHg": "inhg",
     "inH2O": "inh2o, inwc", "mmH2O": "mmh2o, mmws, mmwc", "cmH2O": "cmh2o", "atm": "atm", "at": "at",
     "kgf/cm^2": "ksc, kgf/cm2, kgf/cm^2, kg/cm2, kg/cm^2, kp/cm2, kp/cm^2, kgfcm2, kgcm2", "ksi": "ksi",
     "N/mm^2": "n/mm2, nmm2", "rad": "rad, rads, radian, radians", "mrad": "mrad",
-    "deg": "deg, degs, degree, degrees, deg., °, º, ˚", "turn": "rev, revs, turns", "gon": "gon",
+    "deg": (
+        "deg, degs, degree, degrees, deg., grader, graden, gradi, grados, graus, degrés, degres, stopnie, astetta, "
+        "град, °, º, ˚"
+    ), "turn": "rev, revs, turns", "gon": "gon",
     "V": "v, vdc, v dc, volt, volts", "mV": "mv, millivolt, millivolts", "kV": "kv",
     "s": "s, sec, secs, second, seconds, sekunden, sek, secondes",
     "ms": "ms, msec, msecs, millis, millisec, millisecond, milliseconds",
@@ -48,7 +51,10 @@ SHORT_NAME = 4  # letters
 _SHORT = {"ft", "yd", "mil", "ozf", "dyn", "ksi"}
 MAX_UNIT = 20  # characters of a unit
 _SQUARED = re.compile(r"(?<![^\W\d_])(mm|cm|m|in|ft)([23])(?!\d)")
-_ZEROS = {True: "gauge gage g rel relative relativ ü ue eff", False: "abs absolute absolut absolu a"}
+_ZEROS = {
+    True: "gauge gage g rel relative relativ relativo relativa relatif ü ue überdruck eff",
+    False: "abs absolute absolut absolu a",
+}
 GAUGE_WORDS = {word: gauge for gauge, group in _ZEROS.items() for word in group.split()}
 _WORDS = "|".join(sorted(GAUGE_WORDS, key=len, reverse=True))
 _AROUND = re.compile(rf"^(?P<unit>.*?)[\s_.,(\[-]*\b(?P<kind>{_WORDS})[)\].]*$", re.IGNORECASE)

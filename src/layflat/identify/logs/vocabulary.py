@@ -3,11 +3,13 @@
 ROLES = {
     "angle": (
         "angle theta q rq phi alpha encoder enc pot potentiometer winkel measured_angle qdes joint_angle "
+        "vinkel hoek kulma kąt úhel szög ângulo açı угол 角度 "
         "drehwinkel gelenkwinkel angolo angulo sollwinkel istwinkel ángulo θ φ ϕ α"
     ),
     "pressure": (
         "p rp pressure press prs druck pa pb rpa rpb ca cb pset pdes pref dp ps psup pdiff psupply pression "
-        "pressione presion presión schlauchdruck kammerdruck versorgungsdruck vordruck solldruck "
+        "pressione pressão pressao tryck trykk tryk paine ciśnienie tlak nyomás basınç давление 压力 圧力 "
+        "presion presión schlauchdruck kammerdruck versorgungsdruck vordruck solldruck "
         "differenzdruck druckdifferenz pneu pres"
     ),
     "a": "a pa rpa ca",
@@ -19,12 +21,14 @@ ROLES = {
     "difference": "dp pdiff diff difference differential delta differenz differenzdruck druckdifferenz",
     "supply": "supply ps psup psupply sup line mains versorgung versorgungsdruck vordruck alimentation",
     "voltage": (
+        "spänning ventilspänning spænding jännite napięcie napětí feszültség gerilim напряжение klepspanning tensão "
         "voltage volt volts u v vc uc valve spannung ventil ventilspannung stellspannung tension tensione vanne voltaje"
     ),
     "torque": "torque tau moment effort tq drehmoment couple coppia momento",
     "force": "force f loadcell kraft",
     "brake": "brake bremse frein freno",
     "payload": "payload mass last nutzlast charge carico",
+    "ambient": "ambient amb atm atmospheric baro barometer barometric umgebung umgebungsdruck luftdruck ambiante",
     "temperature": "temperature temp tgas temperatur température temperatura",
     "position": "position pos x displacement travel weg laser hub",
     "rate": (
@@ -32,7 +36,7 @@ ROLES = {
     ),
     "clock": (
         "t time stamp timestamp timestamps zeit seconds sec secs elapsed clock millis micros nanos ms us "
-        "datetime date temps heure uhrzeit datum tempo tiempo uhr"
+        "tid tijd aika czas čas idő zaman время 时间 時間 datetime date temps heure uhrzeit datum tempo tiempo uhr"
     ),
 }
 """Words of several languages by what they mean; a word can mean several things."""

@@ -20,6 +20,7 @@ _DRESSED = re.compile(
     r"(?P<number>[-+]?[\d.,](?:[\d.,' ]*[\d.,])?(?:[eE][-+]?\d+)?)"
     r"(?P<unit>(?: ?[^\W\d_]| ?[°%])[^\d\s]{0,11})?"
 )
+SHOWN = 4  # labels or units in a message
 TRIED = 200  # cells from which the kind of a column is told
 READABLE = 0.5  # fraction of the cells that must be numbers or stamps; with fewer a column is one of words
 
@@ -75,8 +76,8 @@ def read_cells(cells: Sequence[str], usual: Decimal | None, where: str) -> Cells
     label = unit = ""
     if kinds.count("dressed") > kinds.count("number"):
         undressed = _undress(cells)
-        if undressed is None:
-            return Cells(None, notes=[_words(cells, filled, 0)])
+        if isinstance(undressed, str):
+            return Cells(None, notes=[undressed])
         cells, label, unit = undressed
     reading = read_numbers(cells, usual, where)
     unread = filled & ~reading.read
@@ -96,13 +97,15 @@ def _stamped(cells: Sequence[str], filled: NDArray[np.bool_]) -> Cells:
     return Cells(stamps.seconds, STAMPED, notes=notes, start=stamps.start)
 
 
-def _undress(cells: Sequence[str]) -> tuple[list[str], str, str] | None:
-    """Return numbers without their label and unit, and these; None where labels or units differ."""
+def _undress(cells: Sequence[str]) -> tuple[list[str], str, str] | str:
+    """Return numbers without their label and unit, and these; a reason where labels or units differ."""
     matches = [_dressed(plain(cell)) for cell in cells]
     labels = {match["label"] or "" for match in matches if match}
     units = {(match["unit"] or "").strip() for match in matches if match}
-    if len(labels) != 1 or len(units) != 1:
-        return None
+    for kind, several in (("labels", labels), ("units", units)):
+        if len(several) > 1:
+            named = ", ".join(repr(one) for one in sorted(several)[:SHOWN])
+            return f"has numbers with different {kind}, {named}: write all with one"
     bare = [match["number"] if match else cell for match, cell in zip(matches, cells, strict=True)]
     return bare, labels.pop(), units.pop()
 

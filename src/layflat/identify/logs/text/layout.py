@@ -9,7 +9,8 @@ from dataclasses import dataclass, field, replace
 from layflat.identify.logs.headers import header_of, words_of
 from layflat.identify.logs.text.cells import Kind, kind_of
 from layflat.identify.logs.text.labels import read_block, read_stated_units
-from layflat.identify.logs.text.numbers import plain
+from layflat.identify.logs.text.numbers import is_number, plain
+from layflat.identify.logs.text.stamps import is_stamp
 from layflat.identify.logs.units import unit_written
 from layflat.identify.logs.vocabulary import meanings
 
@@ -44,6 +45,9 @@ SPARSE = 0.1  # fraction of filled cells below which a column tells nothing of t
 _RULE = re.compile(r"[-=_+*\s|]*")
 _ARRIVAL = re.compile(r"\[?\d{1,2}:\d{2}:\d{2}[.,]\d+\]? ?-> ?")
 _BRACKETED = re.compile(r"\s*(?:\[([^\[\]]*)\]|\(([^()]*)\)|\{([^{}]*)\})[,;]?\s*")  # a row that Python printed
+BRACKETS = frozenset("[({")
+_STAMPED = re.compile(r"\s*[\[(](?P<time>[^\[\]()]*\d[^\[\]()]*)[\])]\s*[,;:|]?\s*(?P<rest>\S.*)", re.DOTALL)
+_COLOURS = re.compile(r"\x1b\[[0-9;]*[A-Za-z]")  # of a terminal
 _NEXT_LABEL = re.compile(r"\s+(?=[^\W\d][\w.]*\s?[:=]\s*[-+.\d])")  # before "angle: 12.3" in a row of such
 _ABOUT = re.compile(r"(?P<about>units?|einheit|type|interp|format) ?[:=] ?", re.IGNORECASE)  # before each cell of a row
 
@@ -115,10 +119,23 @@ def find_layout(lines: Sequence[str], delimiter: str = "") -> Layout:
 
 
 def parted(line: str, delimiter: str, arrivals: bool) -> str:
-    """Return a line without brackets around it, whose time of arrival is a field of its own."""
-    bracketed = _BRACKETED.fullmatch(line) if line[:1] in "[({" else None
-    line = next(part for part in bracketed.groups() if part is not None) if bracketed else line
+    """Return a line without colours and brackets around it, whose time of arrival is a field of its own."""
+    if "\x1b" in line:
+        line = _COLOURS.sub("", line)
+    if line.lstrip()[:1] in BRACKETS:
+        line = _without_brackets(line, delimiter)
     return line.replace("->", delimiter.strip(" ") or " ", 1) if arrivals else line
+
+
+def _without_brackets(line: str, delimiter: str) -> str:
+    """Return a line without brackets around all of it, or around the time at its start."""
+    bracketed = _BRACKETED.fullmatch(line)
+    if bracketed:
+        return next(part for part in bracketed.groups() if part is not None)
+    stamped = _STAMPED.match(line)
+    if stamped and (is_number(stamped["time"].strip()) or is_stamp(stamped["time"].strip())):
+        return f"{stamped['time'].strip()}{delimiter}{stamped['rest']}"
+    return line
 
 
 def is_comment(line: str) -> bool:
@@ -199,6 +216,8 @@ def _heading(lines: Sequence[str], rows: Sequence[list[str]], kinds: Sequence[li
             names = [_with_upper(name, upper) for name, upper in zip(names, rows[head - 1], strict=True)]
         if len(names) == width - 1 and samples and all(row[-1] == "missing" for row in samples):
             names.append("")  # rows end with a delimiter, and the header does not
+        elif len(names) == width - 1 and _are_counted([row[0] for row in rows[start:] if len(row) == width]):
+            names.insert(0, "")  # names of rows, as R writes them
         return replace(layout, names=names, units=units, start=start)
     start = next((i for i in range(first) if len(rows[i]) == width and _has_number(kinds[i], numeric)), first)
     for i in reversed(range(start)):
@@ -214,6 +233,12 @@ def _with_upper(name: str, upper: str) -> str:
     """Return a name, with the one above it where it says nothing by itself: "Angle CH1 [deg]"."""
     said, above = (meanings(words_of(header_of(cell).stem)) for cell in (name, upper))
     return f"{upper} {name}" if above and not said else name
+
+
+def _are_counted(cells: Sequence[str]) -> bool:
+    """Return whether cells are the numbers of their rows."""
+    numbers = [int(cell) for cell in cells if cell.isdecimal()]
+    return len(cells) == len(numbers) > 1 and numbers == list(range(numbers[0], numbers[0] + len(numbers)))
 
 
 def _about(cell: str) -> str:

@@ -8,10 +8,18 @@ from typing import IO
 
 from layflat.errors import InputError
 from layflat.identify.logs.text.cells import kind_of, shortened
-from layflat.identify.logs.text.layout import BLANKS, COMMENTS, WIDE_BLANKS, Layout, is_rule, parted, split_row
+from layflat.identify.logs.text.layout import (
+    BLANKS,
+    BRACKETS,
+    COMMENTS,
+    WIDE_BLANKS,
+    Layout,
+    is_rule,
+    parted,
+    split_row,
+)
 
 BATCH = 4096  # lines that are handed over at once
-_BRACKETS = frozenset("[({")
 MAX_BROKEN = 0.01  # fraction of rows with another number of values that are left out; with more a table is refused
 
 Progress = Callable[[float], None]  # takes the fraction that is read
@@ -88,7 +96,7 @@ class SampleLines(io.TextIOBase):
     def _row(self, line: str, count: int) -> str | None:
         """Return a row with a field for each column; None for a line that is none."""
         layout, width = self.layout, self.layout.width
-        if layout.arrivals or line[:1] in _BRACKETS:
+        if layout.arrivals or "\x1b" in line or line.lstrip()[:1] in BRACKETS:
             line = parted(line, layout.delimiter, layout.arrivals)
         elif line.strip() in layout.heads:
             return None

@@ -1,7 +1,7 @@
 """Numbers as people write them: decimal point or comma, thousands, signs that are not ASCII, units behind them."""
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from math import isnan
 from typing import Literal
@@ -24,7 +24,9 @@ _POINT = re.compile(rf"[-+]? ?(?:[1-9]\d{{0,2}}(?:([,' ])\d{{3}})(?:\1\d{{3}})*|
 _COMMA = re.compile(rf"[-+]? ?(?:[1-9]\d{{0,2}}(?:([.' ])\d{{3}})(?:\1\d{{3}})*|\d+)?(?:,\d+)?{_EXPONENT}")
 _PLAIN = re.compile(rf"[-+]?\d+{_EXPONENT}")
 _NO_NUMBER = re.compile(r"[-+]?nan(?:\(.*\))?|[-+]?1\.#\w+|[-+]?inf(?:inity)?", re.IGNORECASE)
-_WRAPPED = re.compile(r'="([^"]*)"|(?:np|numpy)\.\w+\(([^()]*)\)|tensor\(([^()]*)\)')  # by a spreadsheet, by repr()
+_WRAPPED = re.compile(r'="([^"]*)"|\'([^\']*)\'?|(?:np\.\w+|numpy\.\w+|tensor)\(([^()]*)\)')  # by Excel, by repr()
+_SMALL = re.compile(r"[-+]?\d{1,3}")
+LEAST_GROUPS = 3  # cells of either kind that tell thousands from fractions
 SWITCHES = {"true": 1.0, "false": 0.0, "on": 1.0, "off": 0.0}
 
 MISSING = frozenset({"", "-", "--", "---", "na", "n/a", "#n/a", "null", "none", "ol", "missing", "?", "*"})
@@ -91,6 +93,7 @@ def read_numbers(cells: Sequence[str], usual: Decimal | None, where: str) -> Rea
         InputError: some cells prove a decimal point, others a decimal comma.
     """
     values = np.full((2, len(cells)), np.nan)
+    grouped: dict[Decimal, set[str]] = {",": set(), ".": set()}  # cells that may have this sign between thousands
     ok = np.zeros((2, len(cells)), dtype=bool)
     seen: dict[str, tuple[float | None, float | None]] = {}
     proof: dict[Decimal, str] = {}
@@ -106,15 +109,28 @@ def read_numbers(cells: Sequence[str], usual: Decimal | None, where: str) -> Rea
                 proof.setdefault("," if point is None else ".", cell)
             elif point is not None and not isnan(point) and point != comma:
                 doubtful["," if "," in text else "."] = doubtful["," if "," in text else "."] or cell
+                grouped["," if "," in text else "."].add(text)
         for row, value in enumerate(seen[cell]):
             if value is not None:
                 values[row, i], ok[row, i] = value, True
     if len(proof) == 2:
         what = f"has a decimal comma in {proof[',']!r} and a decimal point in {proof['.']!r}"
         raise InputError(what, where=where, right="write all its numbers with one decimal sign")
-    proven: Decimal | None = next(iter(proof), None)
+    proven: Decimal | None = next(iter(proof), None) or _decimal_of_groups(grouped, seen)
     sign = proven or usual
     if sign is None:
         sign = "," if doubtful[","] else "."
         return Reading(values[int(sign == ",")], ok[int(sign == ",")], None, doubtful[","] or doubtful["."])
     return Reading(values[int(sign == ",")], ok[int(sign == ",")], proven)
+
+
+def _decimal_of_groups(grouped: dict[Decimal, set[str]], seen: Iterable[str]) -> Decimal | None:
+    """Return the decimal sign of numbers whose other sign stands between thousands; None where it may be decimal.
+
+    Fractions with three digits each would have them in all cells: beside "1.250" they would write "980.000".
+    """
+    for sign, texts in grouped.items():
+        bare = {text for cell in seen if _SMALL.fullmatch(text := plain(cell)) and text.strip("+-0")}
+        if min(len(texts), len(bare)) >= LEAST_GROUPS and not any(grouped["," if sign == "." else "."]):
+            return "," if sign == "." else "."
+    return None

@@ -104,7 +104,7 @@ def _names(layout: Layout, path: Path, table: TextTable) -> list[str]:
             "give each column a name; numbers with a decimal comma need another delimiter, such as ;"
         )  # fmt: skip
         raise InputError(what, where=str(path), right=right)
-    names = [name.strip().strip('"').strip() or str(1 + i) for i, name in enumerate(names or [""] * width)]
+    names = [name.strip().strip("\"'").strip() or str(1 + i) for i, name in enumerate(names or [""] * width)]
     counts = Counter(names)
     for name, count in counts.items():
         if count > 1:
