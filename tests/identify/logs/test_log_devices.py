@@ -324,3 +324,19 @@ def test_a_table_without_header_says_what_would_do(tmp_path: Path) -> None:
         guess_mapping(path)
     path.write_text("time_s,angle_deg,pA_kPa_gauge\n" + path.read_text())
     assert len(guess_mapping(path).mapping.column) == 2
+
+
+def test_thousands_alone_are_read_as_the_rest_shows(tmp_path: Path) -> None:
+    rows = (f"{10 * i:,};{1000 * (1 + i % 7):,}".replace(",", ".") for i in range(COUNT))
+    path = tmp_path / "log.csv"
+    path.write_text("Time [ms];PA [Pa abs]\n" + "\n".join(rows) + "\n")
+    assert read_table(path).columns["PA [Pa abs]"].values.max() == pytest.approx(7000.0)
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("odd", ["inf", "-inf", "1e400", "nan"])
+def test_numbers_that_are_not_finite_are_missing_without_a_warning(tmp_path: Path, odd: str) -> None:
+    cells = [odd if i == 7 else f"{d:.3f}" for i, d in enumerate(DEGREES)]
+    path = written(tmp_path, "time_s,angle_deg,pA_bar,pB_bar", TIME, cells, BAR, BAR)
+    log = read_log(path, guess_mapping(path).mapping)
+    assert np.isfinite(log["angle"].values).all()  # a single sample is filled in

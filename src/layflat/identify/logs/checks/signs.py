@@ -71,7 +71,7 @@ def _turn(angle: Array, difference: Array, period: float) -> float:
         return 0.0
     turn = y[ahead:] - y[:-ahead]
     known = angle[np.isfinite(angle)]
-    if np.nanmax(turn) - np.nanmin(turn) < 6.0 * noise(known):
+    if not np.isfinite(turn).any() or np.nanmax(turn) - np.nanmin(turn) < 6.0 * noise(known):
         return 0.0
     return _correlation(x[:-ahead], turn)
 

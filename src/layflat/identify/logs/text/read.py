@@ -178,13 +178,10 @@ def _read_columns(
 
 
 def _is_odd(column: Any, proven: Decimal | None) -> bool:
-    """Return whether a column is to be read by cells: no numbers, or fractions whose sign nothing proves."""
+    """Return whether a column is to be read by cells: no numbers, or numbers with a sign that nothing proves."""
     if column.dtype.kind not in "iufb":
         return True
-    if proven is not None or column.dtype.kind != "f":
-        return False
-    values = np.abs(column.to_numpy(dtype=np.float64))
-    return bool(np.any(values % 1.0 != 0.0))
+    return column.dtype.kind == "f" and proven is None
 
 
 def _read_odd(columns: dict[int, list[str]], usual: Decimal | None, path: Path, layout: Layout) -> dict[int, Cells]:
