@@ -65,6 +65,17 @@ class Model(ABC):
         """Where else the search may begin, (starts, unknowns) in SI; the guess comes first in any case."""
         return np.empty((0, len(self.unknowns)))
 
+    def mirrored(self, values: Array) -> Array:  # noqa: ARG002  # what others look at
+        """Return values far from those found that may predict as well, for the search to compare; default: none.
+
+        Args:
+            values: of the unknowns in SI, (unknowns,).
+
+        Returns:
+            The same with some of them changed, (mirrors, unknowns); always as many, in the same order.
+        """
+        return np.empty((0, len(self.unknowns)))
+
     def continuations(self) -> Sequence[Sequence["Model"]]:
         """Models of the same unknowns and outputs through which the search goes, from the easiest on.
 

@@ -178,3 +178,21 @@ class Polynomial(Model):
         columns = self.columns(values)
         powers = [columns.get(name, np.zeros(len(values))) for name in "abcd"]
         return np.concatenate([sum(one[:, None] * x**i for i, one in enumerate(powers)) for x in self.places], axis=1)
+
+
+class Twins(Model):
+    """y = share exp(-fast t) + (1 - share) exp(-slow t): of halves nothing tells which is which."""
+
+    def __init__(self, share: float, rates: tuple[float, float], noise: float) -> None:
+        self.share = share
+        self.unknowns = tuple(Unknown(name, "1/s", guess, 0.1, 10.0) for name, guess in (("fast", 1.5), ("slow", 1.4)))
+        measured = self.simulate(np.array([rates]))[0]
+        measured += noise * np.random.default_rng(3).standard_normal(len(TIME))
+        self.outputs = (Output("y", "V", "log", TIME, measured, np.ones(len(TIME), dtype=bool), noise),)
+
+    def simulate(self, values: Array) -> Array:
+        first, second = np.exp(-values.T[:, :, None] * TIME)
+        return np.asarray(self.share * first + (1.0 - self.share) * second)
+
+    def mirrored(self, values: Array) -> Array:
+        return values[None, ::-1]

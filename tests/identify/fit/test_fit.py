@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from models import TIME, ByLifetime, Decay, Led, Level, Linearly, Product, TwoTones
+from models import TIME, ByLifetime, Decay, Led, Level, Linearly, Product, Twins, TwoTones
 
 from layflat.errors import InputError
 from layflat.identify import fit
@@ -189,3 +189,18 @@ def test_ctrl_c_keeps_the_best_values_so_far() -> None:
     start, end = (np.linalg.norm((values - TRUTH) / TRUTH) for values in (model.guess, found.values))
     assert end < 0.2 * start
     assert not fit(model, starts=0).partial
+
+
+@pytest.mark.parametrize("rates", [(0.5, 3.0), (3.0, 0.5)])
+def test_of_values_that_mirror_each_other_those_are_taken_that_predict_better(rates: tuple[float, float]) -> None:
+    found = fit(Twins(0.3, rates, 1e-3), starts=0)
+    for estimate, rate in zip(found.estimates, rates, strict=True):
+        assert estimate.identified
+        assert estimate.low <= rate <= estimate.high
+
+
+def test_values_that_mirror_each_other_and_predict_alike_are_not_told() -> None:
+    found = fit(Twins(0.5, (0.5, 3.0), 1e-3), starts=0)
+    for estimate in found.estimates:
+        assert not estimate.identified
+        assert estimate.low <= 0.5 < 3.0 <= estimate.high

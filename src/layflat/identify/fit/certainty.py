@@ -78,6 +78,13 @@ def interval(shares: Array, spread: Array, moves: Array) -> tuple[Array, Array]:
     return shares - np.maximum(half, -low), shares + np.maximum(half, high)
 
 
+def is_told(residuals: Array, others: Array, blocks: NDArray[np.int64]) -> bool:
+    """Return whether two sets of residuals, (samples,), differ in size by more than chance, from block to block."""
+    differences = np.bincount(blocks, others**2 - residuals**2)
+    chance = np.sqrt(len(differences)) * float(differences.std(ddof=1))
+    return bool(abs(differences.sum()) > NORMAL * chance)
+
+
 def _memory(residuals: Array, period: float) -> float:
     """Correlation time of residuals, s: until their autocorrelation falls below 1/e."""
     r = residuals - residuals.mean()

@@ -5,9 +5,10 @@ from dataclasses import replace
 from typing import Any, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from layflat.arrays import Array
-from layflat.identify.fit.certainty import blocks_of, bootstrap, covariance, interval
+from layflat.identify.fit.certainty import blocks_of, bootstrap, covariance, interval, is_told
 from layflat.identify.fit.residuals import Residuals
 from layflat.identify.fit.result import ALIKE, Estimate, Fit
 from layflat.identify.model import Model
@@ -23,6 +24,7 @@ ROUNDS = 2  # refinements of the last model; the outputs are weighed after each
 EXPLAINED = 3.0  # a continuation is good enough where the mean square of the residuals, in their scale, is below this
 OUTLYING = 2.0  # residuals beyond this, in units of their scale, count less at first in every model of a continuation
 
+ALIKE_COST = 4.0  # values that mirror the best are refined where their cost is below so many times its own
 BASIN_HOPS = 4  # how often to try to leave a small local minimum
 HOP_SIZES = (1.0, 3.0, 10.0, 30.0)  # how far to hop, in standard deviations
 WORTH = 1e-4  # basin hopping goes on as long as the cost falls by more than this share
@@ -82,6 +84,7 @@ class _Search:
         self.free = model
         self.progress, self.done, self.simulations = progress, 0.0, 0
         self.tolerance = ROUGH
+        self.rivals = list[tuple[NDArray[np.intp], Array]]()  # which values may be others as well, and these, in SI
         self.take(model)
 
     def run(self, starts: int, seed: int) -> tuple[Array, bool]:
@@ -96,6 +99,7 @@ class _Search:
         self.tolerance = TOLERANCE
         start = min(tried, key=lambda one: one[0])[1]
         shares, converged = self.converge(continuations[0][-1], start, robust=len(continuations[0]) > 1)
+        shares, converged = self.leave_mirrored(shares, converged)
         return self.basin_hop(shares, converged, seed)
 
     def take(self, model: Model) -> None:
@@ -159,6 +163,28 @@ class _Search:
         drawn = qmc.Sobol(n, rng=np.random.default_rng(seed)).random(1 << (starts - 1).bit_length())[:starts]
         drawn[::2] = np.clip(self.residuals.begun + SPREAD * (2.0 * drawn[::2] - 1.0), 0.0, 1.0)
         return np.asarray(drawn)
+
+    def leave_mirrored(self, shares: Array, converged: bool) -> tuple[Array, bool]:
+        """Leave values for those that mirror them, one pair after the other, where these predict better.
+
+        Those of the worse ones that logs can't tell from the better are kept as rivals.
+        """
+        for number in range(len(self.free.mirrored(self.free.guess))):
+            cost, values = float(self.residuals.costs(shares[None])[0]), self.residuals.scaled.values(shares)
+            mirrored = self.free.mirrored(values)[number]
+            begun = self.shares_of(mirrored)
+            self.simulations += 1
+            if not self.residuals.costs(begun[None])[0] < ALIKE_COST * cost:
+                continue
+            other, ended = self.refine(begun, LONG, "mirrored values")
+            r, others = self.residuals.data(np.array([shares, other]))
+            worse = other
+            if self.residuals.costs(other[None])[0] < cost:
+                shares, converged, worse = other, ended, shares
+            if not is_told(r, others, blocks_of(self.model, r)):
+                self.rivals.append((np.flatnonzero(mirrored != values), self.residuals.scaled.values(worse)))
+            self.weigh(shares)
+        return shares, converged
 
     def basin_hop(self, shares: Array, converged: bool, seed: int) -> tuple[Array, bool]:
         """Leave small local minima: candidates along the principal axes, the best of them refined, while that helps."""
@@ -226,6 +252,10 @@ class _Search:
         spread = slopes @ covariance(J, r, self.residuals.widths) @ slopes.T
         moves = bootstrap(J, r, self.residuals.widths, blocks_of(model, r), seed) @ slopes.T
         low, high = interval(shares, spread, moves)
+        for which, others in self.rivals:
+            away = (scaled.own.of(others) - shares)[which]
+            low[which] += np.minimum(away, 0.0)
+            high[which] += np.maximum(away, 0.0)
         lows, highs = scaled.own.values(low), scaled.own.values(high)
         sizes = np.sqrt(np.diag(spread))
         alike = np.abs(spread / np.outer(sizes, sizes)) - 2.0 * np.eye(len(shares))

@@ -16,6 +16,7 @@ from layflat.identify.benches.moving.bodies import BodyShares
 from layflat.identify.benches.moving.impacts import up_to_impacts
 from layflat.identify.benches.moving.leading import Leads, Stage
 from layflat.identify.benches.moving.log import Record, sensor_offset
+from layflat.identify.benches.moving.mirrors import mirrored_losses
 from layflat.identify.benches.moving.spread import possible
 from layflat.identify.model import Model
 from layflat.identify.shares import Shares
@@ -94,6 +95,13 @@ class ArmModel(Model):
             return [[self._at(stage) for stage in HELD]]
         begun = [Stage(angle=rate, step=COARSE, share=BEGINNING) for rate in FEEDBACKS]
         return [[self._at(stage) for stage in (first, *STAGES)] for first in begun]
+
+    def mirrored(self, values: Array) -> Array:
+        """Return values with other ones of two elements of a joint's losses that act nearly the same."""
+        columns = self.columns(values)
+        pairs = mirrored_losses(self.machine, columns)
+        rows = [[float((columns | pair)[unknown.path]) for unknown in self.unknowns] for pair in pairs]
+        return np.array(rows).reshape(-1, len(values))
 
     def led(self) -> Model | None:
         """The same drawn to its log, of an arm in space."""
