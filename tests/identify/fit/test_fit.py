@@ -193,7 +193,7 @@ def test_ctrl_c_keeps_the_best_values_so_far() -> None:
 
 @pytest.mark.parametrize("rates", [(0.5, 3.0), (3.0, 0.5)])
 def test_of_values_that_mirror_each_other_those_are_taken_that_predict_better(rates: tuple[float, float]) -> None:
-    found = fit(Twins(0.3, rates, 1e-3), starts=0)
+    found = fit(Twins(0.4, rates, 1e-3), starts=0)
     for estimate, rate in zip(found.estimates, rates, strict=True):
         assert estimate.identified
         assert estimate.low <= rate <= estimate.high
@@ -203,4 +203,5 @@ def test_values_that_mirror_each_other_and_predict_alike_are_not_told() -> None:
     found = fit(Twins(0.5, (0.5, 3.0), 1e-3), starts=0)
     for estimate in found.estimates:
         assert not estimate.identified
-        assert estimate.low <= 0.5 < 3.0 <= estimate.high
+        assert estimate.low <= 0.5
+        assert estimate.high >= 3.0

@@ -24,7 +24,7 @@ ROUNDS = 2  # refinements of the last model; the outputs are weighed after each
 EXPLAINED = 3.0  # a continuation is good enough where the mean square of the residuals, in their scale, is below this
 OUTLYING = 2.0  # residuals beyond this, in units of their scale, count less at first in every model of a continuation
 
-ALIKE_COST = 4.0  # values that mirror the best are refined where their cost is below so many times its own
+ALIKE_COST = 25.0  # values that mirror the best are refined where their cost is below so many times its own
 BASIN_HOPS = 4  # how often to try to leave a small local minimum
 HOP_SIZES = (1.0, 3.0, 10.0, 30.0)  # how far to hop, in standard deviations
 WORTH = 1e-4  # basin hopping goes on as long as the cost falls by more than this share
