@@ -46,8 +46,17 @@ def test_a_start_has_no_time() -> None:
         (["large=1 deg, large=2 deg"], "'large' is given twice in 'large=1 deg, large=2 deg'; give it once"),
         (["large=1 deg @ 1 s", "large=2 deg @ 1 s"], "'large' is given twice at 1 s; give it once, or at another time"),
         (["1 deg", "small=2 deg"], "'small' is given twice at 0 s"),
+        (["4,5 deg"], "'4,5 deg' has a comma in its number; write \"4.5 deg\""),
+        (["large=-4,25 deg @ 1 s"], 'has a comma in its number; write "large=-4.25 deg"'),
     ],
 )
 def test_mistakes(texts: list[str], expected: str) -> None:
     with pytest.raises(InputError, match=expected):
         parse_steps(texts, NAMES, "--move")
+
+
+def test_a_decimal_comma_of_a_value_that_all_share_is_named() -> None:
+    with pytest.raises(InputError, match=r"--supply: '4,5 bar' has a comma in its number; write \"4\.5 bar\""):
+        parse_steps(["4,5 bar"], ["supply"], "--supply", of="value")
+    assert parse_steps(["1 deg, 2 deg"], NAMES, "--move") == [(0.0, {"large": "1 deg", "small": "2 deg"})]
+    assert parse_steps(["0.1,0"], NAMES, "--opening", bare=True) == [(0.0, {"large": 0.1, "small": 0.0})]

@@ -1,5 +1,6 @@
 """Moves as people write them behind options, with joints and times, and how well they were followed, as a table."""
 
+import re
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
@@ -14,6 +15,8 @@ if TYPE_CHECKING:
     from layflat.sim.metrics import Move
 
 TIP_BANDS = (2.0, 5.0)  # within which the tip's settling is told, mm
+
+DECIMAL_COMMA = re.compile(r"\s*((?:\w+\s*=\s*)?[-+]?\d+),(\d+)(\s*[^\W\d][^,]*?)\s*")  # "4,5 bar", "large=4,5 deg"
 
 Values = dict[str, str | float]
 Steps = list[tuple[float, Values]]
@@ -67,6 +70,10 @@ def _one(text: str, names: Sequence[str], where: str, bare: bool, of: str) -> tu
     time = u.quantity(when.strip(), u.TIME, where) if at else 0.0
     if time < 0.0:
         raise InputError(f"{when.strip()!r} is before the start", where=where, right='give a time such as "@ 2 s"')
+    comma = None if bare else DECIMAL_COMMA.fullmatch(body)
+    if comma:
+        right = f'write "{comma[1]}.{comma[2]}{comma[3]}"; values of several joints have a unit each'
+        raise InputError(f"{text!r} has a comma in its number", where=where, right=right)
     items = [item.strip() for item in body.split(",")]
     if any("=" in item for item in items):
         pairs = [[part.strip() for part in item.partition("=")[::2]] for item in items]
