@@ -125,6 +125,14 @@ def test_a_clock_that_is_set_back_is_told_with_the_guess(tmp_path: Path) -> None
     assert "goes back 2 times, first at sample 351" in twice.notes[""]
 
 
+def test_a_coarse_clock_that_is_set_back_is_asked_for(tmp_path: Path) -> None:
+    path = written(
+        tmp_path, "time_s,angle_deg,valve_V", np.floor(np.where(TIME > 6.0, TIME - 5.0, TIME)), DEGREES, TIME
+    )
+    with pytest.raises(InputError, match="set back at sample 602; cut the log there, and map each part"):
+        guess_mapping(path)
+
+
 @pytest.mark.parametrize(
     "names",
     [

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from recordings import ticks
 
+from layflat.errors import InputError
 from layflat.identify.logs import guess_mapping, read_log, read_table
 
 COUNT = 200
@@ -277,3 +278,31 @@ def test_a_header_that_stands_there_again_is_no_sample(tmp_path: Path) -> None:
     table = read_table(path)
     assert table.columns["angle_deg"].values.size == COUNT
     assert not table.columns["angle_deg"].notes
+
+
+def test_words_beside_signals_make_no_table_of_a_sample_a_row(tmp_path: Path) -> None:
+    path = tmp_path / "log.csv"
+    rows = (f"{t},run1,{i % 7},{a},{v}\n" for i, (t, a, v) in enumerate(zip(TIME, DEGREES, VOLTS, strict=True)))
+    path.write_text("time_s,name,value,angle_deg,valve_V\n" + "".join(rows))
+    check_read(path, ("angle", "voltage"))
+
+
+def test_units_behind_the_values_of_each_signal(tmp_path: Path) -> None:
+    path = tmp_path / "log.csv"
+    rows = (
+        f"{t},{name},{value:.6f} {unit}\n"
+        for t, a, v in zip(TIME, DEGREES, VOLTS, strict=True)
+        for name, value, unit in (("angle", a, "deg"), ("valve", v, "V"))
+    )
+    path.write_text("time,variable,value\n" + "".join(rows))
+    check_read(path, ("angle", "voltage"))
+
+
+def test_joints_that_only_names_tell_are_asked_for(tmp_path: Path) -> None:
+    path = tmp_path / "log.csv"
+    rows = (f"{t},{a},{a / 2.0}\n" for t, a in zip(TIME, DEGREES, strict=True))
+    path.write_text("time_s,shoulder_deg,elbow_deg\n" + "".join(rows))
+    with pytest.raises(InputError, match=r"say which joints the names may have \(--machine\)"):
+        guess_mapping(path)
+    guess = guess_mapping(path, ["shoulder", "elbow"])
+    assert [entry.channel for entry in guess.mapping.column] == ["angle.shoulder", "angle.elbow"]

@@ -176,6 +176,9 @@ def describe_stamps(values: Array, unit: str, others: Sequence[Array], where: st
     if falls.size == 1:
         longer = f"up to {at - 1}" if 2 * at > values.size else f"from {at} on"
         notes.append(f"set back at sample {at}, so that only the samples {longer} are used")
+        if np.mean(np.diff(values[known]) == 0.0) > FEW_SHARED:
+            what = f"many rows share their stamp, and the clock is set back at sample {at}"
+            raise InputError(what, where=where, right="cut the log there, and map each part")
     elif falls.size:
         notes.append(f"goes back {falls.size} times, first at sample {at}, which no log may: cut it there")
     if known.size < values.size:

@@ -82,6 +82,8 @@ def guess_mapping(
         reasons = "; ".join(f"{name}: {notes[name]}" for name in list(table.columns)[:8] if notes.get(name))
         bare = all(name.isdigit() for name in table.columns)
         header = "give it a header, such as time_s,angle_deg,pA_kPa_gauge,valve_V, or " if bare else ""
+        several = not known and any("may all be" in why for why in notes.values())
+        header += "say which joints the names may have (--machine), or " if several else ""
         right = f"{header}write a mapping file by hand that says which column is which signal ({reasons})"
         what = "no column looks like a signal" + (": the table has no header" if bare else "")
         raise InputError(what, where=str(table.path), right=right)

@@ -10,10 +10,11 @@ from numpy.typing import NDArray
 
 from layflat.arrays import Array
 from layflat.description.units import TIME
-from layflat.identify.logs.headers import Header, header_of
+from layflat.identify.logs.headers import Header, header_of, words_of
 from layflat.identify.logs.table import Cells, Column, Content
 from layflat.identify.logs.text.cells import read_cells
 from layflat.identify.logs.units import kind_of_unit
+from layflat.identify.logs.vocabulary import meanings
 
 _NAMES = {
     "signal": (
@@ -67,8 +68,19 @@ def find_long(headers: Mapping[str, Header], cells: Mapping[str, Cells]) -> Role
     if distinct > (MAX_CODES if numbered else MAX_SIGNALS) or 2 * distinct > len(names):
         return None
     used = {signal, value, unit, quality, *times}
+    if any(
+        _is_signal(headers[name])
+        for name, column in cells.items()
+        if isinstance(column, np.ndarray) and name not in used
+    ):
+        return None  # a column a signal, and words beside them
     keys = tuple(name for name in cells if name not in used and not isinstance(cells[name], np.ndarray))
     return Roles(signal, value, times, unit, quality, keys)
+
+
+def _is_signal(header: Header) -> bool:
+    """Return whether the name or the unit of a column says that it is measured."""
+    return bool(header.unit and kind_of_unit(header.unit) != TIME) or bool(meanings(words_of(header.stem)) - {"clock"})
 
 
 def pivot(roles: Roles, headers: Mapping[str, Header], cells: Mapping[str, Cells]) -> Content:
@@ -79,9 +91,9 @@ def pivot(roles: Roles, headers: Mapping[str, Header], cells: Mapping[str, Cells
         headers: of the columns, by name.
         cells: of the columns, by name.
     """
-    values, notes = _numbers(cells[roles.value])
     clock, times, told = _times(roles, headers, cells, np.array(_names(cells[roles.signal])))
     names, by = _told_apart(roles, cells, times)
+    values, spelled, notes = _values(cells[roles.value], names)
     values, doubted = _valid(roles, cells, values)
     stated = cells[roles.unit] if roles.unit else None
     columns: dict[str, Column] = {}
@@ -92,10 +104,11 @@ def pivot(roles: Roles, headers: Mapping[str, Header], cells: Mapping[str, Cells
         if mine.size < LEAST_SAMPLES:
             words[name] = f"has {mine.size} sample{'s' if mine.size != 1 else ''}"
             continue
-        header = header_of(name, "" if stated is None else _unit_of(stated, mine))
+        header = header_of(name, spelled.get(name, "") if stated is None else _unit_of(stated, mine))
         bad = int(doubted[mine].sum())
         flagged = f"{bad} sample{'s are' if bad > 1 else ' is'} missing, whose {roles.quality} is not that of most"
-        columns[header.name] = Column(values[mine], header, times[mine], (*notes, *((flagged,) if bad else ())))
+        said = (*notes.get(name, ()), *((flagged,) if bad else ()))
+        columns[header.name] = Column(values[mine], header, times[mine], said)
     what = f"a sample a row: signals by {by}, values of {roles.value}, times of {told}"
     return Content(columns, clock, words, (what,))
 
@@ -191,9 +204,15 @@ def _valid(roles: Roles, cells: Mapping[str, Cells], values: Array) -> tuple[Arr
     return np.where(doubted, np.nan, values), doubted
 
 
-def _numbers(cells: Cells) -> tuple[Array, tuple[str, ...]]:
-    """Return the numbers of a column, and notes."""
+def _values(cells: Cells, names: NDArray[np.str_]) -> tuple[Array, dict[str, str], dict[str, list[str]]]:
+    """Return the numbers of all rows, and by signal the unit that its cells say, and notes."""
     if isinstance(cells, np.ndarray):
-        return cells, ()
-    read = read_cells(cells, None, "log")
-    return np.full(len(cells), np.nan) if read.values is None else read.values, tuple(read.notes)
+        return cells, {}, {}
+    values, units, notes = np.full(len(cells), np.nan), dict[str, str](), dict[str, list[str]]()
+    for name in dict.fromkeys(names.tolist()):
+        mine = np.flatnonzero(names == name)
+        read = read_cells([cells[int(i)] for i in mine], None, name)
+        notes[name] = read.notes
+        if read.values is not None:
+            values[mine], units[name] = read.values, read.unit
+    return values, units, notes

@@ -2,7 +2,7 @@
 
 ROLES = {
     "angle": (
-        "angle theta q rq phi alpha encoder enc pot potentiometer winkel measured_angle qdes joint_angle "
+        "angle ang theta q rq phi alpha encoder enc pot potentiometer winkel measured_angle qdes joint_angle "
         "vinkel hoek kulma kąt úhel szög ângulo açı угол 角度 "
         "drehwinkel gelenkwinkel angolo angulo sollwinkel istwinkel ángulo θ φ ϕ α"
     ),
