@@ -84,7 +84,8 @@ FIND = "Find angles that bring the tip there"
 def saved_option(visitor: Visitor, name: str) -> Any:
     """The option of a saved sequence."""
     (_, found), _ = visitor.find("saved", "update:modelValue")
-    return next(one for one in found["props"]["options"] if one["label"] == name)
+    options = found["props"]["options"]
+    return next((one for one in options if one["label"] == name), options[0])
 
 
 def names(visitor: Visitor) -> list[str]:

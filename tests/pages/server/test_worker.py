@@ -135,3 +135,17 @@ def test_a_worker_ends_while_a_call_that_is_larger_than_a_pipe_waits(worker: Wor
     begun = time.monotonic()
     asyncio.run(ended())
     assert time.monotonic() - begun < 20.0
+
+
+def test_calls_of_who_is_gone_are_not_made_and_the_one_that_goes_on_is(worker: Worker) -> None:
+    async def left() -> list[object]:
+        await worker.call(getpid, limit=30.0, what="the beginning")
+        mine = [worker.call(time.sleep, seconds, limit=50.0, what="the work", by="me") for seconds in (0.3, 60.0, 60.0)]
+        calls = [asyncio.ensure_future(one) for one in mine]
+        await asyncio.sleep(0.1)
+        worker.forget("me")
+        return await asyncio.gather(*calls, return_exceptions=True)
+
+    first, *others = asyncio.run(left())
+    assert first is None
+    assert [str(one) for one in others] == ["the work was cancelled"] * 2

@@ -132,7 +132,7 @@ class TargetView:
             theme.button("Find angles", self._find, icon="my_location", hint="Find angles that bring the tip there")
         self.told = ui.label("").classes("lf-told").props("role=alert")
         self.cancel = theme.button("Cancel the search", self._end_search, icon="close")
-        ui.context.client.on_delete(self._end_search)
+        ui.context.client.on_delete(lambda: desk.worker.forget(self))
         self.cancel.set_visibility(False)
         with ui.row().classes("lf-line"):
             self.go = theme.button("Go to target", self._go, icon="near_me", kind="primary")

@@ -31,12 +31,14 @@ class LogsView:
         self.told = ui.label("").props("role=status")
         self.cancel = theme.button("Cancel the drawing", self._end_drawing, icon="close")
         self._client.on_delete(self._end_drawing)
+        self._client.on_delete(lambda: desk.worker.forget(self))
         self.cancel.set_visibility(False)
 
     async def list_logs(self) -> None:
         """List the newest logs."""
         try:
-            logs = await self._desk.worker.call(newest_logs, self._desk.folder, limit=LISTED_WITHIN, what="the list")
+            call = partial(self._desk.worker.call, limit=LISTED_WITHIN, what="the list", by=self)
+            logs = await call(newest_logs, self._desk.folder)
         except LayflatError as error:
             self.told.set_text(str(error))
             return

@@ -1,6 +1,7 @@
 """The operator's page: the arm, its state, and what may be done with it."""
 
 from collections.abc import Callable
+from functools import partial
 from importlib.resources import files
 from typing import TypeVar
 
@@ -63,6 +64,7 @@ class PanelPage:
                 await self._build_right(pieces)
         desk, key = self._desk, self._key
         ui.context.client.on_delete(lambda: desk.rounds.remove(key))
+        ui.context.client.on_delete(lambda: desk.worker.forget(self))
         desk.rounds.add(key, self._refresh)
         await self._show_reach()
         await self.logs.list_logs()
@@ -144,7 +146,8 @@ class PanelPage:
         try:
             while shown != self._height:
                 shown = self._height
-                found = await desk.worker.call(find_reachable, desk.first, shown, limit=LONGEST_SEARCH, what=what)
+                call = partial(desk.worker.call, limit=LONGEST_SEARCH, what=what, by=self)
+                found = await call(find_reachable, desk.first, shown)
         except LayflatError:  # it is a help, without which the arm can be moved; a cancelled one is not begun again
             return
         finally:

@@ -32,6 +32,7 @@ class SequenceView:
         """Build it; `list_saved` shows what was saved."""
         self._desk, self._controls, self._outputs = desk, controls, desk.first.interface.outputs
         self.steps: list[Step] = []
+        ui.context.client.on_delete(lambda: desk.worker.forget(self))
         self._draws = self._stale = False  # whether the table is being drawn, and whether it has to be drawn anew
         least, most, usual = SHARES
         with ui.row().classes("lf-line"):
@@ -69,15 +70,19 @@ class SequenceView:
 
     async def list_saved(self, chosen: str | None = None) -> None:
         """Show the names of what was saved, and choose one."""
-        found, older = await self._files(newest_names)
+        try:
+            found, older = await self._files(newest_names, by=self)
+        except LayflatError as error:
+            self.told.set_text(str(error))
+            return
         if older:
             self.told.set_text(f"The newest {len(found)} sequences are offered; {older} older ones are in the folder.")
         self.saved.set_options(found, value=chosen if chosen in found else None)
 
-    async def _files(self, work: Any, *more: Any) -> Any:
+    async def _files(self, work: Any, *more: Any, by: object = None) -> Any:
         """Call what reads or writes files of the desk's folder, beside the event loop."""
         what = "work on the sequences' files"
-        return await self._desk.worker.call(work, self._desk.folder, *more, limit=FILES_WITHIN, what=what)
+        return await self._desk.worker.call(work, self._desk.folder, *more, limit=FILES_WITHIN, what=what, by=by)
 
     def _set_share(self) -> None:
         self._controls.share = within(self.share.value, *SHARES) / 100.0

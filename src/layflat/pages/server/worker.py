@@ -94,6 +94,12 @@ class Worker:
             if self._current is not None and self._current.cancelled:
                 self._kill()
 
+    def forget(self, by: object) -> None:
+        """End the calls of somebody that stand in line: whoever asked is gone. One that goes on does so."""
+        with self._guard:
+            for call in self._calls:
+                call.cancelled |= call.by is by and call is not self._current
+
     def _perform(self, call: Call) -> Any:
         pipe, patience = self._connected(call)
         try:
