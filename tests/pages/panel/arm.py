@@ -11,6 +11,7 @@ from tests.pages.turning import KEPT, Turns
 from tests.pages.visitor import Visitor
 
 OBEYS = {"Ready", "Moving"}
+PATIENCE = 8.0  # without a renewal, where the time until a lease lapses is that of PATIENT, s
 ANSWERED = 0.1  # from Stop to the page that tells it, s
 LAPSES = """
 import time
