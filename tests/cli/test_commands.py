@@ -92,6 +92,7 @@ def test_a_command_imports_no_other() -> None:
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip().splitlines()[-1] == str(
         [
+            "layflat._version",
             "layflat.cli",
             "layflat.cli.app",
             "layflat.cli.describe",
