@@ -101,10 +101,3 @@ def test_only_the_metrics_that_are_asked_for_are_kept() -> None:
     assert all(some[name].identical(whole[name]) for name in some)
     with pytest.raises(InputError, match="metrics: 'speed' is not a metric; use settling, overshoot, "):
         ensemble("paper-arm", scenario, runs=1, metrics=("speed",))
-
-
-def test_a_joint_that_is_not_on_the_arm_can_not_vary() -> None:
-    with pytest.raises(
-        InputError, match=r"vary: joint\.large\.brake\.torque: joint 'large' is not on the arm; give one"
-    ):
-        ensemble("paper-small-joint", CASE, {"joint.large.brake.torque": [1.0, 2.0]})
