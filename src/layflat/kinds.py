@@ -102,7 +102,7 @@ class Kind:
         return self
 
     def entries(self) -> Mapping[type, Any]:
-        """What holds the laws, by class of the parameters."""
+        """Return the holder of the laws by class of the parameters."""
         return dict.fromkeys(self.parameter_types, self)
 
 

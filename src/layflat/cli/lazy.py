@@ -68,7 +68,7 @@ class LazyTyper(typer.Typer):
 
 
 def refuse_unclear(command: Any) -> Any:
-    """Let a command refuse an option that is given twice and has one value, and one that is given empty.
+    """Make a command refuse an option that is given twice and has one value, and one that is given empty.
 
     The last would win without a word, and an empty value, such as a script's variable that is not set, would be as
     none, or the folder in which the command runs.

@@ -1,4 +1,4 @@
-"""What a kind of control law has to offer: what it is given of the arm in a control cycle, and what it commands."""
+"""Kind of control law: inputs of the law in a control cycle, and the commands that it returns."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
@@ -20,7 +20,7 @@ from layflat.physics.adjustable import FULL, Shares
 
 
 class ControllerPart(KindPart):
-    """What all descriptions of controllers say."""
+    """Description of a controller: fields that all kinds share."""
 
     cycle: u.ControlCycle
 
@@ -115,5 +115,5 @@ class ControlKind(Kind):
 
     @property
     def compiled(self) -> bool:
-        """Whether the law can be compiled; else it is called from Python once a control cycle."""
+        """True where the law can be compiled; else Python calls it once a control cycle."""
         return isinstance(self.wake, Law) and isinstance(self.step, Law)

@@ -176,7 +176,7 @@ def rechecked(part: Part, where: str) -> None:
 
 @lru_cache(maxsize=1000)
 def _checks(part: type[Part]) -> list[Callable[[Any], Any]]:
-    """What a part is passed through once its values are validated."""
+    """Return the validators that run on a part once its values are validated."""
     return [one.func for one in part.__pydantic_decorators__.model_validators.values() if one.info.mode == "after"]
 
 

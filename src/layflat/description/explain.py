@@ -83,7 +83,7 @@ def _said(error: ErrorDetails, place: Place, complete: str) -> tuple[Steps, str,
 
 
 def _kind(value: object, context: dict[str, Any]) -> tuple[str, str]:
-    """What to say of a kind that is unknown, or not given."""
+    """Explain a kind that is unknown, or not given."""
     names = [name.strip(" '") for name in context.get("expected_tags", "").split(",") if name.strip()]
     tag = context.get("tag", value.get("kind") if isinstance(value, dict) else None)
     near = nearest(tag, names) if tag else None
@@ -114,7 +114,7 @@ TYPES = {
 
 
 def _plain(kind: str, value: object, context: dict[str, Any], place: Place) -> tuple[str, str]:
-    """What to say of a value of the wrong size or type."""
+    """Explain a value of the wrong size or type."""
     if kind in BOUNDS:
         name, text = BOUNDS[kind]
         unit = f" {place.quantity.unit}" if place.quantity and context[name] else ""

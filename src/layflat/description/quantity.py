@@ -48,7 +48,7 @@ class Quantity:
 
     @property
     def right(self) -> str:
-        """What to give, in words."""
+        """Advice with an example of a value that would be right."""
         return f'give {self.article} such as "{self.example}"'
 
     @cached_property
@@ -57,7 +57,7 @@ class Quantity:
 
     @cached_property
     def _told_by_radian(self) -> bool:
-        """Whether nothing but a radian tells it from another kind: an angle from a share, a rotation from a rate."""
+        """True where only a radian tells it from another kind: an angle from a share, a rotation from a rate."""
         return _without_radian(roots(self._target)) in ({}, {"s": -1})
 
     def parse(self, value: object) -> float:
@@ -136,7 +136,7 @@ class Quantity:
             raise QuantityError(what, right)
 
     def _nearest(self, text: str, unit: str) -> str:
-        """What to say of a text with a unit that is none of this kind."""
+        """Explain a text whose unit is none of this kind."""
         for near in suggestions(text.strip().removesuffix(unit).strip(), unit):
             with suppress(ValueError):
                 if self._measures(dict(unit_of(near.partition(" ")[2]))):

@@ -52,7 +52,7 @@ def _loaded(text: str) -> Plain:
 
 
 def _explained(message: str, text: str) -> tuple[str, str]:
-    """What is wrong with a text that is not TOML: the line as it stands there, and what would be right."""
+    """Return the error of a text that is not TOML: its line as written, and what would be right."""
     found = re.search(r"\(at line (\d+), column \d+\)", message)
     lines = text.splitlines()
     number = int(found[1]) if found else len(lines)

@@ -1,4 +1,4 @@
-"""Which hose, cylinder, cam and strap: Eq. (1), exact cams, design rules, sizing and drawings.
+"""Design of a joint: Eq. (1), exact cams, design rules, sizing and drawings.
 
 Everything starts from `design_joint` (what a described joint can do) or `size_joint` (a description of a joint that
 does what is asked). Names are loaded when they are first used.

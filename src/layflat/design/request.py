@@ -1,4 +1,4 @@
-"""What a joint is asked to do, and the hoses and cylinders that sweep what its work takes: V = T S/P.
+"""Requirements of a joint, and the hoses and cylinders whose swept volume does its work: V = T S/P.
 
 | symbol | meaning | unit |
 |---|---|---|
@@ -49,7 +49,7 @@ MISSING = object()  # stands for a field without a default
 
 @dataclass(frozen=True)
 class SizingRequest:
-    """What a joint must do, in SI; what is None is chosen.
+    """Requirements of a joint, in SI; values that are None are chosen.
 
     Raise InputError if the name can't be that of a file, DesignError if a value is outside any sensible range.
     """

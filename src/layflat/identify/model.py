@@ -1,4 +1,4 @@
-"""What is fitted: measured signals, the unknowns, and a simulation of the one from the other."""
+"""Model to be fitted: measured signals, unknowns, and a simulation of the signals from the unknowns."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Collection, Mapping, Sequence
@@ -62,7 +62,7 @@ class Model(ABC):
         return shares
 
     def starts(self) -> Array:
-        """Where else the search may begin, (starts, unknowns) in SI; the guess comes first in any case."""
+        """Return more starts of the search, (starts, unknowns) in SI; the guess comes first in any case."""
         return np.empty((0, len(self.unknowns)))
 
     def mirrored(self, values: Array) -> Array:  # noqa: ARG002  # what others look at
@@ -85,7 +85,7 @@ class Model(ABC):
         return ((self,),)
 
     def led(self) -> "Model | None":
-        """What predicts in its place where this one runs away from its logs, even with right values, and says so.
+        """Return the model that predicts in place of one that runs away from its logs even with right values.
 
         Default: None, as most do not.
         """
@@ -104,7 +104,7 @@ class Model(ABC):
         return other
 
     def written(self, values: Array) -> dict[str, float]:
-        """What values of the unknowns (SI) make of the description, by its paths; items of lists by their number."""
+        """Return the description's values by path from those of the unknowns (SI); items of lists by their number."""
         columns = self.columns(values)
         return {one.path: float(columns[one.path]) for one in self.unknowns if not one.nuisance}
 
@@ -132,11 +132,11 @@ class Model(ABC):
 
     @cached_property
     def used(self) -> Flags:
-        """Which samples are fitted."""
+        """Mask of the samples that are fitted."""
         return np.concatenate([output.fitted & np.isfinite(output.measured) for output in self.outputs])
 
     @cached_property
     def slices(self) -> tuple[slice, ...]:
-        """Where each output stands among all samples."""
+        """Slice of each output among all samples."""
         ends = np.cumsum([len(output.measured) for output in self.outputs]).tolist()
         return tuple(slice(end - len(output.measured), end) for end, output in zip(ends, self.outputs, strict=True))

@@ -1,4 +1,4 @@
-"""What a fit is worth, as one page that needs nothing else."""
+"""Report of a fit, as one page that needs nothing else."""
 
 from pathlib import Path
 
@@ -65,7 +65,7 @@ def drawn(found: Fit) -> list[Drawn]:
 
 
 def _caption(signals: list[Compared]) -> str:
-    """What a figure shows."""
+    """Return the caption of a figure."""
     fitted = np.concatenate([signal.fitted for signal in signals])
     some = "On a grey ground, what was not fitted but predicted."
     kept = (

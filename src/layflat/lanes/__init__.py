@@ -37,7 +37,7 @@ def _switched_on(name: str) -> bool:
 
 @cache
 def interpreted() -> bool:
-    """Whether nothing is compiled (NUMBA_DISABLE_JIT)."""
+    """Return whether nothing is compiled (NUMBA_DISABLE_JIT)."""
     return _switched_on("NUMBA_DISABLE_JIT")
 
 
@@ -82,7 +82,7 @@ for _name in ("add", "sub", "mul", "truediv"):
 
 
 def epsilon(number: Any) -> float:  # noqa: ARG001  (of which only the precision counts)
-    """How far from 1 the next number is in the precision of this one."""
+    """Return the distance from 1 to the next number in the precision of this one."""
     return 2.0**-52
 
 
@@ -92,7 +92,7 @@ def select(condition: Any, yes: Any, no: Any) -> Any:
 
 
 def anywhere(number: Any) -> bool:
-    """Whether a number is not zero in any lane."""
+    """Return whether a number is not zero in any lane."""
     return any(number) if isinstance(number, Lanes) else number != 0.0
 
 
@@ -106,7 +106,7 @@ def join(first: Any, second: Any) -> Any:
 
 
 def halves(joined: Any) -> tuple[Any, Any]:
-    """What was joined: the first and the second half of the lanes, leaf by leaf."""
+    """Return the first and the second half of the lanes, leaf by leaf: undoes `join`."""
     if isinstance(joined, Lanes):
         half = len(joined) // 2
         return (Lanes(joined[:half]), Lanes(joined[half:])) if half > 1 else (joined[0], joined[1])
@@ -125,7 +125,7 @@ def abreast(items: tuple[Any, ...]) -> Any:
 
 
 def apart(lanes: Any, like: tuple[Any, ...]) -> tuple[Any, ...]:
-    """What `abreast` put side by side: a tuple with as many items as `like`."""
+    """Return the items that `abreast` put side by side: a tuple with as many as `like`."""
     count = len(like)
     if isinstance(lanes, tuple) and not isinstance(lanes, Lanes):
         parts = zip(*[apart(leaf, like) for leaf in lanes], strict=True)
@@ -146,12 +146,12 @@ def packed(items: tuple[Any, ...]) -> tuple[Any, ...]:
 
 
 def unpacked(few: tuple[Any, ...], like: tuple[Any, ...]) -> tuple[Any, ...]:
-    """What was `packed`: a tuple with as many items as `like`."""
+    """Return a tuple with as many items as `like`: undoes `packed`."""
     return apart(few[0], like) if len(few) < len(like) else few
 
 
 def sums_up_to(lanes: Any, like: tuple[Any, ...]) -> Any:
-    """Of what `abreast` put side by side, each item with all before it added, leaf by leaf.
+    """Return the running sum, from the first item on, over items that `abreast` put side by side, leaf by leaf.
 
     It takes as many additions one after the other as `len(like)` can be halved: first each item and the one before,
     then that and what is two before, four before and so on.
@@ -160,7 +160,7 @@ def sums_up_to(lanes: Any, like: tuple[Any, ...]) -> Any:
 
 
 def sums_from(lanes: Any, like: tuple[Any, ...]) -> Any:
-    """As `sums_up_to`, with all that come after."""
+    """Return the running sum, from the last item backwards; see `sums_up_to`."""
     return _summed(lanes, like, -1)
 
 
@@ -179,7 +179,7 @@ def write_row(rows: Any, i: int, j: int, values: tuple[float, ...]) -> None:
 
 
 class Like:
-    """What a nested tuple of floats looks like, without the floats, for kernels that read these from arrays.
+    """Structure of a nested tuple of floats, without the floats, for kernels that read these from arrays.
 
     From Python a kernel would take the tuple number by number, in machine code that may be a third as long as its own.
     Tuples that look alike have one and the same, so that the compiler looks once.
@@ -192,7 +192,7 @@ class Like:
 
     @classmethod
     def of(cls, value: Any, most: int = WIDEST) -> "Like":
-        """What a tuple looks like, and how many bytes lanes that are read for it take at most."""
+        """Return the structure of a tuple, with the largest size in bytes of lanes that are read for it."""
         key = _looks(value), most
         if key not in cls._known:
             cls._known[key] = cls(mapped(value, lambda _: 0.0), most)
@@ -237,7 +237,7 @@ def leaves(value: Any) -> Iterator[Any]:
 
 
 def width(number: Any, block: Any = None) -> int:
-    """How many lanes a number has, or what is read of a block for a tuple; known when a kernel is compiled."""
+    """Return the number of lanes of a number, or of a block as it is read; known when a kernel is compiled."""
     if block is not None:
         return host_width(block.itemsize, number.most if isinstance(number, Like) else WIDEST)
     return len(number) if isinstance(number, Lanes) else 1

@@ -77,7 +77,7 @@ class SteppedPlant(Plant):
 
     @property
     def time(self) -> float:
-        """How far it has been advanced, s."""
+        """Time to which it has been advanced, s."""
         return self._at * self._h
 
     @property
@@ -104,7 +104,7 @@ class SteppedPlant(Plant):
         self._due = -1
 
     def advance(self, until: float) -> None:
-        """Let time pass up to the last whole step before `until` (s).
+        """Advance to the last whole step before `until` (s).
 
         Raises:
             DivergedError: the machine diverged.

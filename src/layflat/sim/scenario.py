@@ -79,7 +79,7 @@ class Scenario:
 
     @property
     def closed_loop(self) -> bool:
-        """Whether the controller drives the valves."""
+        """True where the controller drives the valves."""
         return self.opening is None and self.voltage is None
 
     @property

@@ -1,4 +1,4 @@
-"""What a tuning did, as figures in a table and as one page that needs nothing else."""
+"""Report of a tuning: figures in a table, and one page that needs nothing else."""
 
 from math import isfinite
 from pathlib import Path

@@ -38,7 +38,7 @@ USABLE = 0.92  # share of the supply's pressure that a differential pressure com
 
 
 class Need(NamedTuple):
-    """What the moves of a task ask of a joint, without margin."""
+    """Load of a joint in the moves of a task, without margin."""
 
     torque: float  # greatest, N m
     static: float  # of gravity alone, N m
@@ -59,12 +59,12 @@ class SizedArm:
 
     @property
     def mass(self) -> float:
-        """Of all joints and links, kg."""
+        """Mass of all joints and links, kg."""
         return sum(part.mass + part.tube.mass for part in self.parts)
 
     @cached_property
     def designs(self) -> tuple[JointDesign, ...]:
-        """Of the joints, as parts of the arm."""
+        """Designs of the joints, as parts of the arm."""
         return tuple(design_joint(self.machine, part.task.name) for part in self.parts)
 
     @property

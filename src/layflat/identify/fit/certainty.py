@@ -1,4 +1,4 @@
-"""How sure a fitted value is: from the Jacobian, and from a bootstrap over blocks of time.
+"""Uncertainty of fitted values: from the Jacobian, and from a bootstrap over blocks of time.
 
 | symbol | meaning |
 |---|---|
@@ -25,7 +25,7 @@ NORMAL = 1.959964  # standard deviations in 95 %
 
 
 def covariance(jacobian: Array, residuals: Array, widths: Array) -> Array:
-    """Of the shares, from residuals as large as they are, but not smaller than their scale says."""
+    """Return the covariance of the shares for residuals as large as they are, but not below their scale."""
     size = max(1.0, float(residuals @ residuals) / max(len(residuals) - jacobian.shape[1], 1))
     return _inverse(jacobian.T @ jacobian / size, widths)
 

@@ -241,7 +241,7 @@ def _dataset(table: Table, series: list[Series], grid: Grid) -> Dataset:
 
 
 def _mean(series: list[Series], grid: Grid) -> Array:
-    """Of columns that measure the same, on the grid; NaN where one of them knows nothing, or where there is none."""
+    """Return the mean of columns that measure the same, on the grid; NaN where one has no value or there is none."""
     if not series:
         return np.full(grid.stamps.size, np.nan)
     mean: Array = np.mean([resampled(one, grid) for one in series], axis=0)
@@ -252,7 +252,7 @@ def _mean(series: list[Series], grid: Grid) -> Array:
 
 
 def _told(series: list[Series], grid: Grid) -> dict[str, Any]:
-    """What is kept of a channel's columns: where it comes from, its samples, and the gaps in s of the grid."""
+    """Return the attributes of a channel's columns: source, count of samples, and gaps of the grid, s."""
     first = series[0]
     open_gaps = [[since - grid.start, until - grid.start] for since, until in gaps(first)]
     return {
@@ -266,7 +266,7 @@ def _told(series: list[Series], grid: Grid) -> dict[str, Any]:
 
 
 def _clocks(series: list[Series], grid: Grid) -> list[dict[str, Any]]:
-    """What is kept of each clock: who goes by it, and what was wrong with it."""
+    """Return the attributes of each clock: the channels that go by it, and its faults."""
     kept = ("period", "jitter", "duplicates", "undated", "first_undated", "reset_at")
     return [
         {"channels": list(dict.fromkeys(one.channel for one in series if one.clock is clock))}

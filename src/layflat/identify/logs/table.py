@@ -41,7 +41,7 @@ class Content(NamedTuple):
 
 @dataclass(frozen=True)
 class Table:
-    """What a file holds: columns by name."""
+    """Content of a file: columns by name."""
 
     path: Path
     sha256: str

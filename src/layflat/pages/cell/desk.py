@@ -1,4 +1,4 @@
-"""What all pages of a run share: its newest snapshot and images, and what people ask of it."""
+"""State that all pages of a run share: its newest snapshot and images, and people's requests."""
 
 from multiprocessing.connection import Connection
 from threading import Thread

@@ -1,4 +1,4 @@
-"""What came of picks: figures of all, a table of the last, and what went wrong."""
+"""Results of picks: figures of all, a table of the last, and the failures."""
 
 from collections import Counter
 from math import isfinite

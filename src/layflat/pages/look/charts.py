@@ -44,7 +44,7 @@ class Axis:
 
     @property
     def title(self) -> str:
-        """What stands beside the axis."""
+        """Title of the axis, with its unit."""
         return f"{self.name} ({self.unit})" if self.unit else self.name
 
 
@@ -134,7 +134,7 @@ class LineChart:
 
     @property
     def label(self) -> str:
-        """What the chart shows, for a reader of screens; it may say the main figures."""
+        """Description of the chart for readers of screens; it may give the main figures."""
         return str(self.box.props["aria-label"])
 
     @label.setter

@@ -1,4 +1,4 @@
-"""Who is shown what is so, and when: the page that drives ten times a second, all others as often as time allows."""
+"""Refreshing of pages: the one that drives ten times a second, all others as often as time allows."""
 
 import asyncio
 import logging

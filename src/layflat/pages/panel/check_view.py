@@ -21,7 +21,7 @@ BY_HAND = (
 
 
 class CheckView:
-    """What a person has to look at, then a look without air, then each joint by some degrees."""
+    """View of a commissioning check: points for a person to look at, a check without air, then small moves."""
 
     def __init__(self, desk: Desk, controls: Controls) -> None:
         """Build it for the page of some controls."""

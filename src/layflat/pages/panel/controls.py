@@ -1,4 +1,4 @@
-"""What one page does at the rig: with each wish it is asked whether the page drives, and whether the rig may be had."""
+"""Commands of one page to the rig; each is refused unless the page drives and the rig may be had."""
 
 from collections.abc import Callable, Sequence
 
@@ -30,7 +30,7 @@ class Controls:
 
     @property
     def drives(self) -> bool:
-        """Whether this page drives."""
+        """True while this page drives."""
         return self._desk.operators.drives(self._key)
 
     def start(self) -> None:
@@ -50,7 +50,7 @@ class Controls:
             self._desk.pilot.vent()
 
     def reset(self) -> None:
-        """Let go of faults that are over."""
+        """Reset faults that are over."""
         if self.drives:
             self._desk.pilot.reset()
 

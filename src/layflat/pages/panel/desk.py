@@ -35,7 +35,7 @@ def written_values(machine: Machine) -> Plain:
 
 @dataclass(frozen=True)
 class Rig:
-    """Which rig a panel is for."""
+    """Rig of a panel."""
 
     reached: Reached
     address: str  # for people
@@ -73,7 +73,7 @@ class Desk(AbstractContextManager["Desk"]):
 
     @property
     def machine(self) -> Machine:
-        """What the rig is, with the controller that it has now."""
+        """Machine of the rig, with its present controller."""
         return self.link.machine
 
     def snapshot(self) -> Snapshot | None:
@@ -82,7 +82,7 @@ class Desk(AbstractContextManager["Desk"]):
 
     @property
     def is_open(self) -> bool:
-        """Whether the rig is there."""
+        """True while the rig is connected."""
         return self.link.standing is Standing.OPEN
 
     def close(self) -> None:

@@ -1,4 +1,4 @@
-"""What was seen of a rig in the last half minute, for charts."""
+"""Snapshots of a rig over the last half minute, for charts."""
 
 from collections import deque
 from typing import NamedTuple

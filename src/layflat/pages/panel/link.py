@@ -22,7 +22,7 @@ Reached = Callable[[Machine], tuple[Callable[[], Driver], str]]
 
 
 class Standing(Enum):
-    """Of the link."""
+    """State of the link."""
 
     CONNECTING = "connecting"
     OPEN = "open"
@@ -59,7 +59,7 @@ class RigLink:
 
     @property
     def recording(self) -> bool:
-        """Whether every cycle is recorded."""
+        """True while every cycle is recorded."""
         rig = self._recorded
         return rig is not None and rig.recording
 
@@ -73,7 +73,7 @@ class RigLink:
 
     @property
     def at_rest(self) -> bool:
-        """Whether the rig is there, without air, so that it may be let go of."""
+        """True while the rig is connected and without air, so that it may be released."""
         shot = self.snapshot()
         return shot is not None and shot.state in {State.OFF, State.STOPPED, State.FAULT} and not shot["air"]
 
@@ -85,7 +85,7 @@ class RigLink:
         self._anew.set()
 
     def lend(self) -> None:
-        """Let go of the rig, and wait until it is free for somebody else; `take_back` ends that.
+        """Release the rig, and wait until it is free for somebody else; `take_back` ends that.
 
         Raises:
             LayflatError: it is not at rest, or somebody else has it.

@@ -1,4 +1,4 @@
-"""Who drives: one person at a time, on one page; others look on. Handing over is explicit."""
+"""Operators of a panel: one person drives at a time, on one page; others look on. Handing over is explicit."""
 
 import threading
 import time
@@ -58,14 +58,14 @@ class Operators:
 
     @property
     def operator(self) -> Visitor | None:
-        """Who drives; nobody where that page has been silent for long."""
+        """Visitor who drives; None where that page has been silent for long."""
         with self._guard:
             if self._operator is not None and time.monotonic() > self._silent_from:
                 self._operator = None
             return self._visitors.get(self._operator) if self._operator is not None else None
 
     def drives(self, key: str) -> bool:
-        """Whether this page drives."""
+        """Return whether a page drives."""
         operator = self.operator
         return operator is not None and operator.key == key
 
@@ -85,7 +85,7 @@ class Operators:
             return self.drives(key)
 
     def hand_over(self, key: str) -> None:
-        """Let the one who asked drive, if this page drives."""
+        """Hand over to the visitor who asked, if this page drives."""
         with self._guard:
             if self.drives(key) and self.asked_by is not None:
                 self._give(self.asked_by.key)

@@ -155,7 +155,7 @@ class PanelPage:
         self.scene.reachable(*found, on_floor=desk.inverse.directions < 3)
 
     def _drives_now(self) -> None:
-        """Let the page renew the lease from the moment on in which it drives."""
+        """Make the page renew the lease from the moment on in which it drives."""
         if self._minder is not None:
             self._minder.beat(self._desk.operators.beat())
 

@@ -1,4 +1,4 @@
-"""What an operator asks of a rig, done as long as somebody minds it, and a look at the rig twenty times a second."""
+"""Pilot of a rig: an operator's commands, obeyed while the lease is renewed, and twenty snapshots a second."""
 
 import threading
 import time
@@ -71,7 +71,7 @@ class Pilot:
         self._tell(Session.stop)
 
     def reset(self) -> None:
-        """Let go of faults that are over."""
+        """Reset faults that are over."""
         self._tell(Session.reset)
 
     def switch(self, output: str, on: bool) -> None:

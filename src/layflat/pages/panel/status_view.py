@@ -1,4 +1,4 @@
-"""What the rig does and why, what to do next, who drives, and the buttons that always count."""
+"""State of the rig with its reason and the next step, the operator, and the buttons that always count."""
 
 from nicegui import ui
 
@@ -90,7 +90,7 @@ class StatusView:
 
 
 class OperatorView:
-    """Who drives, and how another page may; in the header."""
+    """View of who drives, and of how another page may; in the header."""
 
     def __init__(self, desk: Desk, key: str, name: str) -> None:
         """Build it for a page of this key and name."""

@@ -1,4 +1,4 @@
-"""Who may see the pages: those who had the start link, from pages of our own."""
+"""Access to the pages: only with the start link, and only from pages of our own."""
 
 import asyncio
 import secrets

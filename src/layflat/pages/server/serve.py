@@ -124,7 +124,7 @@ def tell_slow_turn(turn: Turn) -> None:
 
 
 def _spare_collector() -> None:
-    """Let the collector of garbage pass over all that is there: each look at it holds everything up for 0.3 s."""
+    """Exempt all present objects from garbage collection: each pass over them holds everything up for 0.3 s."""
     gc.collect()
     gc.freeze()
     # What pages have made since is looked through in small parts; as a whole, which takes 0.1 s, where nobody waits.

@@ -22,7 +22,7 @@ Result = TypeVar("Result")
 
 
 class Commands:
-    """What can be done with the whole design."""
+    """Commands on the whole design."""
 
     def __init__(self, session: Session, folder: Path, edited: Callable[[], object]) -> None:
         """Make them; `build` puts their buttons on the page."""
@@ -32,7 +32,7 @@ class Commands:
 
     @property
     def asking(self) -> bool:
-        """Whether a dialog is open, which keys are then for."""
+        """True while a dialog is open, which then takes the keys."""
         return self._asking or bool(self.tune.dialog.value)
 
     def build(self) -> None:
@@ -128,7 +128,7 @@ class Commands:
         return await self._session.worker.beside.call(work, *arguments, limit=LIMIT, what=what)
 
     def _refused(self) -> str:
-        """What `layflat check` would refuse the design for."""
+        """Return the error with which `layflat check` would refuse the design."""
         try:
             refuse_errors(self._session.findings)
         except DesignError as error:

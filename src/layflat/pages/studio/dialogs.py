@@ -73,7 +73,7 @@ def _said(error: LayflatError) -> str:
 
 
 class Settings:
-    """Which step is simulated, and how far runs differ."""
+    """Settings of the simulated step, and of the tolerances from run to run."""
 
     def __init__(self, session: Session) -> None:
         """Make them within the current element."""

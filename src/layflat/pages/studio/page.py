@@ -66,7 +66,7 @@ async def studio_page(machine: str, folder: Path | None = None) -> None:
 
 
 class StudioPage:
-    """What a tab shows."""
+    """Content of a tab."""
 
     def __init__(self, session: Session, folder: Path) -> None:
         """Take what it shows; `build` shows it."""

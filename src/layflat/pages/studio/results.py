@@ -1,4 +1,4 @@
-"""What a design is worth: torque, cam, strap, mass, air, and what the design rules find, as in `layflat design`."""
+"""Results of a design: torque, cam, strap, mass, air, and findings of the rules, as in `layflat design`."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -30,7 +30,7 @@ class Quantity:
 
     @property
     def known(self) -> bool:
-        """Whether there is a value."""
+        """True where there is a value."""
         return bool(np.isfinite(self.value))
 
     @property
@@ -66,7 +66,7 @@ class Figures:
 
     @cached_property
     def quantities(self) -> list[Quantity]:
-        """What is compared between designs."""
+        """Quantities that are compared between designs."""
         made = self.design
         if made is None:
             return []

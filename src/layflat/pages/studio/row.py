@@ -50,7 +50,7 @@ class Row:
 
     @property
     def dirty(self) -> bool:
-        """Whether something was typed that was not taken yet."""
+        """True where typed text was not taken yet."""
         return isinstance(self._control, ui.input) and self._control.value != self._text()
 
     def reset(self) -> None:

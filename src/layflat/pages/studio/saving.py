@@ -1,4 +1,4 @@
-"""Where results of the studio may go, and the description that says only what differs from the one that was opened."""
+"""Saving of results, and of a description that says only what differs from the opened one."""
 
 import os
 import re

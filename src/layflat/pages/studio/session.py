@@ -43,7 +43,7 @@ class Kept:
 
 
 class Session:
-    """What a tab works on. Results come by `follow`, which runs as long as the tab is open."""
+    """State of a tab. Results come by `follow`, which runs as long as the tab is open."""
 
     def __init__(self, design: Design, worker: Worker) -> None:
         self.design = design
@@ -107,7 +107,7 @@ class Session:
 
     @property
     def findings(self) -> list[Finding]:
-        """What the design rules and checks find, worst first."""
+        """Findings of the design rules and checks, worst first."""
         found = [*(self.shown.figures.findings if self.shown.figures else ()), *self.stale]
         return sorted(found, key=lambda finding: ORDER.index(finding.severity))
 

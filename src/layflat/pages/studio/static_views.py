@@ -1,4 +1,4 @@
-"""What a design is worth at rest, in pictures that are renewed in place: torque, cam, strap."""
+"""Pictures of a design at rest, renewed in place: torque, cam, strap."""
 
 import base64
 from itertools import zip_longest

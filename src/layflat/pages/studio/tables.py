@@ -94,7 +94,7 @@ def _cell() -> ui.label:
 
 
 class FindingsView:
-    """What the design rules and checks find, worst first."""
+    """Table of the findings of the design rules and checks, worst first."""
 
     def __init__(self) -> None:
         self._box = ui.element("div").classes("st-findings")

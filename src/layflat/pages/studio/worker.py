@@ -35,7 +35,7 @@ class Worker:
         self._simulator.begin(_nothing)
 
     def overtake(self, tab: int, number: int) -> None:
-        """Let requests of a tab that are older than a number end without a result."""
+        """End requests of a tab that are older than a number, without a result."""
         self._newest[tab] = number
 
     async def cloud(

@@ -1,4 +1,4 @@
-"""What a kind of arm has to offer: how torques become motion, and where the arm is."""
+"""Kind of arm: laws that turn torques into motion, and its forward kinematics."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
@@ -24,7 +24,7 @@ NONE = -0.0
 
 
 class ArmPart(KindPart):
-    """What all descriptions of arms say: the joints that make it, from the base to the tip, and its load."""
+    """Description of an arm: fields that all kinds share, its joints from base to tip and its load."""
 
     joints: Annotated[tuple[str, ...], Field(min_length=1)]
     payload: u.Payload
@@ -102,7 +102,7 @@ class ArmKind(Kind):
                     check_numbers(point, laws.axes, "a position")
 
     def entries(self) -> Mapping[type, Any]:
-        """What holds the laws, by class of the parameters."""
+        """Return the holder of the laws by class of the parameters."""
         return self.laws
 
 

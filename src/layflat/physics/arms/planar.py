@@ -30,7 +30,7 @@ STANDARD_GRAVITY = 9.80665  # m/s2
 
 
 class PlanarArmPart(ArmPart):
-    """How joints make an arm in a plane, from the base to the tip."""
+    """Description of an arm in a plane, its joints from the base to the tip."""
 
     kind: Literal["planar"] = "planar"
     joints: Annotated[tuple[str, ...], Field(min_length=1, max_length=2)]

@@ -1,4 +1,4 @@
-"""What a kind of friction has to offer: the torque at which an output shaft slips in its brake, bearings and seals."""
+"""Kind of friction: the torque at which an output shaft slips in its brake, bearings and seals."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -18,7 +18,7 @@ TRIED = [(brake, speed, pull) for brake in (0.0, 1.0) for speed in (0.0, 1e-3, 0
 
 
 class FrictionPart(KindPart):
-    """What all descriptions of friction say: nothing beside their kind; the brake's torque stands with the brake."""
+    """Description of friction: its kind alone; the brake's torque stands with the brake."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -1,4 +1,4 @@
-"""What a kind of valve has to offer: how what a driver asks for becomes the conductances of a joint's two paths."""
+"""Kind of valve: laws from a driver's command to the conductances of a joint's two paths."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
@@ -32,7 +32,7 @@ COMMON = ("conductance", "leakage", "critical_ratio", "laminar_slope", "centre_v
 
 
 class Dither(Part):
-    """What the driver adds to keep the spool moving."""
+    """Oscillation that the driver adds to keep the spool moving."""
 
     amplitude: u.Share = Field(description="share of full opening")
     frequency: u.ValveFrequency
@@ -42,7 +42,7 @@ class Dither(Part):
 
 
 class ValvePart(KindPart):
-    """What every valve has, with its driver; there is one per joint."""
+    """Description of a valve and its driver, one a joint: fields that all kinds share."""
 
     conductance: u.ValveConductance = Field(description="ISO 6358 sonic conductance of a fully open path")
     critical_ratio: Annotated[u.Share, Field(lt=0.99)] = Field(description="ISO 6358 critical pressure ratio")
@@ -193,7 +193,7 @@ class ValveKind(Kind):
                     check_number(self.opening(parameters, state), "the opening")
 
     def entries(self) -> Mapping[type, Any]:
-        """What holds the laws, by class of the parameters."""
+        """Return the holder of the laws by class of the parameters."""
         own = super().entries()
         return own if self.mean is None else {**own, self.mean.parameter_type: self.mean}
 

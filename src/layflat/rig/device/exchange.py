@@ -1,4 +1,4 @@
-"""What the device makes of words, whatever they came over."""
+"""Station of a virtual rig: turns words of any protocol into commands to the device, and readings into words."""
 
 import asyncio
 from collections.abc import Callable, Sequence

@@ -1,4 +1,4 @@
-"""What a virtual rig can be told to fail, and to mend again: one entry a failure.
+"""Failures of a virtual rig that can be set and mended: one entry each.
 
 A failure that goes on is there until it is healed. Several may be there at once, but for the link, which has one.
 """
@@ -14,7 +14,7 @@ from layflat.rig.device.virtual import ANGLE, PRESSURE, VirtualDevice
 
 
 class Size(NamedTuple):
-    """How much of a failure there is: its usual value, what it counts, and between which values it makes sense."""
+    """Size of a failure: its usual value, its unit, and the range that makes sense."""
 
     usual: float
     unit: str

@@ -1,11 +1,11 @@
-"""What can be wrong with the wires between a rig and its host."""
+"""Faults of the wires between a rig and its host."""
 
 from enum import Enum
 from math import inf
 
 
 class Spoil(Enum):
-    """What becomes of a reply."""
+    """Ways in which a reply is spoilt."""
 
     LOST = "lost"
     CRC = "crc"
@@ -32,7 +32,7 @@ class Link:
         self.silent, self._kind, self._left = False, Spoil.LOST, 0.0
 
     def next(self) -> Spoil | None:
-        """What becomes of the coming reply; None: it is sent as it is."""
+        """Return the fault of the coming reply; None where it is sent as it is."""
         if self.silent:
             return Spoil.LOST
         if self._left < 1.0:

@@ -85,7 +85,7 @@ class VirtualDevice:
 
     @property
     def stopped(self) -> bool:
-        """Whether the e-stop is pressed; to press it dumps at once, to release it changes nothing else."""
+        """True while the e-stop is pressed; pressing it dumps at once, releasing it changes nothing else."""
         return self._stopped
 
     @stopped.setter
@@ -109,7 +109,7 @@ class VirtualDevice:
         self.plant.drive(command.voltages)
 
     def reading(self) -> Reading:
-        """What the converters say at this instant."""
+        """Return the readings of the converters at this instant."""
         self.tick()
         angles, pressures = self.plant.sense()
         self.converters.convert(angles, pressures)
@@ -117,7 +117,7 @@ class VirtualDevice:
         return Reading(angles, pressures, supply, self._stopped, self.state)
 
     def tick(self) -> None:
-        """Let the time pass that has passed, what the watchdog does in it included."""
+        """Advance to the present time, with the watchdog's actions on the way."""
         now = self.clock.now()
         while self.state is not DeviceState.DUMPED:
             running = self.state is DeviceState.RUNNING

@@ -15,7 +15,7 @@ class SimulatedDriver(Driver):
         self.device = device
 
     def read(self) -> Reading:
-        """What its sensors say now; raise LinkError if the link was told to fail."""
+        """Return the present readings of the sensors; raise LinkError if the link was told to fail."""
         spoilt = self.device.link.next()
         if spoilt is not None:
             raise LinkError("lost" if spoilt is Spoil.LATE else spoilt.value)

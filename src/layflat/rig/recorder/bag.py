@@ -25,7 +25,7 @@ CHUNK = 2**17  # bytes that are compressed at a time: more would keep the record
 
 @dataclass(frozen=True)
 class Heading:
-    """What a log says of itself."""
+    """Heading of a log."""
 
     layout: Layout
     machine: str  # description as JSON

@@ -51,7 +51,7 @@ def check_place(place: Path) -> None:
 
 
 def part_of(place: Path) -> Path:
-    """What a log is called until it is finished."""
+    """Return the name of a log until it is finished."""
     return place.with_name(place.name + PART)
 
 
@@ -122,7 +122,7 @@ class Recorder:
             self._bag.write_event(told)
 
     def _noticed(self, rows: int) -> list[Event]:
-        """What is to be told of the recording itself."""
+        """Return new events of the recording itself."""
         told: list[tuple[Level, str]] = []
         dropped, trouble = self._ring.head.rows.dropped + self._ring.head.events.dropped, self._file.trouble
         if dropped > self._dropped:

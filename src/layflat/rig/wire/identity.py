@@ -1,4 +1,4 @@
-"""What a device says of itself before anything moves, whether that fits, and where words stand in registers."""
+"""Identity of a device: read before anything moves, compared with the machine; layout of registers."""
 
 import struct
 from collections.abc import Sequence
@@ -36,7 +36,7 @@ class Identity(NamedTuple):
 
     @classmethod
     def of(cls, machine: Machine, able: Capabilities | None = None) -> Self:
-        """What the device of a machine says; of what it is able to do where that is told.
+        """Return the identity of a machine's device, with its abilities where these are given.
 
         Raise MachineError if the machine has no valve, sensors or controller, or a voltage or time that is too long for
         the wire.
@@ -69,7 +69,7 @@ class Identity(NamedTuple):
 
     @classmethod
     def from_words(cls, words: Sequence[int]) -> Self:
-        """What was told; raise WireError if it is not a rig that tells, or one of another version."""
+        """Return the identity in words; raise WireError if no rig sent them, or one of another version."""
         if len(words) != IDENTITY_SIZE or words[0] != MAGIC:
             raise WireError(f"what answers is not a rig of layflat's{_slip(words)}")
         if words[1] != VERSION:

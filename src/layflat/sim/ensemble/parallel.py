@@ -58,7 +58,7 @@ TIP_BAND = 2e-3  # within this of its goal the tip has settled, m: section 5 of 
 
 @dataclass(frozen=True, kw_only=True)
 class Options:
-    """How runs are simulated and measured.
+    """Options of an ensemble: how its runs are simulated and measured.
 
     Args:
         runs: how many; only needed where nothing varies.
@@ -154,7 +154,7 @@ def traced(
     threads: int | None = None,
     together: bool = True,
 ) -> Array:
-    """As `ensemble`, but nothing is measured: signals of all runs at the beginning of every control cycle.
+    """Simulate as `ensemble` does, and return signals of all runs at the beginning of every control cycle.
 
     Runs that differ in signals, such as their openings, have a scenario each: `vary["scenario"]` says which. Values
     are checked `together` too, unless what no machine can have is to be simulated. Scenarios may hold what logs hold.
@@ -274,7 +274,7 @@ def check_device(device: str) -> None:
 
 
 def _runner(device: str, workers: int) -> Callable[[Cases, Timing, tuple[float, float], Results], Iterator[int]]:
-    """What runs the cases and fills in the results; yields how many runs are done each time that some are."""
+    """Return the function that runs the cases, fills in results, and yields counts of runs that are done."""
     check_device(device)
     if device == "cuda":
         from layflat.sim.ensemble.cuda import run_on_device  # noqa: PLC0415  # a compiler of its own

@@ -139,7 +139,7 @@ class ArmModel(Model):
         return self.shares.of(np.array([columns[unknown.path][0] for unknown in self.unknowns]))
 
     def written(self, values: Array) -> dict[str, float]:
-        """What values of the unknowns (SI) make of the description, by its paths; links can be bodies."""
+        """Return the description's values by path from those of the unknowns (SI); links can be bodies."""
         found = possible(self.machine, self.columns(values[None]))
         nuisances = {unknown.path for unknown in self.unknowns if unknown.nuisance}
         return {path: float(column[0]) for path, column in found.items() if path not in nuisances}

@@ -91,7 +91,7 @@ class RodModel(CurveModel[RodBench]):
         return np.array([at for _, at in sorted(found, key=lambda one: one[0])])
 
     def written(self, values: Array) -> dict[str, float]:
-        """What was found, by its path in the description; see `Model.written`."""
+        """Return the found values by their paths in the description; see `Model.written`."""
         ends = {path: float(value_at(self.origin, path)) for path in ENDS} if self.spread_profile else {}
         return super().written(values) | ends
 
@@ -111,7 +111,7 @@ class RodModel(CurveModel[RodBench]):
 
 
 def parameters(bench: RodBench) -> Rod:
-    """What the laws take of a description."""
+    """Return the parameters of the laws from a description."""
     friction = bench.friction
     found: dict[str, Any] = {path.rpartition(".")[2]: value_at(bench, path) for path in NUMBERS}
     level = friction.base + friction.slope * friction.reference_pressure_gauge

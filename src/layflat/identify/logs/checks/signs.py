@@ -90,7 +90,7 @@ def _drive(drive: Array, level: Array, period: float, speed: Array | None) -> fl
 
 
 def _without(values: Array, others: list[Array]) -> Array:
-    """What is left of a signal after its best linear fit by others."""
+    """Return the residual of a signal after its best linear fit by others."""
     columns = [(other - other.mean()) / (np.std(other) or 1.0) for other in others]
     basis = np.stack([*columns, np.ones(values.size)], axis=1)
     weights, *_ = np.linalg.lstsq(basis, values, rcond=None)
@@ -99,7 +99,7 @@ def _without(values: Array, others: list[Array]) -> Array:
 
 
 def _correlation(x: Array, y: Array) -> float:
-    """Of the samples that both have; 0 where there are too few, or one stands still."""
+    """Return the correlation over samples that both have; 0 for too few samples or a constant signal."""
     both = np.isfinite(x) & np.isfinite(y)
     x, y = x[both], y[both]
     if x.size < LEAST or np.std(x) <= 1e-12 * np.abs(x).max() or np.std(y) <= 1e-12 * np.abs(y).max():

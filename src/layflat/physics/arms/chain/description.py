@@ -1,4 +1,4 @@
-"""What a file says of an arm in space: a chain of joints and links, from the base to the tool."""
+"""Description of an arm in space: a chain of joints and links, from the base to the tool."""
 
 from typing import Annotated, Any, Literal, Self
 
@@ -38,7 +38,7 @@ def impossible(inertia: tuple[Any, ...]) -> str:
 
 
 class Shape(Part):
-    """How a piece of a link looks: drawn in its frame, and without effect on how it moves."""
+    """Shape of a piece of a link: drawn in its frame, without effect on the motion."""
 
     kind: Literal["capsule", "cylinder", "box", "sphere", "mesh"]
     place: Place = Field(default=NO_TURN, description="its middle")
