@@ -28,7 +28,7 @@ LIMITS = joint.Limits(
     rail.Limits(-1.3, 1.3),
     5e5,
     SPEED,
-    outside.Limits(1.2),
+    outside.Limits(1.2, rests=1.2, inside=1.2, thrown=0.0),
     doubt.Limits(6e-4, 1.0, 0.25, 0.0125),
     angle_frozen.Limits(6e-4, 1e5, CYCLE, 0.0375, 0.09),
     valve_unresponsive.Limits(1000.0, 0.17, 2.4e5, 0.8),
@@ -102,11 +102,11 @@ def test_speed_and_stroke_count_where_the_joint_may_move() -> None:
 
 
 def test_a_joint_that_rests_at_the_border_of_its_stroke_may_be_led_inside_from_there() -> None:
-    limits, rails = outside.Limits(1.2, rests=1.25, inside=1.0), LIMITS.rail
+    limits, rails = outside.Limits(1.2, rests=1.25, inside=1.0, thrown=3.0), LIMITS.rail
     shaking = [1.199, 1.201, 1.202, 1.24, 1.1, 1.201, 1.202]
 
-    def after(angles: list[float], begun: float = outside.AWAY) -> list[int]:
-        memory, found = begun, []
+    def after(angles: list[float]) -> list[int]:
+        memory, found = outside.AWAY, []
         for angle in angles:
             taken = Sample(angle, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, CYCLE, MOTION, 1.0)
             memory, fault = outside.find(limits, memory, rails, taken)
@@ -115,7 +115,11 @@ def test_a_joint_that_rests_at_the_border_of_its_stroke_may_be_led_inside_from_t
 
     assert not any(after(shaking))
     assert after([*shaking, 0.99, 1.201, 1.202])[-1] == Fault.OUTSIDE_STROKE, "it was inside"
-    assert after([1.26, 1.26])[-1] == Fault.OUTSIDE_STROKE, "no joint rests there"
+    thrown = [1.24, 1.1, 1.24, 1.26, 1.27, 1.27, 1.26]
+    assert not any(after([*thrown, 1.24, *thrown, 1.24, 0.99])), "others threw it to its stop"
+    assert after([*thrown, 1.26])[-1] == Fault.OUTSIDE_STROKE, "no joint rests there"
+    assert after([*thrown, 1.31])[-1] == Fault.OUTSIDE_STROKE, "it went on to the rail"
+    assert after([*thrown, 1.24, 0.99, 1.26, 1.26])[-1] == Fault.OUTSIDE_STROKE, "it was inside"
 
 
 STILL = LIMITS._replace(

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 from tests.pages.browsers import served
-from tests.pages.pressing import Presser, hard_values, put
+from tests.pages.pressing import Element, Presser, hard_values, put
 from tests.pages.turning import KEPT, Turns
 from tests.pages.visitor import Visitor
 
@@ -12,16 +12,32 @@ pytestmark = [pytest.mark.compiled, pytest.mark.realtime]
 BOUND = 0.04  # of the loop's work in one turn, s; the longest is half of it where nobody else works
 UNCHANGED = "Back to "  # before the names of buttons that are there once their value was changed
 FOUND = "Take these gains"  # which are found after minutes
+SECTION = "nicegui-expansion"
 SECTIONS = ("Hose", "Controller", "Brake", "Arm")  # whose values are on the page
+
+
+def fields_of(visitor: Visitor) -> list[Element]:
+    """The fields that are on the page, once a slider is: some presses build the page anew. Sections stay open."""
+    found: list[Element] = []
+
+    def are_there() -> bool:
+        found[:] = [one for one in visitor.each() if hard_values(visitor, one[1]) and one[1]["tag"] != SECTION]
+        return any(map(is_slider, found))
+
+    visitor.until(are_there)
+    return found
+
+
+def is_slider(element: Element) -> bool:
+    """Whether a field is a slider."""
+    return bool(element[1]["tag"] == "q-slider")
 
 
 def edit(visitor: Visitor, turn: int) -> None:
     """Put a hard value into a field, and another one, which the checks may take, into a slider."""
-    fields = [
-        one for one in visitor.each() if hard_values(visitor, one[1]) and one[1].get("tag") != "nicegui-expansion"
-    ]
+    fields = fields_of(visitor)
+    sliders = list(filter(is_slider, fields))
     put(visitor, fields[(7 * turn) % len(fields)], turn)
-    sliders = [one for one in fields if one[1].get("tag") == "q-slider"]
     put(visitor, sliders[(5 * turn) % len(sliders)], turn % 2)
 
 

@@ -48,6 +48,7 @@ LANDS = 0.05  # error within which a law that plans its motion stops a joint as 
 AVERAGED = 3.5  # cycles after which an average of four samples has none of before
 STOPS = 2.0  # times what friction alone takes, a joint may lose of its speed in a cycle: the others and its air help
 FLUNG = 2.0  # of the speed that its valve feeds, up to which a joint with less payload than the law expects may go
+THROWN = 0.05  # time that a joint's stop takes to throw it back, and more, s
 SPEED_IS_GIVEN = "demand_speed"  # in a machine's file: then laws that plan their motion keep to it, too
 # Cycles of the same sample after which a sensor may be frozen, and after which it is, where it does not fit.
 DOUBTFUL, SURE = 2.5, 7.5
@@ -195,6 +196,7 @@ def joint_limits(machine: Machine, name: str) -> joint.Limits:
             working + safety.overrun * (mechanical - working) - NOISE * grain,
             float(resting_angles(machine)[j]) + NOISE * grain,
             working,
+            THROWN / cycle,
         ),
         doubt.Limits(
             grain,

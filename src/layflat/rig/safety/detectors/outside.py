@@ -8,15 +8,16 @@ from layflat.rig.safety.detectors.sample import MOTION, counted
 from layflat.rig.safety.faults import Fault
 
 FAULT, SAMPLES = int(Fault.OUTSIDE_STROKE), Fault.OUTSIDE_STROKE.cycles
-AWAY = -1.0  # of a joint that has not been inside since the air was brought
+AWAY = -1.0  # of a joint that has not been inside since the air was brought; less by each sample past its stop
 
 
 class Limits(NamedTuple):
     """Angles from mid-stroke, rad."""
 
     stroke: float  # beyond which a joint is outside
-    rests: float = 0.0  # up to which it may lie without air; from there it is led inside
-    inside: float = 0.0  # from which on it has been led inside
+    rests: float  # up to which it may lie without air; from there it is led inside
+    inside: float  # from which on it has been led inside
+    thrown: float  # more samples for which it may be past where it may lie: others may throw it to its stop
 
 
 @law
@@ -27,7 +28,9 @@ def find(limits, before, rails, sample):
     hand takes joints to their stops, from where they are led inside.
     """
     turned, sound = abs(sample.angle), rail.sound(rails, sample.angle)
-    beyond = turned > limits.stroke if sound else before > 0.0
-    rests = before < 0.0 and limits.inside < turned <= limits.rests
-    run = AWAY if rests else counted(max(before, 0.0), sample.level >= MOTION and beyond)
-    return run, FAULT if run >= SAMPLES else 0
+    led = before < 0.0 and turned > limits.inside
+    known = AWAY - before if led else max(before, 0.0)
+    beyond = turned > (limits.rests if led else limits.stroke) if sound else known > 0.0
+    run = counted(known, sample.level >= MOTION and beyond)
+    found = run >= SAMPLES + (limits.thrown if led else 0.0)
+    return AWAY - run if led else run, FAULT if found else 0
