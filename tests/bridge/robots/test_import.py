@@ -94,6 +94,28 @@ def test_a_working_stroke_is_never_longer_than_the_hoses_own(tmp_path: Path) -> 
     assert stops.working_stroke == pytest.approx(radians(120.0))
 
 
+@pytest.mark.parametrize(
+    ("robot", "note"),
+    [
+        (
+            {"elbow": ELBOW.replace('rpy="1.5707963267948966 0 0"', 'rpy="0 90 0"')},
+            "joint 'elbow': rpy=\"0 90 0\" is read in rad, as URDF has it: more than a full turn; are they degrees?",
+        ),
+        (
+            {
+                "elbow": ELBOW.replace(
+                    "</joint>", '<safety_controller soft_lower_limit="1" soft_upper_limit="-1"/></joint>'
+                )
+            },
+            "joint 'elbow': soft limits from 1 to -1, the wrong way round: left out",
+        ),
+    ],
+)
+def test_numbers_that_look_mistaken_are_told(robot: dict[str, str], note: str, tmp_path: Path) -> None:
+    assert note in import_arm(written(tmp_path, urdf(**robot))).notes()
+    assert note not in import_arm(written(tmp_path, urdf())).notes()
+
+
 def test_an_mjcf_moves_as_mujoco_has_it_up_to_a_body(tmp_path: Path) -> None:
     file = written(tmp_path, MJCF, "robot.xml")
     found = import_arm(file, to="fore", tool="grip")

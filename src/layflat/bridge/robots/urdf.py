@@ -17,6 +17,7 @@ from layflat.physics.arms.bodies import about, moments, turn_of, turned_by
 
 KINDS = {"revolute": HINGE, "continuous": HINGE, "fixed": FIXED, "prismatic": SLIDE}
 OTHERS = ("floating", "planar")
+TURN = 7.0  # angle from which on it is said that one is in radians, rad: just over a full turn
 SIX = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
 
 
@@ -37,6 +38,7 @@ def read_urdf(file: Path, root: Element, *, meshes: bool = True) -> Robot:
 class _Reader:
     def __init__(self, file: Path, *, meshes: bool) -> None:
         self.file, self.meshes = file, meshes
+        self.notes: list[str] = []
 
     def robot(self, root: Element) -> Robot:
         bodies: dict[str, Body] = {}
@@ -54,9 +56,20 @@ class _Reader:
         base, name = self._base(bodies, links), root.get("name") or self.file.stem
         compiler = root.find("mujoco/compiler")
         folder = "" if compiler is None else compiler.get("meshdir") or ""
-        left_out = self._left_out(root)
+        gravity, left_out = self._gravity(root), self._left_out(root)
         return Robot(
-            self.file, name, "link", base, bodies, links, {}, self._gravity(root), left_out=left_out, mesh_folder=folder
+            self.file,
+            name,
+            "link",
+            base,
+            bodies,
+            links,
+            {},
+            gravity,
+            [],
+            left_out,
+            notes=self.notes,
+            mesh_folder=folder,
         )
 
     def _gravity(self, root: Element) -> Array | None:
@@ -167,6 +180,8 @@ class _Reader:
     def _soft_limits(self, element: Element, where: str) -> tuple[float, float] | None:
         """Return soft limits; without any, or with equal ones, as where they are left out, a joint has none."""
         limits = self._range(element, "safety_controller", ("soft_lower_limit", "soft_upper_limit"), where)
+        if limits is not None and limits[0] > limits[1]:
+            self._note(where, f"soft limits from {limits[0]:g} to {limits[1]:g}, the wrong way round: left out")
         return limits if limits is not None and limits[0] < limits[1] else None
 
     def _armature(self, dynamics: Element, where: str) -> float:
@@ -229,6 +244,9 @@ class _Reader:
             self._refuse(f"{where}: origin", what, f'give rpy="{self._rpy(origin, where)}" in its place')
         turn = self._numbers(origin, "rpy", 3, f"{where}: origin", (0.0, 0.0, 0.0))
         place = self._numbers(origin, "xyz", 3, f"{where}: origin", (0.0, 0.0, 0.0))
+        if max(map(abs, turn)) > TURN:
+            angles = f'rpy="{origin.get("rpy")}"'
+            self._note(where, f"{angles} is read in rad, as URDF has it: more than a full turn; are they degrees?")
         return Pose(turned_by(turn), np.array(place))
 
     def _rpy(self, origin: Element, where: str) -> str:
@@ -253,6 +271,9 @@ class _Reader:
             wanted = "a number" if count == 1 else f"{count} numbers"
             self._refuse(where, f"{key} is {text!r}, not {wanted}", f'give {key}="{example}"')
         return found
+
+    def _note(self, where: str, what: str) -> None:
+        self.notes.append(f"{where}: {what}")
 
     def _refuse(self, where: str, what: str, right: str) -> NoReturn:
         raise InputError(what, where=f"{self.file}: {where}" if where else str(self.file), right=right)
