@@ -15,7 +15,7 @@ from layflat.design import Characteristic, design_joint, of_cylinder, wrapped_ho
 from layflat.design.characteristic import POINTS, Through, spline, stencils
 from layflat.errors import DesignError
 from layflat.machine import changed, load
-from layflat.machine.parameters import full_travel, travel_volume
+from layflat.machine.parameters import full_travel, torque_constant
 
 ARM = load("paper-arm")
 UNEVEN = np.linspace(0.0, 1.0, 101) ** 1.5  # points spaced as the angles of a cam are
@@ -46,12 +46,20 @@ def test_force_is_eq1_and_volume_its_integral(width: float, share: float, gamma:
 def test_agrees_with_the_parameters_of_the_dynamics(name: str) -> None:
     joint = ARM.joint[name]
     curve = of_cylinder(joint)
-    assert curve.swept_volume == pytest.approx(travel_volume(joint), rel=1e-12)
+    assert curve.swept_volume == pytest.approx(joint.geometry.volume, rel=1e-12)
     assert curve.full_travel / joint.output.radius == pytest.approx(full_travel(joint), rel=1e-12)
 
 
 def test_exact_mean_torque_is_within_half_a_percent_of_table_1() -> None:
     assert design_joint(ARM, "large").mean_torque == pytest.approx(82.10202, rel=0.005)
+
+
+def test_a_measured_torque_factor_counts_in_design_as_in_simulation() -> None:
+    weaker = changed(ARM, "joint.large.hose.torque_factor", 0.9)
+    design, whole = design_joint(weaker, "large"), design_joint(ARM, "large")
+    assert design.mean_torque == pytest.approx(torque_constant(weaker.joint["large"]) * 4e5, rel=1e-12)
+    np.testing.assert_allclose(design.tension, 0.9 * whole.tension, rtol=1e-9)
+    assert design.air.swept_volume == pytest.approx(weaker.joint["large"].geometry.volume, rel=1e-12)
 
 
 def test_on_a_round_roller_torque_falls_to_about_half() -> None:

@@ -31,7 +31,7 @@ def test_a_cam_keeps_stroke_and_volume_of_its_roller(name: str) -> None:
     S = parameters.full_travel(cam)
     swept = Polynomial(parameters.stroke(roller)).integ()(S)
     assert parameters.stroke(cam).k0 * S == pytest.approx(swept, rel=1e-6)
-    assert parameters.travel_volume(cam) == pytest.approx(swept, rel=1e-6)
+    assert cam.geometry.volume == pytest.approx(swept, rel=1e-6)
 
 
 def test_strokes_of_the_paper() -> None:

@@ -20,7 +20,7 @@ import numpy as np
 from layflat.arrays import Array
 from layflat.errors import DesignError
 from layflat.machine import Joint
-from layflat.physics.hose import roller_torque
+from layflat.physics.hose import HoseGeometry
 
 POINTS = 601  # nodes of a curve that a law gives; its quintic spline is then as exact as the law
 ORDER = 5  # of the spline, which goes through more points than that
@@ -90,8 +90,7 @@ class Characteristic:
 
 def of_cylinder(joint: Joint, *, through: Through = spline) -> Characteristic:
     """Return the hose of a described joint by Eq. (1): F = T/r, s = c R (gamma - alpha); the roller's r cancels."""
-    hose, R = joint.hose, joint.cylinder.diameter / 2
-    return wrapped_hose(hose.width, R, hose.wrap, hose.contact_end, hose.peel_ratio, through=through)
+    return _of_hose(joint.geometry, through)
 
 
 def wrapped_hose(
@@ -102,6 +101,11 @@ def wrapped_hose(
     The wrap of the collapsed hose is gamma, the contact angle at full travel `contact_end`, rad. Raise DesignError if a
     size is not positive, the wrap is over 180 deg, or the hose gives no force.
     """
+    return _of_hose(HoseGeometry(width, R, gamma, contact_end, c), through)
+
+
+def _of_hose(hose: HoseGeometry, through: Through) -> Characteristic:
+    width, R, gamma, contact_end, c, _ = hose
     sizes = {"width": width, "radius": R, "wrap": gamma, "contact_end": contact_end, "peel_ratio": c}
     for name, value in sizes.items():
         if not (np.isfinite(value) and value > 0):
@@ -111,5 +115,4 @@ def wrapped_hose(
         right = "contact_end must be smaller than wrap, and wrap at most 180 deg"
         raise DesignError(what, where="hose on a cylinder", right=right)
     alpha = np.linspace(gamma, contact_end, POINTS)
-    force = np.array([roller_torque(1.0, R, 1.0, width / pi, gamma, float(a)) for a in alpha])
-    return Characteristic(c * R * (gamma - alpha), force, "Eq. (1)", through=through)
+    return Characteristic(c * R * (gamma - alpha), hose.torque(alpha), "Eq. (1)", through=through)

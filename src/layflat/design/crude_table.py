@@ -20,7 +20,7 @@ from math import pi
 import numpy as np
 
 from layflat.arrays import Array
-from layflat.physics.hose import roller_torque
+from layflat.physics.hose import inflated_radius, roller_torque
 
 
 @dataclass(frozen=True)
@@ -63,7 +63,7 @@ def table1(constants: Table1Constants | None = None) -> Table1:
     D = 1.0 - np.cos(a)
     R_h = k.hose_width / k.pi
     # Eq. (1) holds the true pi: in the width of the hose, pi R_h, and in the denominator, which is A.
-    law = np.array([roller_torque(k.pressure, R, r, k.hose_width / pi, g, float(alpha)) for alpha in a])
+    law = np.array([roller_torque(k.pressure, R, r, inflated_radius(k.hose_width), g, float(alpha)) for alpha in a])
     T = law * np.cos((pi - g) / 2) / A
     b = k.roller_step_deg * row
     work = np.append(0.0, (T[1:] + T[:-1]) / 2 * k.roller_step_deg)

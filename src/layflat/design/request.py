@@ -18,7 +18,7 @@ from layflat.description import units as u
 from layflat.description.names import file_name
 from layflat.description.wrong import shown
 from layflat.errors import DesignError
-from layflat.physics.hose import peeled_volume
+from layflat.physics.hose import HoseGeometry
 
 RANGES: dict[str, tuple[u.Quantity | None, float, float]] = {
     "torque": (u.TORQUE, 0.5, 1500.0),
@@ -108,7 +108,7 @@ def hoses_and_cylinders(request: SizingRequest, c: float) -> Iterator[tuple[floa
     contact_end = CONTACT_SHARE * request.wrap
 
     def spare(w: float, D: float) -> float:
-        return float(peeled_volume(D / 2, w / pi, request.wrap, contact_end, c)) - needed
+        return HoseGeometry(w, D / 2, request.wrap, contact_end, c).volume - needed
 
     chosen = request.hose_width is None and request.cylinder_diameter is None
     least, greatest = CHOSEN_RATIO if chosen else GIVEN_RATIO

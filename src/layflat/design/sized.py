@@ -17,7 +17,7 @@ from typing import NamedTuple
 from layflat.control.paper import PaperGainsPart
 from layflat.design.request import SizingRequest
 from layflat.machine import Joint, Machine
-from layflat.machine.parameters import torque_constant, travel_volume
+from layflat.machine.parameters import torque_constant
 
 Rows = Iterator[tuple[str, str | int, str]]  # dotted path, value as it is written, and note
 
@@ -66,7 +66,7 @@ def description(sized: SizedJoint, model: Machine, extends: str) -> str:
     request, length = sized.request, sized.request.link_length or base.planar_link.length
     ratios = _Ratios(
         torque=sized.torque / (torque_constant(base) * model.supply.pressure_gauge),
-        volume=sized.swept_volume / travel_volume(base),
+        volume=sized.swept_volume / base.geometry.volume,
         width=sized.joint.hose.width / base.hose.width,
         length=length / base.planar_link.length,
         supply=request.supply / model.supply.pressure_gauge,

@@ -26,6 +26,7 @@ from layflat.files import write_text
 from layflat.machine import Joint, Machine, load
 from layflat.machine.loader import build, tables
 from layflat.machine.mass import part_masses
+from layflat.physics.hose import HoseGeometry
 
 MODEL = "paper-small-joint-fast"  # the machine that a sized joint is laid over: its valve leaves room to move
 WIDER = 4  # how many hoses beyond the narrowest are tried before the strap is called too weak
@@ -84,8 +85,8 @@ def size_joint(request: SizingRequest) -> Sized:
 def _sized(request: SizingRequest, base: Joint, width: float, diameter: float) -> Joint:
     """Return the model's joint with hose, cylinder and roller of the sizes that were found."""
     contact_end = CONTACT_SHARE * request.wrap
-    peeled = (request.wrap - contact_end) * base.hose.peel_ratio * diameter / 2
-    radius = ceil(peeled / (request.stroke + RESERVE) * 1e5) / 1e5
+    hose = HoseGeometry(width, diameter / 2, request.wrap, contact_end, base.hose.peel_ratio)
+    radius = ceil(hose.full_travel() / (request.stroke + RESERVE) * 1e5) / 1e5
     if radius >= LARGEST_ROLLER * diameter / 2:
         what = f"{degrees(request.stroke):.4g} deg is too short a stroke for the cam to fit into the cylinder"
         right = "ask for a longer stroke, or a smaller wrap"

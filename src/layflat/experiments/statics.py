@@ -102,8 +102,8 @@ class Statics(Experiment):
     def mean_torque(self) -> Evaluated:
         """Compare the mean torque of the table, and of exact integration, with the printed one."""
         joint = self.bench.joint("large")
-        travel = parameters.travel_volume(joint) / parameters.full_travel(joint)
-        crude, exact = self.table.mean_torque, travel * self.bench.arm.supply.pressure_gauge
+        mean = joint.geometry.even_stroke(joint.output.radius).k0
+        crude, exact = self.table.mean_torque, mean * self.bench.arm.supply.pressure_gauge
         return [
             Quantity("as the table", crude, "N m", f"{PRINTED_MEAN}"),
             Quantity("exact", exact, "N m", f"{PRINTED_MEAN}"),

@@ -42,5 +42,5 @@ def part_masses(joint: "Joint", full_travel: float, output_area: float) -> dict[
 
 def body_mass(joint: "Joint") -> float:
     """Return the estimated mass of a whole joint, kg, with a cam as heavy as the roller that it stands for."""
-    full_travel = (joint.hose.wrap - joint.hose.contact_end) * joint.hose.peel_ratio * joint.cylinder.diameter / 2
-    return WHOLE_PER_PARTS * sum(part_masses(joint, full_travel, pi * joint.output.radius**2).values())
+    area = pi * joint.output.radius**2
+    return WHOLE_PER_PARTS * sum(part_masses(joint, joint.geometry.full_travel(), area).values())

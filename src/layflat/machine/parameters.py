@@ -5,17 +5,16 @@ A number of the machine may be an array, an item a run (see sim/ensemble); then 
 | symbol | meaning | unit |
 |---|---|---|
 | s | travel of a hose: output angle from its collapsed state on | rad |
-| S | full travel: (gamma - alpha_end) c R/r | rad |
+| S | full travel | rad |
 | K | torque per pressure | m3/rad |
 """
 
 from collections.abc import Sequence
 from functools import partial
-from math import degrees, inf, pi, radians
+from math import degrees, inf, radians
 from typing import Any
 
 import numpy as np
-from numpy.polynomial.polynomial import polyfit
 
 from layflat.arrays import Array
 from layflat.control import CONTROL_LAWS
@@ -34,7 +33,7 @@ from layflat.physics.arrays import itemwise
 from layflat.physics.chamber import Chamber
 from layflat.physics.flow import laminar_slope
 from layflat.physics.friction import FRICTION, level
-from layflat.physics.hose import ConstantStroke, Stroke, peeled_volume, roller_torque, roller_travel
+from layflat.physics.hose import ConstantStroke, Stroke
 from layflat.physics.hysteresis import HYSTERESIS
 from layflat.physics.hysteresis.kind import over_pressure
 from layflat.physics.joint import Damping, Hose, Joint, Surroundings
@@ -48,28 +47,13 @@ DITHER_RATE = 1e3  # at which a driver's electronics change the share of their d
 
 def full_travel(joint: parts.Joint) -> float:
     """S: output angle between the collapsed hose and its end of travel, rad."""
-    hose, R = joint.hose, joint.cylinder.diameter / 2
-    return itemwise(roller_travel, R, joint.output.radius, hose.wrap, hose.contact_end, hose.peel_ratio)
-
-
-def travel_volume(joint: parts.Joint) -> float:
-    """Volume that one hose sweeps over its full travel, m3."""
-    hose, R = joint.hose, joint.cylinder.diameter / 2
-    swept = itemwise(peeled_volume, R, hose.width / pi, hose.wrap, hose.contact_end, hose.peel_ratio)
-    return hose.torque_factor * swept
+    return joint.geometry.full_travel(joint.output.radius)
 
 
 def stroke(joint: parts.Joint) -> ConstantStroke | Stroke:
     """K over the travel of one hose: Eq. (1) for a roller, its mean for a cam."""
-    S = full_travel(joint)
-    if joint.output.kind == "cam":
-        return ConstantStroke(travel_volume(joint) / S)
-    hose, R, r = joint.hose, joint.cylinder.diameter / 2, joint.output.radius
-    t = 0.5 - 0.5 * np.cos(np.linspace(0.0, pi, 41))
-    alphas = [hose.wrap - share * S * r / (hose.peel_ratio * R) for share in t]
-    one = partial(itemwise, roller_torque, 1.0, R, r, hose.width / pi, hose.wrap)
-    K = np.array([hose.torque_factor * one(alpha) for alpha in alphas])
-    return Stroke(*(k / S**i for i, k in enumerate(polyfit(t, K, 4))))
+    geometry, r = joint.geometry, joint.output.radius
+    return geometry.even_stroke(r) if joint.output.kind == "cam" else geometry.stroke(r)
 
 
 def torque_constant(joint: parts.Joint) -> float:
@@ -308,7 +292,7 @@ def air_parts(machine: Machine, name: str) -> AirParts:
     joint, line = machine.joint[name], machine.lines[name]
     return AirParts(
         joint.hose.dead_volume + (0.0 if line is None else tube.volume(line)),
-        travel_volume(joint) / full_travel(joint),
+        joint.geometry.even_stroke(joint.output.radius).k0,
         full_travel(joint) / 2,
         joint.valve_size * valve.conductance,
         joint.valve_size * valve.leakage,

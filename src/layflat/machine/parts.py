@@ -17,6 +17,7 @@ from layflat.machine.gains import Gains
 from layflat.machine.mass import body_mass
 from layflat.machine.tube import Line
 from layflat.physics.friction import FRICTION, FrictionPart
+from layflat.physics.hose import HoseGeometry
 from layflat.physics.hysteresis import HYSTERESIS, LossesPart
 
 
@@ -217,6 +218,12 @@ class Joint(Part):
             body.__dict__["mass"] = body_mass(self)
             self.__dict__["body"] = body
         return self
+
+    @property
+    def geometry(self) -> HoseGeometry:
+        """Geometry of either hose on the cylinder."""
+        hose, R = self.hose, self.cylinder.diameter / 2
+        return HoseGeometry(hose.width, R, hose.wrap, hose.contact_end, hose.peel_ratio, hose.torque_factor)
 
     @property
     def planar_link(self) -> Link:

@@ -134,7 +134,7 @@ def _joint_ability(machine: Machine, name: str) -> Sequence[float]:
     valve, _, _ = parameters.drive_parts(machine)
     joint = machine.joint[name]
     K = parameters.torque_constant(joint)
-    volume = joint.hose.dead_volume + parameters.travel_volume(joint) / 2
+    volume = joint.hose.dead_volume + joint.geometry.volume / 2
     b, supply, outside = valve.critical_ratio, machine.supply.pressure, machine.supply.ambient_pressure
     slope, held = float(laminar_slope(b)), FILLED * supply
     volume, conductance = _with_line(machine.lines[name], volume, joint.valve_size * valve.conductance)

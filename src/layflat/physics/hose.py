@@ -16,9 +16,15 @@ Because the same K stands for torque and for volume, a joint built from it conse
 """
 
 from math import cos, pi, sin
-from typing import NamedTuple
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.polynomial.polynomial import polyfit
 
 from layflat.jit import by_kind, law
+from layflat.physics.arrays import itemwise
+
+STROKE_NODES = 41  # contact angles at which a roller's stroke is fitted, closest at both ends of the travel
 
 
 class ConstantStroke(NamedTuple):
@@ -93,3 +99,46 @@ torque_per_pressure = by_kind({ConstantStroke: _constant_torque, Stroke: _torque
 
 swept_volume = by_kind({ConstantStroke: _constant_volume, Stroke: _volume})
 """Volume swept from travel 0 to s, m3, the exact integral of K: `swept_volume(stroke, s)`."""
+
+
+def inflated_radius(width: float) -> float:
+    """Return R_h of a hose of a flat width (m), m."""
+    return width / pi
+
+
+class HoseGeometry(NamedTuple):
+    """Sizes of a wrapped hose, and all that Eq. (1) makes of them; a size may be an array, an item a run."""
+
+    width: float  # of the flat hose, m
+    cylinder_radius: float  # R, m
+    wrap: float  # gamma, rad
+    contact_end: float  # alpha at full travel, rad
+    peel_ratio: float  # c
+    torque_factor: float = 1.0  # torque over that of Eq. (1), and so the volume
+
+    @property
+    def volume(self) -> float:
+        """Volume swept over the full travel, m3."""
+        R, R_h, gamma = self.cylinder_radius, inflated_radius(self.width), self.wrap
+        return self.torque_factor * itemwise(peeled_volume, R, R_h, gamma, self.contact_end, self.peel_ratio)
+
+    def full_travel(self, r: float = 1.0) -> float:
+        """Return the output angle of a roller of radius r (m) at full travel, rad; by default the strap's way, m."""
+        return itemwise(roller_travel, self.cylinder_radius, r, self.wrap, self.contact_end, self.peel_ratio)
+
+    def torque(self, alpha: Any, r: float = 1.0) -> Any:
+        """Return torque per pressure on a roller of radius r (m) at contact angles, m3; by default the force's, m2."""
+        law = itemwise(roller_torque, 1.0, self.cylinder_radius, r, inflated_radius(self.width), self.wrap, alpha)
+        return self.torque_factor * law
+
+    def stroke(self, r: float) -> Stroke:
+        """Return K over the travel of a roller of radius r (m), fitted to Eq. (1)."""
+        S = self.full_travel(r)
+        t = 0.5 - 0.5 * np.cos(np.linspace(0.0, pi, STROKE_NODES))
+        alphas = [self.wrap - share * S * r / (self.peel_ratio * self.cylinder_radius) for share in t]
+        K = np.array([self.torque(alpha, r) for alpha in alphas])
+        return Stroke(*(k / S**i for i, k in enumerate(polyfit(t, K, 4))))
+
+    def even_stroke(self, r: float) -> ConstantStroke:
+        """Return K of a cam with travel and mean torque of a roller of radius r (m)."""
+        return ConstantStroke(self.volume / self.full_travel(r))

@@ -9,7 +9,7 @@ is no heavier than it has to be, or at a joint that no hose is wide enough for.
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from math import degrees, pi
+from math import degrees
 from pathlib import Path
 from typing import NamedTuple
 
@@ -31,7 +31,7 @@ from layflat.files import write_text
 from layflat.machine import Machine
 from layflat.machine.parameters import loss_share
 from layflat.motion.dynamics import rigid_torques
-from layflat.physics.hose import peeled_volume
+from layflat.physics.hose import HoseGeometry
 
 LEAST_TORQUE = 1.0  # for which a joint is made, N m
 USABLE = 0.92  # share of the supply's pressure that a differential pressure comes to while a joint moves
@@ -126,9 +126,9 @@ def _greatest(joint: JointTask, supply: float) -> float:
     """Return the torque of the widest hose over a stroke, N m."""
     request = SizingRequest(LEAST_TORQUE, joint.stroke, supply)
     (base,), wide = model().joints.values(), HOSE_WIDTHS[-1]
-    contact_end = CONTACT_SHARE * request.wrap
-    swept = peeled_volume(CHOSEN_RATIO[1] * wide / 2, wide / pi, request.wrap, contact_end, base.hose.peel_ratio)
-    return min(float(swept) * supply / (joint.stroke + RESERVE), RANGES["torque"][2])
+    R, gamma = CHOSEN_RATIO[1] * wide / 2, request.wrap
+    hose = HoseGeometry(wide, R, gamma, CONTACT_SHARE * gamma, base.hose.peel_ratio)
+    return min(hose.volume * supply / (joint.stroke + RESERVE), RANGES["torque"][2])
 
 
 def _needs(task: ArmTask, machine: Machine, moves: Moves) -> list[Need]:
