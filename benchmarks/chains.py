@@ -19,7 +19,8 @@ from benchmarks import mujoco_arm
 from benchmarks.timing import STEP, median_seconds
 from layflat.description.change import value_at
 from layflat.machine import Machine, load
-from layflat.machine.loader import build, tables
+from layflat.machine.loader import tables
+from layflat.machine.model import build
 from layflat.sim import Scenario
 from layflat.sim.ensemble import ensemble
 from layflat.sim.run import prepare

@@ -11,9 +11,9 @@ import sys
 import numpy as np
 
 from layflat.arrays import Array
-from layflat.experiments.beyond.guesses import with_tracking
 from layflat.experiments.beyond.moves import steps
 from layflat.machine import Machine, load
+from layflat.machine.exchanged import with_tracking
 from layflat.motion.gentle import jerk_limited
 from layflat.motion.kinematics import tip_position
 from layflat.motion.optimal import time_optimal

@@ -19,7 +19,7 @@ from playwright.sync_api import TimeoutError
 from tests.pages.browsers import Served, chromium, served
 
 from layflat.cli.panel import VirtualBench
-from layflat.identify.logs.table import read_table
+from layflat.identify.logs.formats import read_table
 from layflat.machine import load
 from layflat.rig.recorded import Recorded
 from layflat.rig.safety.states import State

@@ -3,7 +3,10 @@ import subprocess
 import sys
 from pathlib import Path
 
+import grimp
+import numpy as np
 import pytest
+from scipy.sparse.csgraph import connected_components
 
 import layflat
 
@@ -28,6 +31,16 @@ def test_a_rollout_waits_for_nothing_that_it_does_not_need() -> None:
     code = "import sys, layflat.sim; print(sorted({'scipy.interpolate', 'numba', 'xarray'} & set(sys.modules)))"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
+
+
+def test_no_modules_import_each_other_in_a_circle() -> None:
+    """Also lazily or for types alone; of rooms a contract says so, which does not see a package's own `__init__`."""
+    graph = grimp.build_graph("layflat", exclude_type_checking_imports=False, cache_dir=None)
+    names = sorted(graph.modules)
+    imports = [[name in graph.find_modules_directly_imported_by(importer) for name in names] for importer in names]
+    _, circle = connected_components(np.array(imports), connection="strong")
+    together = [[name for name, of in zip(names, circle, strict=True) if of == one] for one in set(circle)]
+    assert [names for names in together if len(names) > 1] == []
 
 
 def test_test_files_have_names_of_their_own() -> None:

@@ -13,8 +13,8 @@ from layflat.cell.vision.calibration import load_calibration
 from layflat.design import read_characteristic
 from layflat.errors import LayflatError
 from layflat.identify.benches.loader import load_bench
+from layflat.identify.logs.formats import read_table
 from layflat.identify.logs.mapping import read_mapping
-from layflat.identify.logs.table import read_table
 from layflat.machine import load
 from layflat.motion.demand_file import read_demand
 from layflat.study.study import read as read_study

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from layflat.machine import Machine, changed, load, names
-from layflat.machine.mass import body_mass
+from layflat.machine.parts import body_mass
 from layflat.machine.stale import stale_values
 
 OMITTED = '["joint.large.link.centre", "joint.large.link.inertia", "joint.large.body.mass"]'

@@ -4,7 +4,7 @@ import pytest
 
 from layflat.errors import MachineError
 from layflat.machine import load, names
-from layflat.machine.loader import restored
+from layflat.machine.model import restored
 
 
 def broken(tmp_path: Path, text: str, base: str = "paper-arm") -> str:

@@ -7,7 +7,8 @@ from layflat.description.change import changed
 from layflat.errors import MachineError
 from layflat.lanes import leaves
 from layflat.machine import Machine, load, parameters
-from layflat.machine.loader import build, tables
+from layflat.machine.loader import tables
+from layflat.machine.model import build
 from layflat.machine.single_acting import needed_at_rest
 from layflat.motion.limits import arm_limits
 from layflat.physics.joint import SecondHose, TwoHoses, pressures_at_rest

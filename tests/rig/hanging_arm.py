@@ -4,7 +4,8 @@ from copy import deepcopy
 from functools import cache
 
 from layflat.machine import Machine
-from layflat.machine.loader import build, tables
+from layflat.machine.loader import tables
+from layflat.machine.model import build
 
 LINKS = {
     "base": ([0.0, 0.0, 1.0], 0.0, 0.4),

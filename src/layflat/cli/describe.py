@@ -50,7 +50,7 @@ def show(
 @app.command()
 def check(machine: MachineName) -> None:
     """Check a description: every value, and whether it can be made."""
-    from layflat.machine.libraries import is_bench  # noqa: PLC0415
+    from layflat.identify.benches.loader import is_bench  # noqa: PLC0415
 
     if is_bench(machine):
         from layflat.identify.benches.loader import load_bench  # noqa: PLC0415

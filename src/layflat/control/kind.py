@@ -47,9 +47,9 @@ class ControlKind(Kind):
     """A control law of the whole arm.
 
     `parameters(described, machine)` yields the law's settings from the described controller and the machine that it is
-    for: a named tuple of floats, of named tuples and of tuples of these, with an item a joint. Laws are pure: no clock,
-    no input or output, no plant. Those that are decorated with `layflat.jit.law` are compiled, and run in ensembles, in
-    studies and on rigs; plain functions run in rollouts and on a virtual rig.
+    for (see also `models_plant`): a named tuple of floats, of named tuples and of tuples of these, with an item a
+    joint. Laws are pure: no clock, no input or output, no plant. Those that are decorated with `layflat.jit.law` are
+    compiled, and run in ensembles, in studies and on rigs; plain functions run in rollouts and on a virtual rig.
     """
 
     CALLED = ("wake", "step", "centre_shift")
@@ -71,6 +71,9 @@ class ControlKind(Kind):
     """Whether the law plans its own motion to a demand: one that jumps it may be given whole, one that moves with its
     velocity and acceleration, and the arm is then as fast as hoses and valves allow. A law that goes by errors is led
     by the rig: its demands jump only so far, go on with `safety.demand_speed`, and have no rates."""
+    models_plant: bool = False
+    """Whether `parameters` takes a third argument: a function without arguments that returns the parameters of the
+    plant's laws (those of its arm, of its joints, and of what is around them)."""
     gives_up: str | None = None
     """Field of `report` that is 1 while the law holds the arm instead of following, since what it believes of the arm
     is too far from it; runs and rigs tell so. None: it never does."""
@@ -102,7 +105,7 @@ class ControlKind(Kind):
 
     def try_laws(self, parameters: Any, *described: Any) -> None:
         """Try the law at rest: see `layflat.control.checks.try_law`."""
-        controller, machine = described
+        controller, machine, *_ = described
         checks.try_law(self, parameters, len(machine.joints), controller.cycle)
 
     def check_compiled(self, where: str) -> None:

@@ -24,8 +24,9 @@ from layflat.design.summary import JointDesign
 from layflat.errors import DesignError
 from layflat.files import write_text
 from layflat.machine import Joint, Machine, load
-from layflat.machine.loader import build, tables
-from layflat.machine.mass import part_masses
+from layflat.machine.loader import tables
+from layflat.machine.model import build
+from layflat.machine.parts import part_masses
 from layflat.physics.hose import HoseGeometry
 
 MODEL = "paper-small-joint-fast"  # the machine that a sized joint is laid over: its valve leaves room to move

@@ -14,7 +14,7 @@ from layflat.design.outline import Outline
 from layflat.design.strap import StrapStress, strap_stress
 from layflat.errors import DesignError
 from layflat.machine import Joint, Machine
-from layflat.machine.mass import part_masses
+from layflat.machine.parts import part_masses
 from layflat.physics.air import GAS_CONSTANT, NORMAL_DENSITY
 
 

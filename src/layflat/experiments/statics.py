@@ -12,7 +12,7 @@ from layflat.design import JointDesign, Table1, design_joint, table1
 from layflat.experiments.bench import alone, maximum_torque
 from layflat.experiments.claim import Evaluated, Experiment, Quantity, claim
 from layflat.machine import Machine, changed, parameters
-from layflat.machine.loader import restored
+from layflat.machine.model import restored
 from layflat.sim import Scenario, rollout
 from layflat.sim.sweep import Loop
 

@@ -9,14 +9,12 @@ are the ones that are accepted.
 
 from collections.abc import Callable, Mapping
 from contextlib import suppress
-from functools import cache, partial
-from importlib import import_module
+from functools import partial
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
 from layflat.errors import CompilerError
-from layflat.jit.functions import ByKind, Law
 
 FITTING = {"numba": ((0, 66), (0, 69)), "llvmlite": ((0, 46), (0, 51))}
 """Versions that fit: from the first on, below the second. They stand in pyproject.toml as well."""
@@ -64,10 +62,10 @@ def inlined(function: Callable[..., Any]) -> Any:
 
 def cached(function: Callable[..., Any], folder: Path | None) -> Any:
     """Compile a kernel, and keep its machine code in a folder where there is one."""
-    return _kept(partial(numba.njit, pipeline_class=KernelCompiler, **STRICT), function, folder)
+    return keep_code(partial(numba.njit, pipeline_class=KernelCompiler, **STRICT), function, folder)
 
 
-def _kept(compiler: Callable[..., Any], function: Callable[..., Any], folder: Path | None) -> Any:
+def keep_code(compiler: Callable[..., Any], function: Callable[..., Any], folder: Path | None) -> Any:
     """A function for a compiler, which keeps its machine code in a folder where there is one."""
     before = config.CACHE_DIR
     config.CACHE_DIR = str(folder or "")
@@ -89,37 +87,6 @@ def _kept(compiler: Callable[..., Any], function: Callable[..., Any], folder: Pa
 def dispatcher_type(dispatcher: Any) -> Any:
     """Type of a law or a kernel to the compiler, which does not keep it alive."""
     return types.Dispatcher(dispatcher)
-
-
-def device_kernel(function: Callable[..., Any], folder: Path | None = None) -> Any:
-    """Compile a function that the threads of a CUDA device run, and keep its machine code in a folder.
-
-    It may call laws, and what `on_device` gives.
-    """
-    cuda: Any = import_module("numba.cuda")
-    if config.ENABLE_CUDASIM:
-        return cuda.jit(function)
-    extending: Any = import_module("numba.cuda.extending")
-    extending.typeof_impl.register(Law)(lambda law, _: on_device(law)._numba_type_)
-    extending.typeof_impl.register(ByKind)(lambda choice, _: _Choice(choice.kinds, _device_type))
-    return _kept(cuda.jit, function, folder)
-
-
-@cache
-def on_device(function: Any) -> Any:
-    """A law or a kernel, such that it is inlined into a `device_kernel` that calls it."""
-    plain = getattr(function, "py_func", function)
-    if config.ENABLE_CUDASIM:
-        return plain
-    return import_module("numba.cuda").jit(device=True, forceinline=True)(plain)
-
-
-def _device_type(law: Any) -> Any:
-    return on_device(law)._numba_type_
-
-
-def _host_type(law: Any) -> Any:
-    return law._numba_type_
 
 
 class _Choice(types.Callable):
@@ -150,6 +117,10 @@ def _nothing(context: Any, builder: Any, kind: Any, value: Any) -> Any:  # noqa:
     return context.get_dummy_value()
 
 
-def choice(laws: Mapping[type, Any]) -> Any:
-    """Type of a choice between laws to the compiler."""
-    return _Choice(laws, _host_type)
+def _host_type(law: Any) -> Any:
+    return law._numba_type_
+
+
+def choice(laws: Mapping[type, Any], type_of: Callable[[Any], Any] = _host_type) -> Any:
+    """Type of a choice between laws to the compiler; `type_of` is that of a law."""
+    return _Choice(laws, type_of)

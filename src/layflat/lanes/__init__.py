@@ -24,7 +24,7 @@ needed.
 import operator
 import os
 from collections.abc import Callable, Iterator
-from functools import cache, cached_property, wraps
+from functools import cache, wraps
 from itertools import count
 from typing import Any, ClassVar
 
@@ -197,12 +197,6 @@ class Like:
         if key not in cls._known:
             cls._known[key] = cls(mapped(value, lambda _: 0.0), most)
         return cls._known[key]
-
-    @cached_property
-    def _numba_type_(self) -> Any:
-        from layflat.lanes.typing import like_type  # noqa: PLC0415  # it loads numba
-
-        return like_type(self.value, self.most)
 
 
 def _looks(value: Any) -> Any:

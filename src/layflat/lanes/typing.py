@@ -6,6 +6,7 @@
 import math
 import operator
 from collections.abc import Callable, Iterable
+from functools import cache
 from hashlib import sha256
 from typing import Any
 
@@ -74,9 +75,12 @@ class LikeType(types.Opaque):
 register_model(LikeType)(models.OpaqueModel)
 
 
-def like_type(value: Any, most: int) -> LikeType:
-    """Type of a `Like` of a value."""
-    return LikeType(typeof(value), most)
+@cache
+def _like_type(like: lanes.Like) -> LikeType:
+    return LikeType(typeof(like.value), like.most)
+
+
+lanes.Like._numba_type_ = property(_like_type)  # as the compiler asks for it
 
 
 def _value(like: Any) -> Any:

@@ -9,7 +9,6 @@ from layflat.control import CONTROL_LAWS
 from layflat.description.library import Layer, Library
 from layflat.description.provenance import Sources
 from layflat.description.tables import Plain
-from layflat.description.text import exists
 from layflat.errors import MachineError
 from layflat.jit.outside import load_kinds
 from layflat.kinds import Table
@@ -19,8 +18,7 @@ from layflat.physics.friction import FRICTION
 from layflat.physics.hysteresis import HYSTERESIS
 from layflat.physics.valves import VALVES
 
-_HERE = Path(__file__).parent
-_BENCHES = _HERE.parent / "identify" / "benches" / "builtin"
+_BUILT_IN = Path(__file__).parent / "builtin"
 _SHOWN = "`layflat machines` lists them"
 
 
@@ -121,21 +119,5 @@ def _kinds(layer: Layer) -> list[str]:
     return [str((Path(layer.where).parent / path).resolve()) for path in named]
 
 
-MACHINES = MachineLibrary(_HERE / "builtin", "machine", _SHOWN, 'width = "160 mm"', MachineError)
-BENCHES = Library(_BENCHES, "test bench", _SHOWN, 'volume = "10 l"', MachineError)
-
-HYDDOWN = {".yml", ".yaml"}  # suffixes of HydDown's input files, which describe vessels
-
-
-def is_bench(where: str | Path) -> bool:
-    """Tell whether a built-in name or a file is that of a test bench that is not a machine."""
-    place, seen = str(where), set[str]()
-    if Path(place).suffix in HYDDOWN:
-        return True
-    while place not in seen and place not in MACHINES.names and exists(Path(place)):
-        seen.add(place)
-        raw = BENCHES.raw(place)
-        if "kind" in raw or not isinstance(raw.get("extends"), str):
-            return "kind" in raw
-        place = BENCHES.beside(place, raw["extends"])
-    return place in BENCHES.names
+MACHINES = MachineLibrary(_BUILT_IN, "machine", _SHOWN, 'width = "160 mm"', MachineError)
+BENCHES = Library(_BUILT_IN / "benches", "test bench", _SHOWN, 'volume = "10 l"', MachineError)

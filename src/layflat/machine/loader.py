@@ -1,27 +1,14 @@
 """From a description file, or the name of a built-in machine, to a validated `Machine`."""
 
-import json
-from functools import lru_cache
 from pathlib import Path
 
-from pydantic import ValidationError
-
-from layflat.description.change import forget_annotations
-from layflat.description.explain import explained
 from layflat.description.provenance import Sources
 from layflat.description.tables import Plain
 from layflat.errors import MachineError
-from layflat.jit.outside import load_kinds
-from layflat.kinds import Table
 from layflat.machine.libraries import BENCHES, MACHINES
-from layflat.machine.model import Machine
-from layflat.machine.parts import Joint
-from layflat.physics.hysteresis import ParallelPart
+from layflat.machine.model import Machine, build
 
 BUILT_IN = MACHINES.folder
-
-FORMER = {"surplus": "air_residual"}
-"""Keys of `safety` that have another name now; files and logs of earlier versions have the first."""
 
 
 def names() -> tuple[str, ...]:
@@ -57,39 +44,3 @@ def tables(machine: str | Path) -> tuple[Plain, Sources]:
 
 def _is_bench(where: str) -> MachineError:
     return MachineError("is a test bench, not a machine", where=where, right="`layflat identify` takes it")
-
-
-def build(plain: Plain, sources: Sources, where: str) -> Machine:
-    """Validate plain tables into a machine; the files of kinds that they name are run first.
-
-    Raises:
-        MachineError: naming `where`, the key and the value.
-        KindError: a file of kinds can't be run.
-    """
-    for path in plain.get("kinds", ()):
-        load_kinds(Path(path), f"{where}: kinds")
-    _know_all_kinds(Table.registered)
-    if isinstance(safety := plain.get("safety"), dict):
-        plain = plain | {"safety": {FORMER.get(key, key): value for key, value in safety.items()}}
-    try:
-        machine = Machine.model_validate(plain)
-    except ValidationError as error:
-        raise explained(
-            error, where, Machine, MachineError, "`layflat show paper-arm` shows a complete description"
-        ) from None
-    machine._provenance.update(sources)
-    machine._origin = where
-    return machine
-
-
-def restored(text: str, where: str = "") -> Machine:
-    """Return a machine from the JSON that it was kept as, in a run or a log; raise MachineError if it is none."""
-    return build(json.loads(text), {}, where)
-
-
-@lru_cache(maxsize=1)
-def _know_all_kinds(registered: int) -> None:  # noqa: ARG001  # again whenever their number changes
-    for part in (ParallelPart, Joint, Machine):
-        if part.__pydantic_complete__:
-            part.model_rebuild(force=True)
-    forget_annotations()

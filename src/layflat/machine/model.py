@@ -1,15 +1,24 @@
 """The whole machine: joints in an arm, with valve, supply, sensors and controller."""
 
+import json
+from functools import lru_cache
+from pathlib import Path
 from typing import Annotated, Any, Self
 
-from pydantic import Field, ModelWrapValidatorHandler, model_validator
+from pydantic import Field, ModelWrapValidatorHandler, ValidationError, model_validator
 
 from layflat.control import CONTROL_LAWS, ControlKind, ControllerPart
 from layflat.description import Part
 from layflat.description import units as u
+from layflat.description.change import forget_annotations
+from layflat.description.explain import explained
 from layflat.description.names import Key
 from layflat.description.part import Described
-from layflat.kinds import AnyOf
+from layflat.description.provenance import Sources
+from layflat.description.tables import Plain
+from layflat.errors import MachineError
+from layflat.jit.outside import load_kinds
+from layflat.kinds import AnyOf, Table
 from layflat.machine.gains import gains_of_law
 from layflat.machine.interface import Interface
 from layflat.machine.parts import Joint
@@ -17,7 +26,11 @@ from layflat.machine.safety import Safety
 from layflat.machine.tube import Line, delay
 from layflat.physics.arms import ARMS, ArmPart
 from layflat.physics.delay import LONGEST
+from layflat.physics.hysteresis import ParallelPart
 from layflat.physics.valves import VALVES, ValvePart
+
+FORMER = {"surplus": "air_residual"}
+"""Keys of `safety` that have another name now; files and logs of earlier versions have the first."""
 
 CYCLE = 0.005  # cycle of a machine without a controller, s: the paper's
 
@@ -106,8 +119,6 @@ class Machine(Described):
         """Machines with kinds from outside find them again in another process."""
         if not self.kinds:
             return super().__reduce__()
-        from layflat.machine.loader import restored  # noqa: PLC0415  # it loads what this file defines
-
         return restored, (self.model_dump_json(), self.origin)
 
     def __eq__(self, other: object) -> bool:
@@ -115,17 +126,6 @@ class Machine(Described):
         return isinstance(other, Machine) and self.__dict__ == other.__dict__
 
     __hash__ = None  # type: ignore[assignment]  # joints are a table
-
-    @property
-    def plant(self) -> tuple[Any, Any, Any]:
-        """Parameters of the laws of its arm, its joints (a tuple, from base to tip) and what is around them.
-
-        Raises:
-            MachineError: it has no valve or sensors.
-        """
-        from layflat.machine import parameters  # noqa: PLC0415  # it takes machines apart
-
-        return parameters.arm(self), parameters.joints(self), parameters.surroundings(self)
 
     @property
     def control_law(self) -> ControlKind:
@@ -146,3 +146,39 @@ class Machine(Described):
     def joints(self) -> dict[str, Joint]:
         """The joints that the arm uses, by name, from the base to the tip."""
         return {name: self.joint[name] for name in self.arm.joints}
+
+
+def build(plain: Plain, sources: Sources, where: str) -> Machine:
+    """Validate plain tables into a machine; the files of kinds that they name are run first.
+
+    Raises:
+        MachineError: naming `where`, the key and the value.
+        KindError: a file of kinds can't be run.
+    """
+    for path in plain.get("kinds", ()):
+        load_kinds(Path(path), f"{where}: kinds")
+    _know_all_kinds(Table.registered)
+    if isinstance(safety := plain.get("safety"), dict):
+        plain = plain | {"safety": {FORMER.get(key, key): value for key, value in safety.items()}}
+    try:
+        machine = Machine.model_validate(plain)
+    except ValidationError as error:
+        raise explained(
+            error, where, Machine, MachineError, "`layflat show paper-arm` shows a complete description"
+        ) from None
+    machine._provenance.update(sources)
+    machine._origin = where
+    return machine
+
+
+def restored(text: str, where: str = "") -> Machine:
+    """Return a machine from the JSON that it was kept as, in a run or a log; raise MachineError if it is none."""
+    return build(json.loads(text), {}, where)
+
+
+@lru_cache(maxsize=1)
+def _know_all_kinds(registered: int) -> None:  # noqa: ARG001  # again whenever their number changes
+    for part in (ParallelPart, Joint, Machine):
+        if part.__pydantic_complete__:
+            part.model_rebuild(force=True)
+    forget_annotations()

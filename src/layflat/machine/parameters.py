@@ -266,6 +266,15 @@ def surroundings(machine: Machine) -> Surroundings:
     )
 
 
+def plant(machine: Machine) -> tuple[Any, Any, Any]:
+    """Parameters of the laws of its arm, its joints (a tuple, from base to tip) and what is around them.
+
+    Raises:
+        MachineError: it has no valve or sensors.
+    """
+    return arm(machine), joints(machine), surroundings(machine)
+
+
 def control(machine: Machine, *, closed_loop: bool = True) -> Any:
     """Settings of the machine's control law; of one that only watches where an open-loop run needs no more.
 
@@ -279,7 +288,8 @@ def control(machine: Machine, *, closed_loop: bool = True) -> Any:
         return Settings(tuple(idle_gains(valve) for _ in machine.joints))
     if machine.controller is None:
         raise MachineError("has no controller", where=machine.origin, right="copy that of paper-arm, gains included")
-    return CONTROL_LAWS.parameters(machine.controller, machine)
+    modelled = (partial(plant, machine),) if law.models_plant else ()
+    return CONTROL_LAWS.parameters(machine.controller, machine, *modelled)
 
 
 def air_parts(machine: Machine, name: str) -> AirParts:

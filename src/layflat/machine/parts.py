@@ -3,7 +3,7 @@
 All numbers are SI floats once validated ; keys that end in `_gauge` are gauge pressures.
 """
 
-from math import radians
+from math import pi, radians
 from typing import Annotated, Literal, Self
 
 from pydantic import AfterValidator, Field, model_validator
@@ -14,11 +14,17 @@ from layflat.description.wrong import INPUT, wrong
 from layflat.errors import MachineError
 from layflat.kinds import AnyOf
 from layflat.machine.gains import Gains
-from layflat.machine.mass import body_mass
 from layflat.machine.tube import Line
 from layflat.physics.friction import FRICTION, FrictionPart
 from layflat.physics.hose import HoseGeometry
 from layflat.physics.hysteresis import HYSTERESIS, LossesPart
+
+CLAMPED = 0.03  # length of hose that the clamp takes from each end, m
+CYLINDER_LONGER = 1.2  # length of the cylinder over the hose's width: room for the end plates
+STRAP_LONGER = 1.5  # length of the strap over the full travel and the cylinder's radius: what is clamped at both ends
+
+WHOLE_PER_PARTS = 3.2
+"""Mass of a whole joint over that of the parts that are counted, as in the paper's small joint (2 kg)."""
 
 
 def _at_most_half_round(wrap: float) -> float:
@@ -241,3 +247,32 @@ class Joint(Part):
         if self.hose.width * 4 <= self.cylinder.diameter * (self.hose.wrap - self.hose.contact_end):
             raise ValueError("hose.width is too small for this cylinder and wrap: Eq. (1) would give no torque")
         return self
+
+
+def part_masses(joint: Joint, full_travel: float, output_area: float) -> dict[str, float]:
+    """Return the estimated mass of each part of a joint, kg.
+
+    Args:
+        joint: the described joint.
+        full_travel: of the strap point, m.
+        output_area: of the cam or roller seen along its axis, m2; it is of the cylinder's material, as wide as the
+            strap.
+    """
+    hose, tube, cover, strap = joint.hose, joint.cylinder, joint.cover, joint.strap
+    hoses = 2 if joint.acting == "double" else 1
+    R = tube.diameter / 2
+    wrapped = R * hose.wrap
+    strap_length = STRAP_LONGER * (full_travel + R)
+    return {
+        "cylinder": pi * (tube.diameter - tube.wall) * tube.wall * CYLINDER_LONGER * hose.width * tube.density,
+        "hose": hoses * 2 * hose.width * (wrapped + CLAMPED) * hose.areal_mass,
+        "cover": hoses * wrapped * hose.width * cover.thickness * cover.density,
+        "strap": hoses * strap.width * strap.thickness * strap.layers * strap_length * strap.density,
+        joint.output.kind: hoses * output_area * strap.width * tube.density,
+    }
+
+
+def body_mass(joint: Joint) -> float:
+    """Return the estimated mass of a whole joint, kg, with a cam as heavy as the roller that it stands for."""
+    area = pi * joint.output.radius**2
+    return WHOLE_PER_PARTS * sum(part_masses(joint, joint.geometry.full_travel(), area).values())

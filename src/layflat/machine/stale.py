@@ -6,9 +6,8 @@ from layflat.description.library import Layer
 from layflat.description.tables import laid_over, leaves
 from layflat.machine import tube
 from layflat.machine.libraries import MACHINES
-from layflat.machine.mass import body_mass
 from layflat.machine.model import Machine
-from layflat.machine.parts import Joint
+from layflat.machine.parts import Joint, body_mass
 
 FOLLOWS = {
     "link.centre": ("link.length",),

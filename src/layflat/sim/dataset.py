@@ -10,20 +10,30 @@ import xarray
 
 from layflat._version import __version__
 from layflat.arrays import Array
-from layflat.control import CONTROL_LAWS
+from layflat.control import ControlKind
 from layflat.errors import InputError
 from layflat.files import whole_file
 from layflat.machine import Machine
 from layflat.machine.signals import attributes
 from layflat.motion.kinematics import tip_position
-from layflat.sim.kernel import Sample
-from layflat.sim.run import Prepared
+from layflat.sim.kernel import Sample, Signals, Timing
 from layflat.sim.scenario import Scenario
 
 
-def dataset(machine: Machine, scenario: Scenario, prepared: Prepared, rows: Array, shown: Array) -> xarray.Dataset:
-    """Name the columns of a run, those of the control law's report among them, and lay demand and tip beside them."""
-    acting, timing, law = prepared.signals, prepared.timing, CONTROL_LAWS.of(prepared.case.settings)
+def dataset(
+    machine: Machine, scenario: Scenario, law: ControlKind, acting: Signals, timing: Timing, rows: Array, shown: Array
+) -> xarray.Dataset:
+    """Return a run with named columns, those of the control law's report among them, and with its demand and tip.
+
+    Args:
+        machine: as simulated.
+        scenario: what happened.
+        law: the kind of control law.
+        acting: what acted on the machine.
+        timing: the run's cut into cycles, steps and records.
+        rows: (instants, joints, columns of `Sample`).
+        shown: (instants, joints, signals of the control law).
+    """
     time = np.arange(len(rows)) * (timing.cycle / timing.records)
     both = ("time", "joint")
     said: dict[str, Any] = {

@@ -97,7 +97,7 @@ def _moving(angle: Array, demand: Array, first: int, last: int, band: float) -> 
 
 def tip_settling(run: xarray.Dataset, since: float, until: float, band: float) -> float:
     """Time after which the tip stays within `band` (m) of where the demands put it; infinite if it does not."""
-    from layflat.machine.loader import restored  # noqa: PLC0415
+    from layflat.machine.model import restored  # noqa: PLC0415
     from layflat.motion.kinematics import tip_position  # noqa: PLC0415
 
     part = run.sel(time=slice(since, until))

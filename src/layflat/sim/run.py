@@ -90,7 +90,8 @@ def rollout(
     prepared = prepare(described, case, step=step, records=records, controller=driver)
     with _telling(prepared, progress):
         rows, report, diverged = prepared.run()
-    run = dataset(described, case, prepared, rows, report)
+    law = CONTROL_LAWS.of(prepared.case.settings)
+    run = dataset(described, case, law, prepared.signals, prepared.timing, rows, report)
     if diverged >= 0:
         names = list(described.joints)
         cause = find_cause(described, prepared.case, prepared.signals, prepared.timing, run)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from layflat.arrays import Array
-from layflat.machine.loader import restored
+from layflat.machine.model import restored
 from layflat.motion.kinematics import tip_position
 from layflat.sim.metrics import move_windows, settling_time
 from layflat.sim.tally import last_records

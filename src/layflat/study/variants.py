@@ -8,7 +8,8 @@ from layflat.description.provenance import split
 from layflat.description.tables import laid_over, leaves
 from layflat.errors import InputError
 from layflat.machine import Machine, load
-from layflat.machine.loader import build, tables
+from layflat.machine.loader import tables
+from layflat.machine.model import build
 from layflat.study.description import StudyFile, VariantTable
 
 

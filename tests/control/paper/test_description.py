@@ -8,6 +8,7 @@ from layflat.control.paper.description import PaperControllerPart, idle_gains, s
 from layflat.control.paper.gains import Gains
 from layflat.control.paper.law import step_joint, wake_joint
 from layflat.machine import Machine, changed, load
+from layflat.machine.parameters import plant
 
 ARM = load("paper-arm-fast")
 CENTRE = 5.0  # V
@@ -16,7 +17,7 @@ CENTRE = 5.0  # V
 def of(arm: Machine) -> tuple[Gains, ...]:
     """Settings of each joint."""
     assert isinstance(arm.controller, PaperControllerPart)
-    return settings(arm.controller, arm).joints
+    return settings(arm.controller, arm, lambda: plant(arm)).joints
 
 
 def test_settings_are_what_the_file_says_of_each_joint() -> None:

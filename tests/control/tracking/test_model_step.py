@@ -23,7 +23,7 @@ def lighter(times: float) -> Machine:
 
 
 def steps(machine: Machine) -> int:
-    return step_count(*machine.plant, machine.cycle)
+    return step_count(*parameters.plant(machine), machine.cycle)
 
 
 @pytest.mark.parametrize("name", ["paper-arm-tracking", "picking-arm"])
@@ -37,16 +37,16 @@ def test_what_is_lighter_has_more_steps_and_stays_stable() -> None:
     assert counts[0] == 2
     for times in (100.0, 1e3):
         machine = lighter(times)
-        frequency, _ = natural_rates(*machine.plant)
+        frequency, _ = natural_rates(*parameters.plant(machine))
         assert frequency * machine.cycle / steps(machine) <= MAX_PHASE
 
 
 def test_frequencies_are_those_of_masses_on_springs() -> None:
     """By SciPy's generalised eigenvalues, the elbow being where that is highest."""
     machine = load("paper-arm-tracking")
-    arm, joints, around = machine.plant
+    arm, joints, around = parameters.plant(machine)
     frequency, _ = natural_rates(arm, joints, around)
-    single = [natural_rates(*lighter(times).plant)[0] for times in (1.0, 100.0)]
+    single = [natural_rates(*parameters.plant(lighter(times)))[0] for times in (1.0, 100.0)]
     assert single[1] == pytest.approx(10.0 * single[0])
     law = parameters.control(machine)
     stiffness = np.diag([feedback.least / 0.7 for feedback in law.feedback])  # at three quarters of the pressure

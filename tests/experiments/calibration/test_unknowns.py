@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 from layflat.description.change import changed_all, value_at
 from layflat.experiments.calibration import unknowns as u
 from layflat.machine import load
-from layflat.machine.losses import with_losses
+from layflat.machine.exchanged import with_losses
 
 ALL = (*u.gains("small"), *u.gains("large"), *u.AIR, *u.LOSSES["elasto-slip"], u.DAMPING)
 MIDDLE = np.full(len(ALL), 0.4)

@@ -84,7 +84,7 @@ def assembled(name: str, precision: str, monkeypatch: pytest.MonkeyPatch) -> tup
     """Machine code and assembly of the kernel for a machine. No device is needed, but one has to be named."""
     nvjitlink = pytest.importorskip("cuda.bindings.nvjitlink")
     compiler: Any = import_module("numba.cuda")
-    from layflat.jit.compiler import device_kernel
+    from layflat.jit.device import device_kernel
     from layflat.physics.step import STEP
     from layflat.sim.ensemble import cuda as ours
     from layflat.sim.ensemble.block import block_of, room_for_results

@@ -17,7 +17,7 @@ from layflat.description.provenance import Provenance
 from layflat.description.tables import Plain
 from layflat.machine import Machine
 from layflat.machine.listing import to_toml
-from layflat.machine.loader import build
+from layflat.machine.model import build
 from layflat.physics.arms.bodies import about, turn_of
 
 STANDARD = (0.0, 0.0, -9.80665)  # gravity where a file tells none: z is up, m/s2

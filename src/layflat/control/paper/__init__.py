@@ -12,6 +12,7 @@ KIND = ControlKind(
     description=PaperControllerPart,
     gains=PaperGainsPart,
     parameters=settings,
+    models_plant=True,
     parameter_types=(Settings,),
     wake=wake,
     step=step,

@@ -1,5 +1,6 @@
 """What a machine's file says of the paper's control law, and the law's settings that follow."""
 
+from collections.abc import Callable
 from typing import Any, Literal
 
 from pydantic import Field
@@ -54,9 +55,9 @@ class PaperGainsPart(Part):
     integral_limit: u.VoltageOrZero
 
 
-def settings(shared: PaperControllerPart, machine: Any) -> Settings:
+def settings(shared: PaperControllerPart, machine: Any, plant: Callable[[], tuple[Any, Any, Any]]) -> Settings:
     """Settings of every joint; raise MachineError if a joint has no gains."""
-    load = DescribedLoad(*machine.plant) if shared.known_load else NoLoad()
+    load = DescribedLoad(*plant()) if shared.known_load else NoLoad()
     return Settings(tuple(_gains(shared, machine, name) for name in machine.joints), load)
 
 

@@ -8,6 +8,7 @@ KIND = ControlKind(
     name="tracking",
     description=TrackingControllerPart,
     parameters=settings,
+    models_plant=True,
     parameter_types=(Settings,),
     wake=wake,
     step=step,

@@ -9,6 +9,7 @@
 | T | control cycle | s |
 """
 
+from collections.abc import Callable
 from math import pi, radians
 from typing import Annotated, Any, Literal, get_args
 
@@ -75,9 +76,11 @@ class TrackingControllerPart(ControllerPart):
     without: tuple[PartOfLaw, ...] = Field(default=(), description="parts of the law that are left out, to compare")
 
 
-def settings(described: TrackingControllerPart, machine: Any) -> Settings:
+def settings(
+    described: TrackingControllerPart, machine: Any, plant_parameters: Callable[[], tuple[Any, Any, Any]]
+) -> Settings:
     """Return the settings of the law for a machine; raise MachineError for valves and joints that it can't model."""
-    plant = _plant(machine)
+    plant = _plant(machine, *plant_parameters())
     joints, n = plant.joints, len(plant.joints)
     actuators = tuple(_ability(joint, plant.around) for joint in joints)
     T = described.cycle
@@ -106,8 +109,7 @@ def _tolerance(described: TrackingControllerPart) -> Tolerance:
     return Tolerance(described.tolerance, angle, np.minimum(described.blind_angle_tolerance, angle))
 
 
-def _plant(machine: Any) -> Plant:
-    arm, joints, around = machine.plant
+def _plant(machine: Any, arm: Any, joints: tuple[Any, ...], around: Any) -> Plant:
     kind = VALVES.of(joints[0].valve)
     if kind.mean is None:
         raise MachineError(

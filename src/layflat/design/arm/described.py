@@ -19,7 +19,7 @@ from layflat.design.sizing import MODEL, Sized
 from layflat.machine import Machine
 from layflat.machine.libraries import MACHINES
 from layflat.machine.listing import to_toml
-from layflat.machine.loader import build
+from layflat.machine.model import build
 
 OMITS = ("arm", "joint", "controller")
 SENSOR_ROOM = 10.0  # of the angle sensor's range beyond the mechanical stroke, deg

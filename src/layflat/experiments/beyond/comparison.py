@@ -12,7 +12,6 @@ from layflat.control import tracking as law_kind
 from layflat.errors import LayflatError, MachineError
 from layflat.experiments.beyond import settling
 from layflat.experiments.beyond.belts import Following, following
-from layflat.experiments.beyond.guesses import with_tracking
 from layflat.experiments.beyond.moves import POSTURES, steps
 from layflat.experiments.beyond.optimum import settling_bound
 from layflat.experiments.beyond.repeating import learnt_ratio
@@ -20,6 +19,7 @@ from layflat.experiments.beyond.resting import Resting, resting
 from layflat.experiments.beyond.settling import Settling
 from layflat.experiments.beyond.stiffness import Stiffness, adjustable, stiffnesses
 from layflat.machine import Machine, load
+from layflat.machine.exchanged import with_tracking
 from layflat.physics.arms.planar import PlanarArmPart
 
 USUAL = "paper-arm-fast"  # machine that is compared on: the larger valve is the builder's choice

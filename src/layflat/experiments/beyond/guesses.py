@@ -6,13 +6,9 @@ import numpy as np
 from scipy.stats import qmc
 
 from layflat.arrays import Array
-from layflat.control.tracking import KIND
-from layflat.control.tracking.description import TrackingControllerPart
-from layflat.description.change import changed_all
-from layflat.errors import MachineError
 from layflat.experiments.beyond.search import LATE, TAIL, excess
 from layflat.experiments.beyond.shooting import Shooting, settled
-from layflat.machine import Machine
+from layflat.machine.exchanged import with_tracking
 from layflat.sim import rollout
 
 SAMPLES = 1024  # of switching openings, of which the best counts; a power of two
@@ -45,20 +41,6 @@ def tracked(shooting: Shooting, band: float) -> Followed | None:
     voltage = run["voltage"].to_numpy()[begins:-1]
     openings = np.clip((voltage - machine.valve.centre_voltage) / machine.valve.volts_to_full, -1.0, 1.0)
     return Followed(openings, cycles) if cycles < len(openings) - STAYS else None
-
-
-def with_tracking(machine: Machine) -> Machine | None:
-    """Return the machine with a tracking controller, as it is where it has one; None if the law can't model it."""
-    if isinstance(machine.controller, TrackingControllerPart):
-        return machine
-    gains = {f"joint.{name}.gains": None for name in machine.joint}
-    controller = TrackingControllerPart(kind="tracking", cycle=f"{machine.cycle!r} s")
-    tracking = changed_all(machine, {**gains, "controller": controller})
-    try:
-        KIND.parameters(controller, tracking)
-    except MachineError:
-        return None
-    return tracking
 
 
 def switching(shooting: Shooting, cycles: int, band: float, seed: int) -> Array:

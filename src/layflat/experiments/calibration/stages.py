@@ -33,7 +33,7 @@ from layflat.experiments.dither import Dither
 from layflat.experiments.open_loop import OpenLoop
 from layflat.experiments.reproduction import disagreeing
 from layflat.experiments.two_axis import TwoAxis
-from layflat.machine.losses import with_losses
+from layflat.machine.exchanged import with_losses
 
 SHARES = (0.85, 1.0)  # of the time that is left, for each stage
 

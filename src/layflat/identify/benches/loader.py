@@ -1,8 +1,8 @@
 """Kinds of test benches, and their descriptions from files or by the names of built-in ones.
 
 A kind is one folder beside this file, and one line here. A folder has a `description` with the class `DESCRIPTION`, and
-a `model` with the `BENCH` that fits its logs; `builtin` holds descriptions. Machines are described in a room of their
-own; two kinds of bench take their logs.
+a `model` with the `BENCH` that fits its logs; descriptions that are built in stand with those of machines, in a room of
+their own; two kinds of bench take their logs.
 """
 
 from importlib import import_module
@@ -15,14 +15,30 @@ from layflat.description.explain import explained
 from layflat.description.hints import nearest
 from layflat.description.provenance import Sources
 from layflat.description.tables import Plain
+from layflat.description.text import exists
 from layflat.description.wrong import shown
 from layflat.errors import MachineError
 from layflat.identify.benches.contract import Bench, BenchDescription, Logs, check_known
 from layflat.machine import Machine, load
-from layflat.machine.libraries import BENCHES, HYDDOWN, is_bench
+from layflat.machine.libraries import BENCHES, MACHINES
 from layflat.machine.loader import tables
 
 KINDS = {"friction rig": "rod", "regulated joint": "regulated", "vessel": "vessel"}  # folders by a description's `kind`
+HYDDOWN = {".yml", ".yaml"}  # suffixes of HydDown's input files, which describe vessels
+
+
+def is_bench(where: str | Path) -> bool:
+    """Tell whether a built-in name or a file is that of a test bench that is not a machine."""
+    place, seen = str(where), set[str]()
+    if Path(place).suffix in HYDDOWN:
+        return True
+    while place not in seen and place not in MACHINES.names and exists(Path(place)):
+        seen.add(place)
+        raw = BENCHES.raw(place)
+        if "kind" in raw or not isinstance(raw.get("extends"), str):
+            return "kind" in raw
+        place = BENCHES.beside(place, raw["extends"])
+    return place in BENCHES.names
 
 
 def load_described(where: str | Path) -> Machine | BenchDescription:

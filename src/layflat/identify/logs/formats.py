@@ -1,18 +1,56 @@
 """Readers of log files, by what a file begins with: names of files are often wrong."""
 
+import hashlib
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
+
+from layflat.description.text import check_regular
 from layflat.errors import InputError
 from layflat.identify.logs import arrays, bag, rosbag
 from layflat.identify.logs.arrangement import arranged
-from layflat.identify.logs.table import Content
+from layflat.identify.logs.clocks import join_stamps
+from layflat.identify.logs.table import Content, Table
 from layflat.identify.logs.text import read_text
 
 Reader = Callable[[Path], Content]
 
 
-def read_content(path: Path, start: bytes, progress: Callable[[float], None] | None) -> Content:
+RIGHT = "give a table of samples, with commas, semicolons, tabs, bars or blanks between columns"
+
+
+def read_table(path: str | Path, progress: Callable[[float], None] | None = None) -> Table:
+    """Read a log's file, of the kind that it begins as, or is named.
+
+    Args:
+        path: of the file.
+        progress: takes the fraction of a text file that is read.
+
+    Raises:
+        InputError: it can't be read, or holds no numbers.
+    """
+    path, right = Path(path), "give a CSV, Parquet, NetCDF or MCAP file"
+    if path.is_dir():
+        inside = sorted(file for file in path.iterdir() if file.suffix in {".mcap", ".db3"})
+        right = f"give the recording inside: {inside[0]}" if inside else right
+    check_regular(path, str(path), right)
+    try:
+        with path.open("rb") as file:
+            sha256 = hashlib.file_digest(file, "sha256").hexdigest()
+            file.seek(0)
+            start = file.read(16)
+    except OSError as error:
+        raise InputError(f"can't be read ({error.strerror})", where=str(path), right=right) from None
+    columns, clock, words, notes = _read_content(path, start, progress)
+    if not any(np.isfinite(column.values).any() for column in columns.values()):
+        first = next((f": column {name!r} {why}" for name, why in words.items()), "")
+        raise InputError(f"holds no numbers{first}", where=str(path), right=RIGHT)
+    columns = join_stamps(columns) if clock is None else columns
+    return Table(path, sha256, columns, clock, notes, dict(words))
+
+
+def _read_content(path: Path, start: bytes, progress: Callable[[float], None] | None) -> Content:
     """Read a file by its kind.
 
     Args:

@@ -12,11 +12,12 @@ from layflat.description import units as u
 from layflat.description.hints import did_you_mean
 from layflat.errors import InputError
 from layflat.identify.logs.clocks import unwrap_counter
+from layflat.identify.logs.formats import read_table
 from layflat.identify.logs.grid import Clock, Grid, Series, clock_of, gaps, grid_as_recorded, grid_over, resampled
 from layflat.identify.logs.mapping import MappedColumn, Mapping, read_mapping
 from layflat.identify.logs.own import own_mapping
 from layflat.identify.logs.signals import SIGNALS, channel_name, conversion
-from layflat.identify.logs.table import Column, Table, read_table
+from layflat.identify.logs.table import Column, Table
 
 LISTED = 8  # names in a message
 NAMED = 3  # things without columns that are named with their reason

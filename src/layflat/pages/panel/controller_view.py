@@ -6,8 +6,8 @@ from nicegui import background_tasks, ui
 
 from layflat.description.change import changed_all, paths, value_at
 from layflat.errors import LayflatError
-from layflat.experiments.beyond.guesses import with_tracking
 from layflat.machine import Machine
+from layflat.machine.exchanged import with_tracking
 from layflat.pages.look import theme
 from layflat.pages.look.dialogs import confirmed
 from layflat.pages.look.numbers import number

@@ -10,8 +10,7 @@ from layflat.description.change import value_at
 from layflat.description.provenance import Provenance, Sources
 from layflat.description.tables import Plain
 from layflat.errors import InputError
-from layflat.machine.loader import build
-from layflat.machine.model import Machine
+from layflat.machine.model import Machine, build
 from layflat.pages.studio.field import Field
 from layflat.pages.studio.fields import fields_of
 from layflat.pages.studio.opened import Opened, open_description

@@ -8,8 +8,8 @@ from typing import Self
 from layflat.description.provenance import Sources
 from layflat.description.tables import Plain
 from layflat.machine.libraries import MACHINES
-from layflat.machine.loader import build, load, tables
-from layflat.machine.model import Machine
+from layflat.machine.loader import load, tables
+from layflat.machine.model import Machine, build
 
 
 @dataclass(frozen=True)

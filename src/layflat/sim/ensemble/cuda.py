@@ -21,7 +21,8 @@ from layflat import extras
 from layflat.errors import InputError
 from layflat.jit import cache_folder
 from layflat.jit.cache import included_sources
-from layflat.jit.compiler import config, device_kernel, on_device
+from layflat.jit.compiler import config
+from layflat.jit.device import device_kernel, on_device
 from layflat.lanes import interpreted, mapped
 from layflat.sim.ensemble.block import Block, block_of, keep
 from layflat.sim.ensemble.cases import Cases

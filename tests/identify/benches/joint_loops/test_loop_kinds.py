@@ -16,7 +16,7 @@ from layflat.identify.identification import Identification
 from layflat.identify.identified_file import identified_path
 from layflat.identify.kinds import Candidate
 from layflat.machine import changed, load
-from layflat.machine.losses import with_losses
+from layflat.machine.exchanged import with_losses
 
 RIG = load("rig-shell-steel")
 FITTED, VALIDATION = ((5, 6.0), (20, 8.0), (60, 10.0)), ((2, 4.0), (10, 10.0), (40, 5.0))

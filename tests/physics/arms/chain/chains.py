@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 
 from layflat.machine import Machine, load
-from layflat.machine.loader import build, tables
+from layflat.machine.loader import tables
+from layflat.machine.model import build
 
 THIN = 1e-7  # inertia about the length of a link, kg m2: no law of a plane knows it
 

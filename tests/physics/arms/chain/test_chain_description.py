@@ -14,7 +14,7 @@ from layflat.description.change import changed_all, value_at
 from layflat.errors import InputError, MachineError
 from layflat.lanes import leaves
 from layflat.machine import Machine, load
-from layflat.machine.loader import build
+from layflat.machine.model import build
 from layflat.machine.parameters import arm, mass_and_pull
 from layflat.motion.kinematics import tip_position
 from layflat.physics.arms.chain.parameters import rotation, towards

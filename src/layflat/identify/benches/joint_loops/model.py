@@ -21,7 +21,7 @@ from layflat.identify.logs.checks.channels import without_spikes
 from layflat.identify.model import Output
 from layflat.identify.unknown import Unknown
 from layflat.machine import Joint, Machine, parameters
-from layflat.machine.losses import with_losses
+from layflat.machine.exchanged import with_losses
 
 BLOCKS = ("torque", "losses", "brake", "offset")  # scale of Eq. (1), losses, brake's torque, zero of the torque sensor
 SCALES = 10.0  # measured torque is at most so many times that of Eq. (1), and at least this part of it
