@@ -8,22 +8,17 @@ The camera is calibrated from pictures first, as on a rig. Scenes are those of t
 from __future__ import annotations
 
 import argparse
-import sys
 import time
 from dataclasses import dataclass, field
-from pathlib import Path
 
 import numpy as np
 from rich.console import Console
 from rich.progress import track
 from rich.table import Table
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "cell" / "vision"))
-
-from pictures import Scene, take
-from vision_scenes import BACKGROUND, CAMERA, KINDS, TABLE, calibrated, random_scene
-
 from layflat.cell.vision import SURE, ColourDetector, Detection
+from tests.cell.vision.pictures import Scene, take
+from tests.cell.vision.vision_scenes import BACKGROUND, CAMERA, KINDS, TABLE, calibrated, random_scene
 
 
 @dataclass

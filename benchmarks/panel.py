@@ -16,13 +16,13 @@ from typing import Any
 
 import numpy as np
 from playwright.sync_api import TimeoutError
-from tests.pages.browsers import Served, chromium, served
 
 from layflat.cli.panel import VirtualBench
 from layflat.identify.logs.formats import read_table
 from layflat.machine import load
 from layflat.rig.recorded import Recorded
 from layflat.rig.safety.states import State
+from tests.pages.browsers import Served, chromium, served
 
 LOOKS = 5.0  # between two looks at the page, s
 BEATS = """() => {

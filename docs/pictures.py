@@ -12,6 +12,7 @@ from typing import Any
 
 from PIL import Image
 from playwright.sync_api import TimeoutError
+
 from tests.pages.browsers import chromium, served
 
 FOLDER = Path(__file__).parent

@@ -10,10 +10,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from benchmarks.digests import compare
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import array_shapes, arrays
+
+from benchmarks.digests import compare
 
 floats = arrays(np.float64, array_shapes(max_dims=2, max_side=4))
 

@@ -14,9 +14,9 @@ from typing import Any
 
 import pytest
 import typer.main
-from commands import layflat
 
 from layflat.cli import app
+from tests.cli.commands import layflat
 
 ROOT = Path(__file__).parents[1]
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]

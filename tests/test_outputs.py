@@ -4,12 +4,12 @@ import os
 from pathlib import Path
 
 import pytest
-from commands import layflat, refused
 
 from layflat.errors import OutputError
 from layflat.files import check_file, check_folder, whole_file, write_text
 from layflat.outputs import Command, command_of, running
 from layflat.study.folder import Folder
+from tests.cli.commands import layflat, refused
 
 WRITING = {
     "size": ("size", "--torque", "12 N m", "--stroke", "110 deg", "--supply", "5 bar", "-o", "out"),

@@ -43,13 +43,6 @@ def test_no_modules_import_each_other_in_a_circle() -> None:
     assert [names for names in together if len(names) > 1] == []
 
 
-def test_test_files_have_names_of_their_own() -> None:
-    """Pytest imports them by name alone."""
-    files = [path.name for path in Path(__file__).parent.rglob("*.py")]
-    names = [name for name in files if name not in {"conftest.py", "__init__.py"}]
-    assert sorted(name for name in set(names) if names.count(name) > 1) == []
-
-
 def test_no_submodule_takes_the_place_of_a_name_that_its_package_offers() -> None:
     """A module that is first imported later on becomes an attribute of its package, over a function of that name."""
     source, hidden = Path(layflat.__file__).parents[1], []

@@ -6,8 +6,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from chains import as_chain, random_arm
-from meshes import write_wedge
 from numpy.typing import NDArray
 
 from layflat.bridge import arm_spec, save_arm, to_mjcf, to_urdf
@@ -16,6 +14,8 @@ from layflat.kinds import Table
 from layflat.machine import Machine, changed, load, parameters
 from layflat.physics.arms import ARMS as KINDS
 from layflat.physics.arms import joints_along
+from tests.bridge.meshes import write_wedge
+from tests.physics.arms.chain.chains import as_chain, random_arm
 
 mujoco: Any = pytest.importorskip("mujoco")
 

@@ -4,13 +4,13 @@ from xml.etree.ElementTree import fromstring
 
 import numpy as np
 import pytest
-from chains import as_chain, random_arm
-from robot_files import written
 
 from layflat.bridge import save_arm, to_mjcf, to_urdf
 from layflat.bridge.losses import losses
 from layflat.bridge.robots import import_arm
 from layflat.machine import load
+from tests.bridge.robot_files import written
+from tests.physics.arms.chain.chains import as_chain, random_arm
 
 mujoco: Any = pytest.importorskip("mujoco")
 

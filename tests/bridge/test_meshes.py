@@ -4,15 +4,15 @@ from typing import Any
 
 import numpy as np
 import pytest
-from chains import as_chain
-from meshes import write_wedge
-from robot_files import UPPER, urdf, written
 
 from layflat.bridge import save_arm
 from layflat.bridge.losses import losses
 from layflat.bridge.meshes import solid
 from layflat.bridge.robots import import_arm
 from layflat.errors import InputError
+from tests.bridge.meshes import write_wedge
+from tests.bridge.robot_files import UPPER, urdf, written
+from tests.physics.arms.chain.chains import as_chain
 
 mujoco: Any = pytest.importorskip("mujoco")
 

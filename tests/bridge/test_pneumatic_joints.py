@@ -3,7 +3,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from chains import random_arm
 from numpy.typing import NDArray
 
 from layflat.bridge import PneumaticJoints, arm_spec
@@ -13,6 +12,7 @@ from layflat.machine import Machine, build, changed, load
 from layflat.machine.loader import tables
 from layflat.physics.step import STEP
 from layflat.sim.plant import SteppedPlant
+from tests.physics.arms.chain.chains import random_arm
 
 mujoco: Any = pytest.importorskip("mujoco")
 pytestmark = pytest.mark.compiled

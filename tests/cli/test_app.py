@@ -5,10 +5,10 @@ from typing import Annotated
 
 import pytest
 import typer
-from commands import refused
 from typer.testing import CliRunner
 
 from layflat.cli.app import expanded
+from tests.cli.commands import refused
 
 Name = Annotated[str, typer.Argument(help="of it")]
 

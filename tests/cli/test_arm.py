@@ -1,10 +1,10 @@
 from pathlib import Path
 
 import pytest
-from commands import layflat, refused
-from robot_files import UPPER, urdf, written
 
 from layflat.machine import load
+from tests.bridge.robot_files import UPPER, urdf, written
+from tests.cli.commands import layflat, refused
 
 
 def test_an_arm_is_exported_and_imported(tmp_path: Path) -> None:

@@ -10,11 +10,11 @@ import time
 from pathlib import Path
 
 import pytest
-from commands import LAYFLAT, layflat, refused
 
 from layflat.machine.members import members
 from layflat.physics.step import STEP
 from layflat.sim.dataset import open_run
+from tests.cli.commands import LAYFLAT, layflat, refused
 
 LEFT = 1 << 14
 

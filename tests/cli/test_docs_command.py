@@ -6,7 +6,8 @@ import zipfile
 from pathlib import Path
 
 import pytest
-from commands import layflat, refused
+
+from tests.cli.commands import layflat, refused
 
 ROOT = Path(__file__).parents[2]
 PAGES = [path.relative_to(ROOT / "docs").with_suffix("").as_posix() for path in (ROOT / "docs").rglob("*.md")]

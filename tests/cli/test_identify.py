@@ -7,7 +7,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from commands import layflat, refused
 
 from layflat.identify.identification import begin
 from layflat.identify.page import write_page
@@ -17,6 +16,7 @@ from layflat.machine.loader import tables
 from layflat.motion.demand_file import read_demand
 from layflat.sim import rollout
 from layflat.sim.dataset import save
+from tests.cli.commands import layflat, refused
 
 REAL = """\
 extends = "paper-small-joint"

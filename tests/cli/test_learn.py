@@ -9,12 +9,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from commands import layflat, refused
 
 from layflat.machine import load
 from layflat.motion.demand_file import read_demand, write_demand
 from layflat.motion.optimal import time_optimal
 from layflat.motion.path import JointLine
+from tests.cli.commands import layflat, refused
 
 ARM = load("paper-arm-tracking")
 

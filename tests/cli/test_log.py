@@ -6,10 +6,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from commands import layflat
 
 from layflat.sim import rollout
 from layflat.sim.dataset import save
+from tests.cli.commands import layflat
 
 
 @pytest.fixture(scope="module")

@@ -5,10 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from commands import layflat
 
 from layflat.machine import load
 from layflat.motion.demand_file import read_demand
+from tests.cli.commands import layflat
 
 AWAY = """
 name = "away"

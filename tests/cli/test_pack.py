@@ -8,8 +8,6 @@ import sys
 from pathlib import Path
 
 import pytest
-from commands import refused
-from few_tomatoes import FEW
 from typer.testing import CliRunner
 
 from layflat.cell import load
@@ -17,6 +15,8 @@ from layflat.cell.work.records import Delivery, Verdict, VisionErrors
 from layflat.cli import app
 from layflat.cli.pack_run import nothing_packed
 from layflat.errors import CameraError, CellError, InputError
+from tests.cli.commands import refused
+from tests.cli.few_tomatoes import FEW
 
 pytest.importorskip("mujoco")
 

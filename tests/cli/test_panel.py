@@ -4,7 +4,8 @@ import socket
 from pathlib import Path
 
 import pytest
-from commands import refused
+
+from tests.cli.commands import refused
 
 
 @pytest.mark.parametrize(

@@ -12,13 +12,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from served_rig import LAYFLAT, ServedRig
 
 from layflat import cli
 from layflat.errors import LayflatError
 from layflat.rig.device.failures import FAILURES
 from layflat.rig.recorder.run import read_run
 from layflat.rig.safety.states import State
+from tests.cli.served_rig import LAYFLAT, ServedRig
 
 pytestmark = pytest.mark.realtime
 

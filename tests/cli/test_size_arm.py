@@ -4,10 +4,10 @@ import csv
 from pathlib import Path
 
 import pytest
-from commands import layflat, refused
 
 from layflat.design.arm.task import TASKS, read_task
 from layflat.machine import load
+from tests.cli.commands import layflat, refused
 
 ASKED = ("--reach", "0.5 m", "--payload", "0.5 kg", "--supply", "5 bar", "--time", "0.8 s")
 

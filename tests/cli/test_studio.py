@@ -3,7 +3,8 @@
 from pathlib import Path
 
 import pytest
-from commands import refused
+
+from tests.cli.commands import refused
 
 
 @pytest.mark.parametrize(

@@ -6,9 +6,9 @@ import sys
 from pathlib import Path
 
 import pytest
-from commands import layflat
 
 from layflat.study import read
+from tests.cli.commands import layflat
 
 STUDY = """
 name = "brakes"

@@ -5,7 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from commands import layflat, refused
+
+from tests.cli.commands import layflat, refused
 
 WHERE = "x=600 mm, y=100 mm, z=300 mm @ 0.1 s"
 

@@ -7,9 +7,9 @@ import time
 from pathlib import Path
 
 import pytest
-from commands import LAYFLAT, layflat, refused
 
 from layflat.machine import load
+from tests.cli.commands import LAYFLAT, layflat, refused
 
 
 def test_gains_a_table_and_a_page(tmp_path: Path) -> None:

@@ -9,9 +9,9 @@ from urllib.request import urlopen
 import numpy as np
 import pytest
 import xarray
-from commands import LAYFLAT, layflat, refused
 
 from layflat.bridge.view import opengl
+from tests.cli.commands import LAYFLAT, layflat, refused
 
 
 def saved_run(path: Path, *joints: str) -> Path:

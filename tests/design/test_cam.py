@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
-from rolled_cam import RolledCam, Shell
 
 from layflat.design import (
     Cam,
@@ -27,6 +26,7 @@ from layflat.errors import DesignError
 from layflat.machine import Joint, load
 from layflat.machine.parameters import full_travel, torque_constant
 from layflat.machine.parts import DeflectingRoller
+from tests.design.rolled_cam import RolledCam, Shell
 
 ARM = load("paper-arm")
 NAMES = ["large", "small"]

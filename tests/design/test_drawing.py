@@ -15,7 +15,6 @@ from xml.etree import ElementTree
 import ezdxf.filemanagement
 import numpy as np
 import pytest
-from rolled_cam import Shell
 
 from layflat.design import (
     JointDesign,
@@ -36,6 +35,7 @@ from layflat.design.sheet import Sheet
 from layflat.design.svg import svg_text
 from layflat.errors import DesignError, MissingExtraError, OutputError
 from layflat.machine import load
+from tests.design.rolled_cam import Shell
 
 ARM = load("paper-arm")
 Box = np.ndarray[Any, np.dtype[np.float64]]

@@ -9,7 +9,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from benchlogs import Array, columns, written
 
 from layflat.errors import InputError
 from layflat.identify.identification import begin
@@ -17,6 +16,7 @@ from layflat.identify.page import write_page
 from layflat.identify.report_text import count_identified, experiment_rows, issue_section, prediction, untrusted
 from layflat.machine import load
 from layflat.machine.libraries import BENCHES
+from tests.identify.benchlogs import Array, columns, written
 
 SMALL = "paper-small-joint"
 Table = dict[str, Array]

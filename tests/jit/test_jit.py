@@ -44,7 +44,7 @@ import sys
 sys.path.insert(0, sys.argv[1])
 import numpy as np
 from layflat.control.paper.gains import Settings
-from plants import GAINS, AROUND, SIGNALS, JOINTS, TWO_LINKS, CYCLE, signals
+from tests.physics.plants import GAINS, AROUND, SIGNALS, JOINTS, TWO_LINKS, CYCLE, signals
 from layflat.lanes import Like, leaves
 from layflat.sim.kernel import Case, Timing, run_cycles
 
@@ -89,8 +89,8 @@ def test_a_changed_law_is_not_served_from_the_cache(tmp_path: Path) -> None:
 def test_a_run_without_the_jit_has_the_same_bits(tmp_path: Path) -> None:
     script = tmp_path / "short_run.py"
     script.write_text(SHORT_RUN)
-    plants = str(Path(__file__).parents[1] / "physics")
-    compiled, interpreted = (python(script, plants, NUMBA_DISABLE_JIT=off) for off in ("0", "1"))
+    root = str(Path(__file__).parents[2])
+    compiled, interpreted = (python(script, root, NUMBA_DISABLE_JIT=off) for off in ("0", "1"))
     assert len(compiled) == 25 * 2 * 18 * 8
     assert compiled == interpreted
 

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from chains import random_arm
 from numpy.testing import assert_allclose
 
 from layflat.description.change import changed
@@ -11,6 +10,7 @@ from layflat.machine.parameters import arm, mass_and_pull
 from layflat.motion.dynamics import least_inertias, path_torques, rigid_torques
 from layflat.motion.path import JointLine
 from layflat.motion.trajectory import States
+from tests.physics.arms.chain.chains import random_arm
 
 PICKING, PENDULUM = load("picking-arm"), load("paper-small-joint")
 PAYLOAD, SHORT = 0.8, 1e-4

@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from chains import as_chain, random_arm
 from numpy.testing import assert_allclose, assert_array_equal
 from scipy.optimize import NonlinearConstraint, least_squares, minimize
 
@@ -18,6 +17,7 @@ from layflat.machine import Machine, changed, load
 from layflat.motion.inverse import ASKED, SINGULAR, THERE, Inverse, anywhere
 from layflat.motion.kinematics import Kinematics, tip_motion, tip_position
 from layflat.motion.path import half_strokes
+from tests.physics.arms.chain.chains import as_chain, random_arm
 
 ARMS = {
     "planar": load("paper-arm-fast"),

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from chains import as_chain, random_arm
 from numpy.testing import assert_allclose
 
 from layflat.errors import InputError
@@ -20,6 +19,7 @@ from layflat.motion.path import half_strokes
 from layflat.motion.planar_path import PlanarPath
 from layflat.motion.space_path import SpacePath
 from layflat.motion.tip_path import tip_path
+from tests.physics.arms.chain.chains import as_chain, random_arm
 
 PICKING, PLANAR, CHAINED, SEVEN = load("picking-arm"), load("paper-arm-fast"), as_chain(), random_arm(7, 2)
 START = np.radians([20.0, 20.0, -20.0, 20.0])

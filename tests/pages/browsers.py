@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import IO, Any
 
 import pytest
+
 from tests.pages.server.serving import lines_of
 
 ARGUMENTS = ["--no-sandbox"]  # tests may run as root

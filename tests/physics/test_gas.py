@@ -4,7 +4,6 @@ from math import sqrt
 
 import numpy as np
 import pytest
-from plants import AROUND, CYCLE, LARGE, NO_LOSS, ONE_LINK, VALVE, Floats, Run, run, signals
 from scipy.integrate import solve_ivp
 
 from layflat.physics.chamber import Chamber
@@ -12,6 +11,7 @@ from layflat.physics.hose import Stroke, swept_volume
 from layflat.physics.joint import Joint
 from layflat.physics.valves.spool_motion import Spool
 from layflat.sim.kernel import Timing
+from tests.physics.plants import AROUND, CYCLE, LARGE, NO_LOSS, ONE_LINK, VALVE, Floats, Run, run, signals
 
 pytestmark = pytest.mark.compiled
 

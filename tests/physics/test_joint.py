@@ -1,11 +1,11 @@
 from math import nan
 
 import pytest
-from plants import AROUND, LARGE, RIGID
 
 from layflat.physics.chamber import pressure, temperature
 from layflat.physics.hose import swept_volume
 from layflat.physics.joint import Ledger, is_sound, joint_at_rest
+from tests.physics.plants import AROUND, LARGE, RIGID
 
 SOUND = [True, True, False, False, False]
 

@@ -9,7 +9,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
-from plants import AROUND, CYCLE, JOINTS, TWO_LINKS, VALVE, Run, kinetic_energy, run, signals
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
@@ -30,6 +29,7 @@ from layflat.physics.line import (
 )
 from layflat.physics.step import STEP
 from layflat.sim.kernel import Timing
+from tests.physics.plants import AROUND, CYCLE, JOINTS, TWO_LINKS, VALVE, Run, kinetic_energy, run, signals
 
 Floats = NDArray[np.float64]
 FULL, LEAK, VOLUME = 2e-8, 8e-11, 3e-4  # conductances of the valve, m3/(s Pa), and volume of the hose, m3

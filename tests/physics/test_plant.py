@@ -2,7 +2,10 @@ from math import degrees, pi, radians
 
 import numpy as np
 import pytest
-from plants import (
+
+from layflat.physics.joint import Joint
+from layflat.sim.kernel import Signals, Timing
+from tests.physics.plants import (
     CYCLE,
     JOINTS,
     LARGE,
@@ -17,9 +20,6 @@ from plants import (
     run,
     signals,
 )
-
-from layflat.physics.joint import Joint
-from layflat.sim.kernel import Signals, Timing
 
 BRAKES = np.array([6.7, 2.2])
 PAYLOAD = 1.5

@@ -2,7 +2,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from plants import AROUND, LARGE, PAIR, SMALL, VALVE
 
 from layflat.jit import composition, kernel
 from layflat.lanes import halves, join
@@ -11,6 +10,7 @@ from layflat.physics.dither import Dither
 from layflat.physics.joint import joint_at_rest
 from layflat.physics.step import finish, midpoint, pack, unpack
 from layflat.physics.valves import start_wave, turn_wave
+from tests.physics.plants import AROUND, LARGE, PAIR, SMALL, VALVE
 
 H = 2.5e-4
 STILL = Dither(0.0, 1.0, 0.0, 1.0)

@@ -6,13 +6,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from looks import boxes, covered, cut_off
 from matplotlib.collections import QuadMesh
 from matplotlib.colors import to_hex
 from matplotlib.patches import Rectangle
 
 from layflat.plot.bars_and_maps import HATCHES, NOTHING, draw_bars, draw_map, edges
 from layflat.plot.style import figure
+from tests.plot.looks import boxes, covered, cut_off
 
 NAMES = ["dither", "supply", "payload", "brake"]
 VALUES = [0.9, 0.5, 0.2, 0.0]

@@ -6,10 +6,10 @@ from math import radians
 
 import numpy as np
 import pytest
-from looks import covered, crossed_by_lines, cut_off, line_of, looks, units_of
 
 from layflat.design import Cam, SizingRequest, design_joint, size_joint
 from layflat.plot.curves import SHOWN, cam_procedure
+from tests.plot.looks import covered, crossed_by_lines, cut_off, line_of, looks, units_of
 
 CAMS = {
     "large": design_joint("paper-arm", "large").with_cam(),

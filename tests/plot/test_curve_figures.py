@@ -6,12 +6,12 @@ from math import inf
 
 import numpy as np
 import pytest
-from looks import covered, cut_off, line_of, looks, units_of
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from layflat.plot.curves import average_response, settling_over_inertia, valve_sweeps
 from layflat.plot.style import QUIET, figure, mark
+from tests.plot.looks import covered, cut_off, line_of, looks, units_of
 
 SETTLING = {"new": {0.003: 0.5, 0.01: 0.7, 0.03: inf}, "earlier": {0.003: 0.9, 0.01: inf, 0.03: inf}}
 COMMAND = np.linspace(-0.3, 0.3, 31)

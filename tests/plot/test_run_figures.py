@@ -7,10 +7,10 @@ import pytest
 import xarray
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from looks import covered, cut_off, line_of, looks, units_of
 
 from layflat.plot.runs import MOST_MARKS, WARN, angles, arm_steps, run_figure
 from layflat.plot.tuning import responses
+from tests.plot.looks import covered, cut_off, line_of, looks, units_of
 
 TIME = np.linspace(0.0, 4.0, 401)
 JOINTS = ("large", "small")

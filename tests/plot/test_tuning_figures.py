@@ -1,11 +1,11 @@
 import numpy as np
 import pytest
 import xarray
-from looks import covered, cut_off, line_of
 
 from layflat.plot.style import to_svg
 from layflat.plot.tuning import cost_history, responses, settled_shares
 from layflat.sim import rollout
+from tests.plot.looks import covered, cut_off, line_of
 
 JOINTS = ("base", "shoulder", "elbow", "wrist", "hand")
 SETTLING = {"before": np.array([[0.2, np.inf], [0.6, 0.4]]), "after": np.array([[0.1, 0.2], [0.3, 0.2]])}

@@ -7,7 +7,6 @@ from math import nan
 
 import numpy as np
 from numpy.typing import NDArray
-from plant_bench import PlantBench
 
 from layflat.machine import Machine
 from layflat.rig.clock import SECOND, VirtualClock
@@ -16,6 +15,7 @@ from layflat.rig.loop import Loop, Recorder
 from layflat.rig.safety.faults import Fault
 from layflat.rig.safety.states import State, ValveMode
 from layflat.rig.safety.supervisor import HostRequest
+from tests.rig.plant_bench import PlantBench
 
 Array = NDArray[np.float64]
 

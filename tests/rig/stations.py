@@ -9,9 +9,8 @@ import time
 from collections.abc import Callable
 from contextlib import suppress
 
-from devices import ARM, patient
-
 from layflat.rig.wire.identity import Identity
+from tests.rig.devices import ARM, patient
 
 HASTY = patient(ARM, 0.03)
 READING = [0x0004, 1638, 2048, 2048, 1000, 3000]

@@ -1,8 +1,6 @@
 """How fast demands may be, against the dynamics of the arm, and what friction can hold."""
 
 import numpy as np
-from chains import random_arm
-from hanging_arm import lifting_arm
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -20,6 +18,8 @@ from layflat.rig.abilities import (
     swings_on,
     vent_time,
 )
+from tests.physics.arms.chain.chains import random_arm
+from tests.rig.hanging_arm import lifting_arm
 
 ARM = load("paper-arm-tracking")
 LIMITS, ABLE = demand_limits(ARM), abilities(ARM)

@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
-from hanging_arm import lifting_arm
 
 from layflat.arrays import Array
 from layflat.machine import parameters
 from layflat.physics.arms import dynamics
 from layflat.rig.safety.coupling import torques_at_rest
+from tests.rig.hanging_arm import lifting_arm
 
 ARM = parameters.arm(lifting_arm())
 

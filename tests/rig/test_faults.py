@@ -4,13 +4,13 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from fake_rig import Array, Rig
 
 from layflat.machine import changed, load
 from layflat.rig.driver import DeviceState
 from layflat.rig.safety.faults import Fault, Reaction
 from layflat.rig.safety.state_machine import CENTRED
 from layflat.rig.safety.states import State, ValveMode
+from tests.rig.fake_rig import Array, Rig
 
 ARM = load("paper-arm-fast")
 VENT = 10.0

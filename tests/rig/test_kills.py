@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from benchmarks.rig_kills import VICTIMS, patient, trial
 
+from benchmarks.rig_kills import VICTIMS, patient, trial
 from layflat.cli.virtual_rig import VirtualRig
 from layflat.machine import load
 from layflat.rig.device.process import DeviceProcess, ModbusPort

@@ -7,7 +7,6 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 import pytest
-from fake_rig import Rig
 
 from layflat.control import CONTROL_LAWS, FULL, Command, ControlKind, ControllerPart, voltages_alone
 from layflat.errors import KindError
@@ -16,6 +15,7 @@ from layflat.lanes import each
 from layflat.machine import Machine, load
 from layflat.rig.safety.faults import Fault
 from layflat.rig.safety.states import State
+from tests.rig.fake_rig import Rig
 
 
 class PlainReport(NamedTuple):

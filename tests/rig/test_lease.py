@@ -2,13 +2,13 @@
 
 import time
 
-import drivers
 import pytest
 
 from layflat.machine import load
 from layflat.rig.lease import Lease
 from layflat.rig.safety.states import State
 from layflat.rig.session import Session
+from tests.rig import fake_drivers as drivers
 
 ARM = load("paper-arm")
 

@@ -4,7 +4,6 @@ from math import inf, nan, radians
 
 import numpy as np
 import pytest
-from fake_rig import Rig
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -22,6 +21,7 @@ from layflat.rig.safety.states import State
 from layflat.rig.smooth import smooth
 from layflat.rig.trials.soak import quiet
 from layflat.rig.trials.work import HARD
+from tests.rig.fake_rig import Rig
 
 ARM = load("paper-arm-tracking")
 CYCLE, WORKING, B = 0.005, radians(60.0), 20.0

@@ -8,13 +8,13 @@ from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
-import drivers
 import pytest
 
 from layflat.errors import InputError
 from layflat.machine import load
 from layflat.rig.safety.states import State
 from layflat.rig.session import LoopError, Session
+from tests.rig import fake_drivers as drivers
 
 ARM = load("paper-arm")
 

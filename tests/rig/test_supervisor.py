@@ -4,7 +4,6 @@ from math import nan, radians
 
 import numpy as np
 import pytest
-from fake_rig import Rig
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -14,6 +13,7 @@ from layflat.rig.safety.demands import LIMITED, Demand, Gate, followed, margin
 from layflat.rig.safety.faults import Fault
 from layflat.rig.safety.states import State, ValveMode
 from layflat.sim.run import rollout
+from tests.rig.fake_rig import Rig
 
 ARM = load("paper-arm-fast")
 WORKING, SPEED = ARM.joint["small"].stops.working_stroke / 2, ARM.safety.demand_speed

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from benchmarks.scipy_plant import OPENINGS, STATES, run
 
+from benchmarks.scipy_plant import OPENINGS, STATES, run
 from layflat.machine import load, parameters
 from layflat.physics.chamber import pressure
 from layflat.physics.hose import swept_volume

@@ -3,7 +3,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from controllers import Controller
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
@@ -16,6 +15,7 @@ from layflat.sim import Scenario, rollout
 from layflat.sim.kernel import Signals
 from layflat.sim.plant import SteppedPlant
 from layflat.sim.run import prepare
+from tests.physics.controllers import Controller
 
 SMALL, ARM = load("paper-small-joint-fast"), load("paper-arm-fast")
 AMBIENT = SMALL.supply.ambient_pressure

@@ -8,12 +8,12 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from studies import SMALL, written
 
 from layflat.errors import InputError
 from layflat.study import Study, chunks, cluster, read, run
 from layflat.study.chunks import made_with, measured_there
 from layflat.study.runs import _work
+from tests.study.studies import SMALL, written
 
 distributed = pytest.importorskip("distributed")
 

@@ -9,11 +9,11 @@ from collections import namedtuple
 from pathlib import Path
 
 import pytest
-from studies import SMALL, written
 
 from layflat.errors import InputError, OutputError
 from layflat.study import Study, read, run
 from layflat.study.folder import ChangedError
+from tests.study.studies import SMALL, written
 
 KILLED_AFTER = """
 import os, pathlib, signal, sys

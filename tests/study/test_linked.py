@@ -4,13 +4,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from studies import SMALL, written
 
 from layflat.description.change import value_at
 from layflat.errors import InputError
 from layflat.study import read, run, table
 from layflat.study.sampling import samples
 from layflat.study.varied import applied
+from tests.study.studies import SMALL, written
 
 LINKED = """
 [vary."joint.small.gains.near.error"]

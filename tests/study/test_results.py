@@ -5,11 +5,11 @@ from pathlib import Path
 import numpy as np
 import pandas
 import pytest
-from studies import SMALL, written
 
 from layflat.plot.study import BINS, medians, study_figure
 from layflat.study import read
 from layflat.study.results import draw
+from tests.study.studies import SMALL, written
 
 
 def test_medians_over_few_values_and_over_many() -> None:

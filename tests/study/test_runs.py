@@ -4,13 +4,13 @@ import numpy as np
 import pandas
 import pyarrow.parquet as pq
 import pytest
-from studies import SMALL, SOBOL, written
 
 from layflat.errors import InputError
 from layflat.machine import changed
 from layflat.sim.ensemble import ensemble
 from layflat.study import read, run, table
 from layflat.study.results import summary
+from tests.study.studies import SMALL, SOBOL, written
 
 DEMAND = 'demand = [["0 s", "-10 deg"], ["0.05 s", "10 deg"]]\n'
 WILD = SMALL.replace(DEMAND, "").replace("[scenario]", "[scenario]\nopening = 1.0\nbrake = 0.0").replace(

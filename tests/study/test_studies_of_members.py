@@ -4,12 +4,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from studies import SMALL, written
 
 from layflat.errors import InputError
 from layflat.machine.members import differing, members
 from layflat.sim.ensemble import ensemble
 from layflat.study import read, run, table
+from tests.study.studies import SMALL, written
 
 MEMBERS = "[vary.member]\nvalues = [0, 5, 7]\n"
 STUDY = SMALL.partition('[vary."joint')[0] + MEMBERS

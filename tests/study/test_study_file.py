@@ -2,10 +2,10 @@ from math import radians
 from pathlib import Path
 
 import pytest
-from studies import SMALL, SOBOL, without, written
 
 from layflat.errors import InputError
 from layflat.study import read
+from tests.study.studies import SMALL, SOBOL, without, written
 
 TORQUE = '[vary."joint.small.brake.torque"]\n'
 VARY = without(without(SMALL, 'vary."joint.small.brake.torque"'), 'vary."scenario.payload"')

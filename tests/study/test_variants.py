@@ -2,7 +2,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from studies import SMALL, written
 
 from layflat.description.change import value_at
 from layflat.errors import InputError
@@ -10,6 +9,7 @@ from layflat.machine import load
 from layflat.physics.valves.spool import SpoolValvePart
 from layflat.sim.ensemble import ensemble
 from layflat.study import read, run, table
+from tests.study.studies import SMALL, written
 
 VARIANTS = """
 [[variant]]

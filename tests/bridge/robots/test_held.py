@@ -1,10 +1,10 @@
 from pathlib import Path
 
 import pytest
-from robot_files import LOWER, joint, urdf, written
 
 from layflat.bridge.robots import import_arm
 from layflat.errors import InputError
+from tests.bridge.robot_files import LOWER, joint, urdf, written
 
 LEFT, RIGHT = (LOWER.replace('"lower"', f'"{side}"') for side in ("left", "right"))
 SLIDE = '<axis xyz="0 1 0"/><limit lower="{}" upper="0.1"/>'

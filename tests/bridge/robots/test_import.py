@@ -4,16 +4,16 @@ from typing import Any
 
 import numpy as np
 import pytest
-from chains import as_chain, random_arm
-from meshes import write_wedge
 from numpy.typing import NDArray
-from robot_files import ELBOW, MJCF, SHOULDER, UPPER, urdf, written
 
 from layflat.bridge import save_arm
 from layflat.bridge.robots import import_arm
 from layflat.machine import Machine, load, parameters
 from layflat.physics.arms import ARMS
 from layflat.sim.plant import SteppedPlant
+from tests.bridge.meshes import write_wedge
+from tests.bridge.robot_files import ELBOW, MJCF, SHOULDER, UPPER, urdf, written
+from tests.physics.arms.chain.chains import as_chain, random_arm
 
 mujoco: Any = pytest.importorskip("mujoco")
 

@@ -2,11 +2,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from robot_files import ELBOW, FLANGE, LOWER, MJCF, SHOULDER, TOOL, UPPER, joint, urdf, written
 
 from layflat.bridge import arm_spec, save_arm, to_mjcf, to_urdf
 from layflat.bridge.robots import import_arm
 from layflat.errors import InputError, MachineError
+from tests.bridge.robot_files import ELBOW, FLANGE, LOWER, MJCF, SHOULDER, TOOL, UPPER, joint, urdf, written
 
 SECOND = joint("wing", "revolute", "upper", "feather", '<axis xyz="0 0 1"/><limit lower="-1" upper="1"/>')
 FEATHER = LOWER.replace('"lower"', '"feather"')

@@ -1,11 +1,11 @@
 from pathlib import Path
 
 import pytest
-from meshes import write_wedge
-from robot_files import BASE, UPPER, urdf, written
 
 from layflat.bridge.robots import ImportedArm, import_arm
 from layflat.errors import InputError
+from tests.bridge.meshes import write_wedge
+from tests.bridge.robot_files import BASE, UPPER, urdf, written
 
 LONG = f"{'a' * 5000}.stl"
 

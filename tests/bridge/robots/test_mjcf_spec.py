@@ -3,11 +3,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from robot_files import UPPER, urdf, written
 
 from layflat.bridge import save_arm
 from layflat.bridge.robots import import_arm
 from layflat.errors import InputError
+from tests.bridge.robot_files import UPPER, urdf, written
 
 mujoco: Any = pytest.importorskip("mujoco")
 

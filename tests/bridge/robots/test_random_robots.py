@@ -7,12 +7,12 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from random_robots import RandomRobot, random_mjcf, random_urdf
 
 from layflat.bridge import save_arm
 from layflat.bridge.robots import ImportedArm, import_arm
 from layflat.machine import Machine, parameters
 from layflat.physics.arms import ARMS
+from tests.bridge.random_robots import RandomRobot, random_mjcf, random_urdf
 
 mujoco: Any = pytest.importorskip("mujoco")
 

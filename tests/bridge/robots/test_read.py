@@ -1,10 +1,10 @@
 from pathlib import Path
 
 import pytest
-from robot_files import MJCF, urdf, written
 
 from layflat.bridge.robots import import_arm
 from layflat.errors import InputError
+from tests.bridge.robot_files import MJCF, urdf, written
 
 
 @pytest.mark.parametrize(("name", "text", "to"), [

@@ -5,12 +5,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from robot_files import written
 
 from layflat.bridge.robots import import_arm
 from layflat.errors import InputError
 from layflat.machine import parameters
 from layflat.physics.arms import ARMS
+from tests.bridge.robot_files import written
 
 mujoco: Any = pytest.importorskip("mujoco")
 

@@ -3,10 +3,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from robot_files import ELBOW, LOWER, SHOULDER, joint, urdf, written
 
 from layflat.bridge.robots import import_arm
 from layflat.errors import InputError
+from tests.bridge.robot_files import ELBOW, LOWER, SHOULDER, joint, urdf, written
 
 BOTH = {"shoulder": (-0.5, 0.5), "elbow": (-0.5, 0.5)}
 FINGER = LOWER.replace('"lower"', '"finger"') + joint("grip", "revolute", "lower", "finger", '<axis xyz="0 0 1"/>{}')

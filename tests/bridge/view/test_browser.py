@@ -7,11 +7,11 @@ from urllib.request import urlopen
 
 import numpy as np
 import pytest
-from chains import random_arm
 
 from layflat.bridge.view.browser import Motion, Viewer
 from layflat.errors import InputError
 from layflat.machine import load
+from tests.physics.arms.chain.chains import random_arm
 
 viser: Any = pytest.importorskip("viser")
 zstandard: Any = pytest.importorskip("zstandard")

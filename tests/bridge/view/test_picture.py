@@ -3,8 +3,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from chains import as_chain, random_arm
-from meshes import write_wedge
 from numpy.typing import NDArray
 from PIL import Image
 
@@ -14,6 +12,8 @@ from layflat.bridge.view.picture import HEIGHT, WIDTH, picture, save_picture
 from layflat.bridge.view.scenery import scenery
 from layflat.errors import InputError, NoDrawingError
 from layflat.machine import load
+from tests.bridge.meshes import write_wedge
+from tests.physics.arms.chain.chains import as_chain, random_arm
 
 pytest.importorskip("mujoco")
 

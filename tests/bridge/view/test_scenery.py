@@ -2,10 +2,10 @@ from math import radians
 
 import numpy as np
 import pytest
-from chains import as_chain, random_arm
 
 from layflat.bridge.view.scenery import scenery, stroke_arcs
 from layflat.machine import changed, load
+from tests.physics.arms.chain.chains import as_chain, random_arm
 
 
 def test_gravity_pulls_downwards_however_the_base_lies() -> None:

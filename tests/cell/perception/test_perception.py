@@ -6,7 +6,6 @@ from typing import Any
 import cv2
 import numpy as np
 import pytest
-from tests.cell.perception.cell_pictures import Picture, false_picks, nearest, picture_of, with_camera, with_unknown
 
 from layflat.cell import Cell
 from layflat.cell.perception import base_of, calibrate_scene, detector_of, fruit_of
@@ -17,6 +16,7 @@ from layflat.cell.scene.camera import SimulatedCamera
 from layflat.cell.scene.optics import optics_of
 from layflat.cell.vision import SURE, Calibration, check_picture, self_check
 from layflat.errors import CameraError, PictureError
+from tests.cell.perception.cell_pictures import Picture, false_picks, nearest, picture_of, with_camera, with_unknown
 
 vision: Any = cv2
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-from controllers import Controller
 from numpy.typing import NDArray
 
 from layflat.cell.plan.pick import Command, Phase, Readings, Rules, State, Task
@@ -15,6 +14,7 @@ from layflat.motion.limits import MotionLimits
 from layflat.motion.reach import Reach
 from layflat.motion.travel import LEAD, Travel, move_arm, travel
 from layflat.sim.plant import SteppedPlant
+from tests.physics.controllers import Controller
 
 Array = NDArray[np.float64]
 

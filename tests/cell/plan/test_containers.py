@@ -3,9 +3,9 @@ from __future__ import annotations
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from places import places
 
 from layflat.cell.plan.containers import Fruit, Packing
+from tests.cell.plan.places import places
 
 SMALL, LARGE = (0.04, 0.06), (0.05, 0.08)
 PUNNET = places("punnet", (0.3, 0.1, 0.01), 0.08, (2, 3), *LARGE)

@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
-from places import places
 
 from layflat.cell.plan.containers import Fruit, Packing
 from layflat.cell.plan.order import cup_room, lift_room, next_pick
 from layflat.machine import load
 from layflat.motion.reach import Angles, Reach
+from tests.cell.plan.places import places
 
 REACH = Reach(load("paper-arm-fast"))
 PACKING = Packing(places("tray", (0.35, 0.3, 0.0), 0.07, (1, 3)))

@@ -4,10 +4,10 @@ from math import dist
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scripted_plant import CARRYING, CYCLE, LONGEST, PASSING, RULES, TASK, Plant, phases, run
 
 from layflat.cell.plan.pick import Command, Outcome, Phase, Readings, Relocation, State
 from layflat.cell.plan.pick_machine import SUCTION, TRANSITIONS, Event, begun, step
+from tests.cell.plan.scripted_plant import CARRYING, CYCLE, LONGEST, PASSING, RULES, TASK, Plant, phases, run
 
 ELSEWHERE = replace(TASK, over_fruit=(0.15, 0.1))
 

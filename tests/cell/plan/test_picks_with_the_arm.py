@@ -1,8 +1,8 @@
 import numpy as np
-from pick_bench import Bench
 
 from layflat.cell.plan.pick import Outcome, Task
 from layflat.machine import load
+from tests.cell.plan.pick_bench import Bench
 
 
 def test_the_papers_arm_places_fruit_within_its_tolerance() -> None:

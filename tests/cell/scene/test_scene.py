@@ -2,11 +2,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from tests.cell.scene.arms import Hand, mujoco, top
 
 from layflat.cell import Cell
 from layflat.cell.scene import Scene
 from layflat.errors import CellError
+from tests.cell.scene.arms import Hand, mujoco, top
 
 
 def crowded(cell: Cell, least: int, most: int, touching: float = 0.35) -> Cell:

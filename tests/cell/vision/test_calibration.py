@@ -4,10 +4,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from vision_scenes import CAMERA, true_calibration
 
 from layflat.cell.vision import load_calibration
 from layflat.errors import CameraError
+from tests.cell.vision.vision_scenes import CAMERA, true_calibration
 
 PLACES = np.array([[x, y, z] for x in (0.05, 0.4, 0.78) for y in (-0.25, 0.0, 0.28) for z in (0.0, 0.05)])
 

@@ -5,8 +5,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from pictures import Flat, Picture, Plate, Scene, take
-from vision_scenes import BOARD, CAMERA, MARKERS, PLATES, TABLE, board_plate, board_scenes, true_calibration
 
 from layflat.cell.markers import charuco
 from layflat.cell.vision import (
@@ -20,6 +18,17 @@ from layflat.cell.vision import (
     self_check,
 )
 from layflat.errors import CameraError, PictureError
+from tests.cell.vision.pictures import Flat, Picture, Plate, Scene, take
+from tests.cell.vision.vision_scenes import (
+    BOARD,
+    CAMERA,
+    MARKERS,
+    PLATES,
+    TABLE,
+    board_plate,
+    board_scenes,
+    true_calibration,
+)
 
 EMPTY = Scene(plates=PLATES, table=TABLE)
 

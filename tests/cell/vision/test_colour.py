@@ -6,11 +6,20 @@ from typing import Any
 
 import numpy as np
 import pytest
-from pictures import Ball, Flat, Light, Picture, Scene, take
-from vision_scenes import BACKGROUND, CAMERA, KINDS, PLATES, TABLE, TRAY, random_scene, true_calibration
 
 from layflat.cell.vision import SURE, Colour, ColourDetector, Detection, Kind
 from layflat.errors import InputError, PictureError
+from tests.cell.vision.pictures import Ball, Flat, Light, Picture, Scene, take
+from tests.cell.vision.vision_scenes import (
+    BACKGROUND,
+    CAMERA,
+    KINDS,
+    PLATES,
+    TABLE,
+    TRAY,
+    random_scene,
+    true_calibration,
+)
 
 RED, GREEN, CREAM, PURPLE = (190.0, 40.0, 30.0), (120.0, 170.0, 60.0), (215.0, 205.0, 185.0), (120.0, 40.0, 140.0)
 DETECTOR = ColourDetector(KINDS, TABLE, BACKGROUND)

@@ -3,7 +3,6 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from red_network import COLUMNS, ROWS, network
 
 from layflat.cell import load
 from layflat.cell.perception import detector_of
@@ -12,6 +11,7 @@ from layflat.cell.work.observer import Observer
 from layflat.cell.work.results import Summary
 from layflat.cell.work.run import packed
 from layflat.errors import CellError, InputError
+from tests.cell.vision.red_network import COLUMNS, ROWS, network
 
 CELL = """\
 extends = "packing"

@@ -3,12 +3,12 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from pictures import Ball, Picture, Scene, take
-from red_network import COLUMNS, ROWS, network
-from vision_scenes import CAMERA, KINDS, PLATES, TABLE, true_calibration
 
 from layflat.cell.vision import OnnxDetector
 from layflat.errors import InputError
+from tests.cell.vision.pictures import Ball, Picture, Scene, take
+from tests.cell.vision.red_network import COLUMNS, ROWS, network
+from tests.cell.vision.vision_scenes import CAMERA, KINDS, PLATES, TABLE, true_calibration
 
 
 @pytest.fixture(scope="module")

@@ -7,10 +7,10 @@ from dataclasses import replace
 from functools import cache
 
 import numpy as np
-from pictures import Ball, Flat, Light, Plate, Scene, TrueCamera, marker_plate, take
 
 from layflat.cell.markers import charuco
 from layflat.cell.vision import BaseMarkers, Calibration, CharucoBoard, Colour, Kind, Marker, calibrate
+from tests.cell.vision.pictures import Ball, Flat, Light, Plate, Scene, TrueCamera, marker_plate, take
 
 CAMERA = TrueCamera()
 TABLE = (60.0, 95.0, 140.0)

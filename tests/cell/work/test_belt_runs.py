@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import pytest
-from changed_cells import cell_with
 
 from layflat.cell.perception import Observation
 from layflat.cell.plan.containers import Fruit
@@ -11,6 +10,7 @@ from layflat.cell.plan.pick import Outcome
 from layflat.cell.work.observer import Observer
 from layflat.cell.work.results import Summary
 from layflat.cell.work.run import Run, packed
+from tests.cell.work.changed_cells import cell_with
 
 
 class Chosen(Observer):

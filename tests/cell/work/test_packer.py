@@ -6,7 +6,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from changed_cells import cell_with
 from numpy.typing import NDArray
 
 from layflat.cell import Cell
@@ -21,6 +20,7 @@ from layflat.cell.work.packer import Packer
 from layflat.cell.work.records import Pick, Verdict
 from layflat.cell.work.station import Station
 from layflat.errors import PictureError, RigStoppedError
+from tests.cell.work.changed_cells import cell_with
 
 FEW = {"tray/infeed/count": {"least": 3, "most": 3}, "tray/infeed/touching": 0.0, "tray/infeed/produce": ["tomato"]}
 RED = {"produce/tomato/colour/orange/share": 1e-6, "produce/tomato/diameter/least": "53 mm"}

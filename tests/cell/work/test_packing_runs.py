@@ -10,7 +10,6 @@ from typing import Any
 import av
 import numpy as np
 import pytest
-from changed_cells import cell_with
 from PIL import Image
 
 from layflat.cell import Cell
@@ -27,6 +26,7 @@ from layflat.cell.work.run import Run, calibrated, packed
 from layflat.cell.work.study import repeated
 from layflat.errors import CameraError, CellError, PictureError, RigStoppedError, StoppedError
 from layflat.machine import load
+from tests.cell.work.changed_cells import cell_with
 
 FEW: dict[str, Any] = {"tray/infeed/count": {"least": 2, "most": 2}, "tray/infeed/produce": ["tomato"]}
 RED = {"produce/tomato/colour/orange/share": 1e-6, "produce/tomato/diameter/least": "54 mm"}

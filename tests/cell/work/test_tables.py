@@ -5,8 +5,6 @@ from __future__ import annotations
 from dataclasses import replace
 from math import nan
 
-from changed_cells import cell_with
-
 from layflat.cell.perception import Observation
 from layflat.cell.plan.containers import Fruit, Place
 from layflat.cell.plan.order import Choice
@@ -14,6 +12,7 @@ from layflat.cell.plan.pick import Outcome
 from layflat.cell.work.records import Delivery, Pick, Verdict, VisionErrors
 from layflat.cell.work.tables import COLUMNS, known, not_picked, row, sort, summary, trouble
 from layflat.motion.reach import Posture
+from tests.cell.work.changed_cells import cell_with
 
 TOMATO = Fruit(0.4, 0.3, 0.0567, "tomato", "first")
 OVER = Posture((0.1, 0.2), 0.0)

@@ -3,7 +3,6 @@ from __future__ import annotations
 from math import cos, sin
 
 import pytest
-from changed_cells import cell_with
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -14,6 +13,7 @@ from layflat.cell.plan.pick import Task
 from layflat.cell.work.tasks import centred, rules_of, task_of
 from layflat.machine import load
 from layflat.motion.reach import Reach
+from tests.cell.work.changed_cells import cell_with
 
 ANGLES = st.tuples(st.floats(-0.8, 0.8), st.floats(-0.8, 0.8))
 

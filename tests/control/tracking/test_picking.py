@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from benchmarks.picking import CLOSE, followed, lines, moves, places, settled
 
+from benchmarks.picking import CLOSE, followed, lines, moves, places, settled
 from layflat.machine import load, parameters
 from layflat.motion.inverse import Inverse
 from layflat.motion.kinematics import Kinematics

@@ -4,13 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from models import TIME, ByLifetime, Decay, Led, Level, Linearly, Product, Twins, TwoTones
 
 from layflat.errors import InputError
 from layflat.identify import fit
 from layflat.identify.fit.certainty import NORMAL
 from layflat.identify.fit.residuals import PRIOR_WIDTH
 from layflat.identify.report_text import prediction, untrusted
+from tests.identify.fit.models import TIME, ByLifetime, Decay, Led, Level, Linearly, Product, Twins, TwoTones
 
 TRUTH = np.array([1.7, 0.6, 0.2])
 

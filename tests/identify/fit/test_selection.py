@@ -4,12 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from models import TIME, Decay, Polynomial
 
 from layflat.identify.fit import fit_selected
 from layflat.identify.fit.folds import MAX_FOLDS, split_folds
 from layflat.identify.fit.result import choose
 from layflat.identify.report_text import expected
+from tests.identify.fit.models import TIME, Decay, Polynomial
 
 LINE, PARABOLA = (1.0, -2.0), (1.0, -2.0, 0.5)
 

@@ -57,5 +57,5 @@ def write_json(path: Path, messages: Sequence[tuple[str, float, Any]], encoding:
                 channels[topic] = writer.register_channel(topic, encoding, schema)
             stamp = round(1e9 * time)
             writer.add_message(channels[topic], stamp, json.dumps(content).encode(), stamp)
-        writer.finish()  # type: ignore[no-untyped-call]
+        writer.finish()
     return path

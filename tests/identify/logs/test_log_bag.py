@@ -3,11 +3,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from bags import Message, header, write_json, write_ros
 
 from layflat.errors import InputError
 from layflat.identify.logs import read_log, read_table
 from layflat.identify.logs.mapping import mapping_of
+from tests.identify.logs.bags import Message, header, write_json, write_ros
 
 START = 1_700_000_000
 """A rig's clock: seconds since 1970."""

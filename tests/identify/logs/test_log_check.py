@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from recordings import Array, changed, mapping, recorded, run, told, write_csv
 
 from layflat.errors import InputError
 from layflat.identify.logs import check, read_log, refuse, save
@@ -15,6 +14,7 @@ from layflat.identify.logs.issue import Issue
 from layflat.identify.logs.mapping import mapping_of
 from layflat.machine import changed as described
 from layflat.machine import load
+from tests.identify.logs.recordings import Array, changed, mapping, recorded, run, told, write_csv
 
 SMALL = load("paper-small-joint-fast")
 Change = Callable[[Array], Array]

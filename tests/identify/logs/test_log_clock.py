@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from recordings import Array, ticks, write_csv
 
 from layflat.errors import InputError
 from layflat.identify.logs import check, read_log
 from layflat.identify.logs.grid import GAP, Series, clock_of, grid_over, resampled
+from tests.identify.logs.recordings import Array, ticks, write_csv
 
 
 def series(signal: str, time: Array, values: Array) -> Series:

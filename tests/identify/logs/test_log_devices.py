@@ -5,12 +5,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from recordings import Array, ticks
 
 from layflat.errors import InputError
 from layflat.identify.logs import guess_mapping, read_log, read_table
 from layflat.identify.logs.clocks import unwrap_counter
 from layflat.identify.logs.guess import Guess
+from tests.identify.logs.recordings import Array, ticks
 
 COUNT = 120
 TIME = ticks(0.01, COUNT)

@@ -9,15 +9,15 @@ import numpy as np
 import pyarrow
 import pytest
 import xarray
-from bags import write_json
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from pyarrow import parquet
-from recordings import Array, changed, entry, mapping, recorded, run, write_csv
 
 from layflat.errors import InputError
 from layflat.identify.logs import read_log, read_table, save
 from layflat.identify.logs.mapping import mapping_of
+from tests.identify.logs.bags import write_json
+from tests.identify.logs.recordings import Array, changed, entry, mapping, recorded, run, write_csv
 
 Columns = dict[str, Array]
 

@@ -2,7 +2,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from recordings import changed, mapping, recorded, ticks, write_csv
 
 from layflat.errors import InputError
 from layflat.identify.logs import check, guess_mapping, read_log, read_mapping, write_mapping
@@ -10,6 +9,7 @@ from layflat.identify.logs.headers import words_of
 from layflat.identify.logs.mapping import mapping_of
 from layflat.identify.logs.vocabulary import meanings, signal_of
 from layflat.machine import load
+from tests.identify.logs.recordings import changed, mapping, recorded, ticks, write_csv
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from recordings import ENTRIES, Array, changed, entry, mapping, recorded, run, ticks, write_csv
 
 from layflat.errors import InputError
 from layflat.identify.logs import check, read_log
@@ -16,6 +15,7 @@ from layflat.identify.logs.grid import clock_of, grid_over
 from layflat.identify.logs.issue import Issue
 from layflat.identify.logs.mapping import mapping_of
 from layflat.machine import load
+from tests.identify.logs.recordings import ENTRIES, Array, changed, entry, mapping, recorded, run, ticks, write_csv
 
 SMALL = load("paper-small-joint-fast")
 ATMOSPHERE = 1.01325  # bar

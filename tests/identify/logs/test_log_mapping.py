@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from recordings import ENTRIES, mapping, recorded, write_csv
 
 from layflat.errors import InputError
 from layflat.identify.logs import read_log, read_mapping, write_mapping
 from layflat.identify.logs.mapping import Mapping, mapping_of, mapping_text
 from layflat.identify.logs.signals import SIGNALS
+from tests.identify.logs.recordings import ENTRIES, mapping, recorded, write_csv
 
 TEXT = """
 [time]

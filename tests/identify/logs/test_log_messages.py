@@ -12,13 +12,13 @@ from typing import Any
 import numpy as np
 import pytest
 import zstandard
-from bags import Message, header, write_json, write_ros
 from mcap.writer import CompressionType, Writer
 
 from layflat.errors import InputError
 from layflat.identify.logs import check, guess_mapping, read_log, read_table
 from layflat.identify.logs.mapping import mapping_of
 from layflat.rig.recorder.repair import repair
+from tests.identify.logs.bags import Message, header, write_json, write_ros
 
 CDR = b"\0\1\0\0"
 
@@ -38,7 +38,7 @@ def bag_of(path: Path, topics: dict[str, tuple[str, str, str, list[bytes]]], **o
             channel = writer.register_channel(topic, encoding, schema)
             for i, data in enumerate(messages):
                 writer.add_message(channel, i * 10**8, data, i * 10**8)
-        writer.finish()  # type: ignore[no-untyped-call]
+        writer.finish()
     return path
 
 
@@ -114,7 +114,7 @@ def test_log_times_of_any_size(tmp_path: Path) -> None:
         channel = writer.register_channel("/x", "json", 0)
         for i in range(3):
             writer.add_message(channel, 2**63 + i * 10**8, b"1", 0)
-        writer.finish()  # type: ignore[no-untyped-call]
+        writer.finish()
     stamps = read_table(tmp_path / "x.mcap").columns["x"].stamps
     assert stamps is not None
     assert stamps.tolist() == [0.0, 0.1, 0.2]

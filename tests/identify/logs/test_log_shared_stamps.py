@@ -4,12 +4,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from recordings import Array, ticks
 
 from layflat.errors import InputError
 from layflat.identify.logs import guess_mapping, read_log
 from layflat.identify.logs.clocks import unwrap_counter
 from layflat.identify.logs.shared_stamps import find_shared
+from tests.identify.logs.recordings import Array, ticks
 
 COUNT = 1000
 TIME = ticks(0.01, COUNT)

@@ -6,10 +6,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from recordings import ticks
 
 from layflat.errors import InputError
 from layflat.identify.logs import guess_mapping, read_log, read_table
+from tests.identify.logs.recordings import ticks
 
 COUNT = 200
 TIME = ticks(0.01, COUNT)

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from recordings import Array
 
 from layflat.errors import LayflatError
 from layflat.identify.logs import check, guess_mapping, read_log, read_mapping, read_table, write_mapping
@@ -15,6 +14,7 @@ from layflat.identify.logs.headers import header_of, words_of
 from layflat.identify.logs.text.numbers import number, read_numbers
 from layflat.identify.logs.text.stamps import read_stamps
 from layflat.identify.logs.vocabulary import meanings, signal_of
+from tests.identify.logs.recordings import Array
 
 PRESSURE_UNITS = {
     "kPa": 1e3, "kPa (g)": 1e3, "bar": 1e5, "mbar(g)": 100.0, "bar abs": 1e5, "psig": 6894.757293168,

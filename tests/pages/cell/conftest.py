@@ -1,7 +1,8 @@
 from pathlib import Path
 
 import pytest
-from few_tomatoes import FEW
+
+from tests.cli.few_tomatoes import FEW
 
 
 @pytest.fixture(scope="session")

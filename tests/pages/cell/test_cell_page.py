@@ -5,7 +5,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from commands import layflat
+
+from tests.cli.commands import layflat
 from tests.pages.browsers import chromium
 from tests.pages.cell.watching import picks, results, serious, text, until, watching, width
 

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+
 from tests.pages.browsers import chromium
 from tests.pages.cell.watching import results, serious, text, until, watching
 

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+
 from tests.pages.browsers import Served, link_from
 
 COMMAND = [sys.executable, "-c", "from layflat.cli import main; main()", "pack", "--watch", "--no-browser"]

@@ -5,13 +5,13 @@ from pathlib import Path
 from statistics import median
 
 import pytest
+
+from layflat.rig.lease import HELD_AFTER
 from tests.pages.browsers import PATIENT
 from tests.pages.panel.arm import ANSWERED, LAPSES, OBEYS, PATIENCE, longest_gap, moved, moving
 from tests.pages.pressing import Presser
 from tests.pages.turning import KEPT, Turns
 from tests.pages.visitor import Visitor
-
-from layflat.rig.lease import HELD_AFTER
 
 pytestmark = pytest.mark.realtime
 BOUND = 0.04  # of the loop's work in one turn, s; the longest is a third of it where nobody else works

@@ -7,7 +7,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from served_rig import LAYFLAT, ServedRig
+
+from tests.cli.served_rig import LAYFLAT, ServedRig
 from tests.pages.browsers import PATIENT_ARM, Served, chromium, link_from
 from tests.pages.panel.driving import pressed, ready, state, until
 

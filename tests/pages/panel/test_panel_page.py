@@ -11,6 +11,9 @@ from typing import Any
 from urllib.parse import urlsplit
 
 import pytest
+
+from layflat.rig.recorder.run import read_run
+from layflat.rig.safety.states import State
 from tests.pages.browsers import PATIENT, PATIENT_ARM, PATIENT_HOST, Served, chromium, kill_pages, launched, served
 from tests.pages.panel.driving import (
     angle,
@@ -29,9 +32,6 @@ from tests.pages.panel.driving import (
     until,
     vented,
 )
-
-from layflat.rig.recorder.run import read_run
-from layflat.rig.safety.states import State
 
 pytestmark = pytest.mark.realtime
 FLOOD = 600  # connections at once; a process may have 1024 files open

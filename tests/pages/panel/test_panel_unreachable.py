@@ -4,6 +4,7 @@ import time
 from pathlib import Path
 
 import pytest
+
 from tests.pages.browsers import PATIENT
 from tests.pages.panel.arm import ANSWERED, moved
 from tests.pages.turning import KEPT

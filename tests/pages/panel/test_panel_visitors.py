@@ -7,13 +7,13 @@ from multiprocessing import get_context
 from pathlib import Path
 
 import pytest
+
+from layflat.rig.lease import HELD_AFTER
 from tests.pages.browsers import PATIENT
 from tests.pages.panel.arm import ANSWERED, LAPSES, OBEYS, PATIENCE, longest_gap, moved
 from tests.pages.pressing import Element
 from tests.pages.turning import KEPT
 from tests.pages.visitor import Visitor
-
-from layflat.rig.lease import HELD_AFTER
 
 pytestmark = pytest.mark.realtime
 BOUND = 0.04  # of the loop's work in one turn, s; the longest is half of it where nobody else works

@@ -1,4 +1,5 @@
 import pytest
+
 from tests.pages.server.serving import Served
 
 

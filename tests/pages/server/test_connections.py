@@ -6,10 +6,10 @@ from contextlib import ExitStack
 from threading import Thread
 
 import pytest
-from tests.pages.server.serving import Served
 
 from layflat.pages.server import Place, connections
 from layflat.pages.server.connections import MOST, Listener
+from tests.pages.server.serving import Served
 
 FLOOD = 1000
 

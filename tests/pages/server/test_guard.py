@@ -3,9 +3,10 @@ import socket
 from collections.abc import Iterator
 
 import pytest
-from tests.pages.server.serving import Served
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.connection import Connection
+
+from tests.pages.server.serving import Served
 
 
 def test_the_start_link_gives_a_cookie_and_goes_on_by_itself(served: Served) -> None:

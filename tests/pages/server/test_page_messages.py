@@ -8,12 +8,12 @@ from typing import Any
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from tests.pages.server.serving import Served, serving
-from tests.pages.visitor import Visitor
 from websockets.exceptions import InvalidStatus
 
 from layflat.pages.server.logs import MAX_LENGTH, one_line
 from layflat.pages.server.messages import FOR_LOG, problem_of
+from tests.pages.server.serving import Served, serving
+from tests.pages.visitor import Visitor
 
 DEEP = "[" * 100_000
 OF_ENGINE = ["", "x", "9", "0{}", "2", "2probe", "5", "4", "\0", "é" * 100, "1x", "4" + "2" * 1000]

@@ -1,6 +1,7 @@
 import pytest
-from tests.pages.server.serving import Served
 from websockets.exceptions import InvalidStatus
+
+from tests.pages.server.serving import Served
 
 
 @pytest.mark.parametrize("host", ["127.0.0.1", "localhost", "LocalHost", "[::1]"])

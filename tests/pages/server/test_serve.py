@@ -5,12 +5,12 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from tests.pages.browsers import chromium
-from tests.pages.server.serving import SOCKET, Served, serving
-from tests.pages.server.test_place import certificate
 from websockets.exceptions import ConnectionClosed
 
 from layflat.pages.server.connections import MOST
+from tests.pages.browsers import chromium
+from tests.pages.server.serving import SOCKET, Served, serving
+from tests.pages.server.test_place import certificate
 
 pytest.importorskip("nicegui", reason="needs the extra 'panel'")
 

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+
 from tests.pages.server.serving import ELEMENTS, serving
 from tests.pages.visitor import Visitor
 

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import pytest
+
 from tests.pages.browsers import served
 from tests.pages.pressing import Element, Presser, hard_values, put
 from tests.pages.turning import KEPT, Turns

@@ -6,10 +6,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from commands import layflat
-from tests.pages.browsers import Served, chromium, served
 
 from layflat.machine import load
+from tests.cli.commands import layflat
+from tests.pages.browsers import Served, chromium, served
 
 pytestmark = [pytest.mark.compiled, pytest.mark.realtime]
 WIDTH = "Joint large, hose, Width in mm"

@@ -4,7 +4,6 @@ from contextlib import suppress
 from pathlib import Path
 
 import pytest
-from commands import layflat
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -14,6 +13,7 @@ from layflat.machine import load
 from layflat.pages.studio.design import Change, Design
 from layflat.pages.studio.opened import open_description
 from layflat.pages.studio.saving import place, save, stale
+from tests.cli.commands import layflat
 
 WIDTH = "joint.large.hose.width"
 

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from plants import CYCLE, PASSIVE, Floats, kinetic_energy, run, signals
 
 from layflat.physics.arms.planar import (
     KIND,
@@ -21,6 +20,7 @@ from layflat.physics.arms.planar import (
     two_link_mass,
 )
 from layflat.sim.kernel import Timing
+from tests.physics.plants import CYCLE, PASSIVE, Floats, kinetic_energy, run, signals
 
 mujoco: Any = pytest.importorskip("mujoco")
 

@@ -4,10 +4,10 @@ from math import degrees
 
 import numpy as np
 import pytest
-from plants import CYCLE, JOINTS, PASSIVE, TWO_LINKS, Floats, Run, kinetic_energy, run, signals
 
 from layflat.physics.friction.stribeck import KIND, Stribeck
 from layflat.sim.kernel import Timing
+from tests.physics.plants import CYCLE, JOINTS, PASSIVE, TWO_LINKS, Floats, Run, kinetic_energy, run, signals
 
 BRAKES, PAYLOAD = np.array([6.7, 2.2]), 1.5
 FALLING = Stribeck(0.3, 1.0 / 0.1**2, 0.2, 0.02)

@@ -3,9 +3,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
-from plants import losses
 
 from layflat.physics.hysteresis.elasto_slip import ElastoSlip, Elements, slip, slip_all, stored_energy
+from tests.physics.plants import losses
 
 Floats = NDArray[np.float64]
 LOSS = losses(10.0)

@@ -2,12 +2,12 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from plants import VALVE
 
 from layflat.physics.valves import VALVES, at_rest, move, net_opening, start_wave, weaken_wave
 from layflat.physics.valves.spool_mean import MeanSpool, Share, averaged
 from layflat.physics.valves.spool_motion import SpoolState
 from layflat.physics.valves.spool_ports import path_conductance
+from tests.physics.plants import VALVE
 
 MEAN: MeanSpool = averaged(VALVE)
 PERIOD = np.linspace(0.0, 2.0 * np.pi, 2001)[:-1]

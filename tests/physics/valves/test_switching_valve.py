@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from plants import PAIR
 
 from layflat.physics.valves.switching import (
     SwitchState,
@@ -16,6 +15,7 @@ from layflat.physics.valves.switching import (
     switch_on_and_off,
     turn_carrier,
 )
+from tests.physics.plants import PAIR
 
 SWITCH, T = PAIR.switch, 1.0 / PAIR.frequency
 SHUT = SwitchState(0.0, 0.0)

@@ -10,7 +10,6 @@ from collections.abc import Iterator
 from types import SimpleNamespace
 
 import pytest
-from devices import ARM, WIRE, FakeDevice
 from hypothesis import given
 from hypothesis import strategies as st
 from pymodbus.client import ModbusTcpClient
@@ -18,6 +17,7 @@ from pymodbus.client import ModbusTcpClient
 from layflat.rig.clock import VirtualClock
 from layflat.rig.device.modbus_server import ModbusStation
 from layflat.rig.wire.identity import Identity
+from tests.rig.devices import ARM, WIRE, FakeDevice
 
 SAFE = [0, 0x8000, 0x8000]
 
@@ -43,9 +43,9 @@ def station() -> Iterator[SimpleNamespace]:
 def client(station: SimpleNamespace) -> Iterator[ModbusTcpClient]:
     station.clock.wait(station.clock.now() + 10**9)
     found = ModbusTcpClient("127.0.0.1", port=station.port, timeout=2, retries=0)
-    assert found.connect()  # type: ignore[no-untyped-call]
+    assert found.connect()
     yield found
-    found.close()  # type: ignore[no-untyped-call]
+    found.close()
 
 
 def plain(port: int) -> socket.socket:
@@ -110,7 +110,7 @@ def test_one_master_at_a_time_until_it_leaves_or_falls_silent(
     station.clock.wait(station.clock.now() + 100_000_000)
     assert not other.read_holding_registers(256, count=14).isError()
     assert client.read_holding_registers(256, count=14).exception_code == 6
-    other.close()  # type: ignore[no-untyped-call]
+    other.close()
     for _ in range(100):
         reply = client.read_holding_registers(256, count=14)
         if not reply.isError():

@@ -8,13 +8,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from devices import ARM, FakeDevice, advance, angle_after, burst, device_process, frozen, patient, truth
 
 from layflat.errors import LayflatError
 from layflat.rig.clock import Clock
 from layflat.rig.device.process import DeviceProcess, ModbusPort, SerialPort
 from layflat.rig.driver import Command
 from layflat.rig.drivers.address import driver_of
+from tests.rig.devices import ARM, FakeDevice, advance, angle_after, burst, device_process, frozen, patient, truth
 
 PATIENT = patient(ARM, 5.0)
 

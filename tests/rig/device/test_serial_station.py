@@ -6,13 +6,13 @@ from contextlib import suppress
 from pathlib import Path
 
 import pytest
-from devices import ARM, WIRE, FakeDevice
 
 from layflat.errors import OutputError
 from layflat.rig.clock import VirtualClock
 from layflat.rig.device.link import Spoil
 from layflat.rig.device.serial_server import SerialStation
 from layflat.rig.wire import frames
+from tests.rig.devices import ARM, WIRE, FakeDevice
 
 SAFE = frames.as_bytes([0, 0x8000, 0x8000])
 

@@ -13,7 +13,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from devices import ARM, WIRE, Threaded, angle_after, heal, spoil, truth
 
 from layflat import changed, load
 from layflat.machine.model import Machine
@@ -24,6 +23,7 @@ from layflat.rig.driver import Capabilities, Command, DeviceState, Driver, Drive
 from layflat.rig.drivers.address import driver_of
 from layflat.rig.drivers.linked import lock_rig
 from layflat.rig.wire.content import ROUND
+from tests.rig.devices import ARM, WIRE, Threaded, angle_after, heal, spoil, truth
 
 FORWARD = Command(np.array([6.0, 5.5]), air=True)
 

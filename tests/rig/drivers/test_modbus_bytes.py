@@ -10,15 +10,15 @@ from contextlib import suppress
 
 import numpy as np
 import pytest
-from devices import ARM, WIRE
 from hypothesis import given
 from hypothesis import strategies as st
-from stations import HASTY, Reply, Server, good
 
 from layflat import changed
 from layflat.rig.driver import Command, DriverError, LinkError
 from layflat.rig.drivers.address import driver_of
 from layflat.rig.drivers.modbus import ModbusDriver
+from tests.rig.devices import ARM, WIRE
+from tests.rig.stations import HASTY, Reply, Server, good
 
 
 @pytest.fixture(scope="module")

@@ -7,8 +7,6 @@ from collections.abc import Iterator
 
 import numpy as np
 import pytest
-from devices import ARM, WIRE, patient
-from stations import READING, Reply, Server, good
 
 from layflat.rig.check.all import check_rig
 from layflat.rig.check.open_loop import CheckResult
@@ -18,6 +16,8 @@ from layflat.rig.drivers.address import driver_of
 from layflat.rig.drivers.modbus import ModbusDriver
 from layflat.rig.drivers.station_errors import EXCEPTIONS, no_reply
 from layflat.rig.wire.identity import MAGIC, Identity
+from tests.rig.devices import ARM, WIRE, patient
+from tests.rig.stations import READING, Reply, Server, good
 
 PATIENT = patient(ARM, 0.2)
 WORDS = Identity.of(ARM).words()

@@ -14,7 +14,6 @@ from zlib import crc32
 import pytest
 import serial
 from cobs import cobs
-from devices import ARM, WIRE, patient
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -22,6 +21,7 @@ from layflat.rig.driver import DriverError, LinkError
 from layflat.rig.drivers.address import driver_of
 from layflat.rig.drivers.serial import SerialDriver
 from layflat.rig.wire.identity import Identity
+from tests.rig.devices import ARM, WIRE, patient
 
 HASTY = patient(ARM, 0.03)
 READING = [0x0004, 1638, 2048, 2048, 1000, 3000]
@@ -32,7 +32,7 @@ Reply = Callable[[int, int], bytes]
 
 def frame(kind: int, sequence: int, words: list[int]) -> bytes:
     body = struct.pack(f">BBH{len(words)}H", 1, kind, sequence, *words)
-    stuffed: bytes = cobs.encode(body + struct.pack(">I", crc32(body)))  # type: ignore[no-untyped-call]
+    stuffed: bytes = cobs.encode(body + struct.pack(">I", crc32(body)))
     return b"\0" + stuffed + b"\0"
 
 
@@ -56,7 +56,7 @@ class Terminal:
             while data := os.read(self._near, 1000):
                 *pieces, tail = (tail + data).split(b"\0")
                 for piece in filter(None, pieces):
-                    kind, sequence = struct.unpack_from(">xBH", cobs.decode(piece))  # type: ignore[no-untyped-call]
+                    kind, sequence = struct.unpack_from(">xBH", cobs.decode(piece))
                     os.write(self._near, self.reply(kind, sequence))
 
     def hang_up(self) -> bytes:

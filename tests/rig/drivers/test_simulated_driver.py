@@ -1,6 +1,5 @@
 import numpy as np
 import pytest
-from controllers import Controller
 
 from layflat.machine import Machine, load, parameters
 from layflat.rig.clock import SECOND, VirtualClock
@@ -10,6 +9,7 @@ from layflat.rig.driver import Command, DeviceState, DriverError, Lifecycle, Lin
 from layflat.rig.drivers.simulated import SimulatedDriver
 from layflat.sim import rollout
 from layflat.sim.plant import SteppedPlant
+from tests.physics.controllers import Controller
 
 SMALL = load("paper-small-joint")
 CYCLE = 5_000_000

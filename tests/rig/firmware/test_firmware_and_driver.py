@@ -11,11 +11,11 @@ from contextlib import suppress
 
 import numpy as np
 import pytest
-from devices import ARM, WIRE
-from firmwares import firmware
 
 from layflat.rig.driver import Command, DeviceState, Driver, LinkError, Reading
 from layflat.rig.drivers.address import driver_of
+from tests.rig.devices import ARM, WIRE
+from tests.rig.firmwares import firmware
 
 
 class Board:

@@ -11,14 +11,14 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
-from devices import ARM, WIRE
-from firmwares import FOLDER, firmware
 from hypothesis import given
 from hypothesis import strategies as st
 
 from layflat.rig.driver import Command, DeviceState, Reading
 from layflat.rig.wire import frames
 from layflat.rig.wire.identity import Identity
+from tests.rig.devices import ARM, WIRE
+from tests.rig.firmwares import FOLDER, firmware
 
 SETTINGS = firmware("settings")
 MS = 1000

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
-from rigrows import BEGIN, CYCLE, HEADING, column, log_of, rows
 
 import layflat
 from layflat.machine import load
@@ -16,6 +15,7 @@ from layflat.rig.recorder.bag import Bag, Heading
 from layflat.rig.recorder.file import GrowingFile
 from layflat.rig.recorder.repair import Kept, records
 from layflat.rig.recorder.ring import Event, Level
+from tests.rig.recorder.rigrows import BEGIN, CYCLE, HEADING, column, log_of, rows
 
 
 def test_the_official_reader_finds_topics_times_and_what_the_log_says_of_itself(tmp_path: Path) -> None:

@@ -4,12 +4,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from rigrows import BEGIN, CYCLE, HEADING, LAYOUT, rows
 
 from layflat.rig.recorder import blackbox
 from layflat.rig.recorder.blackbox import AFTER, BEFORE, BlackBox
 from layflat.rig.recorder.ring import Event, Level
 from layflat.rig.recorder.run import read_recording
+from tests.rig.recorder.rigrows import BEGIN, CYCLE, HEADING, LAYOUT, rows
 
 FAULT = LAYOUT.shared["fault"]
 

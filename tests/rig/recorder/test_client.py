@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from rigrows import LAYOUT
 
 from layflat.rig.recorder.client import RecorderClient
 from layflat.rig.recorder.ring import Event, Level, RecorderState, Ring
 from layflat.rig.safety.faults import Fault
+from tests.rig.recorder.rigrows import LAYOUT
 
 
 @pytest.mark.parametrize(

@@ -11,12 +11,12 @@ from mcap.records import Message, Schema
 from mcap.stream_reader import StreamReader
 from mcap_ros2.decoder import DecoderFactory
 from numpy.typing import NDArray
-from rigrows import BEGIN, LAW, LAYOUT
 
 from layflat.rig.record import SHARED, Layout
 from layflat.rig.recorder.bag import Bag, Heading
 from layflat.rig.recorder.messages import CYCLE, JOINT_STATE, LOG, Fixed, encoded_event, schemas_of
 from layflat.rig.recorder.ring import Event, Level
+from tests.rig.recorder.rigrows import BEGIN, LAW, LAYOUT
 
 NAMES = st.lists(st.text("abcdefghijklmnopq_é", min_size=1, max_size=9), min_size=1, max_size=4, unique=True)
 

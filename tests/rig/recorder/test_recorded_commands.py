@@ -4,12 +4,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from rigrows import LAYOUT, log_of, rows
 from typer.testing import CliRunner
 
 from layflat.cli import app
 from layflat.errors import InputError
 from layflat.rig.recorder.ring import Event, Level
+from tests.rig.recorder.rigrows import LAYOUT, log_of, rows
 
 
 def layflat(*words: str | Path) -> str:

@@ -7,7 +7,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray
-from rigrows import BEGIN, CYCLE, HEADING, JOINTS, LAYOUT, column, log_of, rows
 
 from layflat.errors import InputError, OutputError
 from layflat.identify.logs import check, read_log
@@ -23,6 +22,7 @@ from layflat.rig.safety.states import State
 from layflat.sim import rollout
 from layflat.sim.dataset import open_run
 from layflat.sim.metrics import moves_of
+from tests.rig.recorder.rigrows import BEGIN, CYCLE, HEADING, JOINTS, LAYOUT, column, log_of, rows
 
 
 @pytest.fixture(scope="module")

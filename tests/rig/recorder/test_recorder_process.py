@@ -11,7 +11,6 @@ from random import Random
 
 import numpy as np
 import pytest
-from rigrows import BEGIN, CYCLE, HEADING, LAYOUT, column, rows, running_loop, wait_for
 
 from layflat.errors import OutputError
 from layflat.rig.clock import SECOND
@@ -21,6 +20,7 @@ from layflat.rig.recorder.process import Recorder, TakenError, check_place, part
 from layflat.rig.recorder.repair import repair
 from layflat.rig.recorder.ring import Event, Level, RecorderState, Ring
 from layflat.rig.recorder.run import read_recording
+from tests.rig.recorder.rigrows import BEGIN, CYCLE, HEADING, LAYOUT, column, rows, running_loop, wait_for
 
 
 @pytest.fixture

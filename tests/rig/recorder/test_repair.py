@@ -13,12 +13,12 @@ from mcap.reader import make_reader
 from mcap.records import Chunk, Message
 from mcap.stream_reader import StreamReader, breakup_chunk
 from mcap.writer import CompressionType, Writer
-from rigrows import BEGIN, HEADING, log_of, rows
 
 from layflat.errors import InputError, OutputError
 from layflat.rig.recorder.bag import Bag
 from layflat.rig.recorder.repair import Kept, repair
 from layflat.rig.recorder.ring import Event, Level
+from tests.rig.recorder.rigrows import BEGIN, HEADING, log_of, rows
 
 Messages = list[tuple[str, int, bytes]]
 
@@ -41,7 +41,7 @@ def packed(compression: CompressionType) -> bytes:
     channels = [writer.register_channel(topic, "cdr", schema) for topic in ("/a", "/b")]
     for k in range(40):
         writer.add_message(channels[k % 2], 1000 + k, bytes([k]) * 40, 1000 + k, k)
-    writer.finish()  # type: ignore[no-untyped-call]
+    writer.finish()
     return stream.getvalue()
 
 

@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from rigrows import LAYOUT, rows
 
 from layflat.errors import InputError
 from layflat.rig.recorder.ring import STALE, TEXT, Event, Level, RecorderState, Ring
 from layflat.rig.system import RING, sweep
+from tests.rig.recorder.rigrows import LAYOUT, rows
 
 
 @pytest.fixture

@@ -9,12 +9,12 @@ from zlib import crc32
 
 import pytest
 from cobs import cobs
-from firmwares import firmware
 from hypothesis import given
 from hypothesis import strategies as st
 
 from layflat.rig.wire import frames as host
 from layflat.rig.wire.content import WireError
+from tests.rig.firmwares import firmware
 
 SIDES = {"host": host, "firmware": firmware("frames")}
 BOTH = [(one, other) for one in SIDES for other in SIDES]
@@ -43,8 +43,8 @@ def test_both_sides_make_the_same_bytes(message: Message, payload: bytes) -> Non
 @given(st.binary(max_size=100))
 def test_the_firmwares_own_checks_are_the_libraries(data: bytes) -> None:
     assert SIDES["firmware"].own_crc32(data) == crc32(data)
-    assert SIDES["firmware"].stuffed(data) == cobs.encode(data)  # type: ignore[no-untyped-call]
-    assert SIDES["firmware"].unstuffed(cobs.encode(data)) == data  # type: ignore[no-untyped-call]
+    assert SIDES["firmware"].stuffed(data) == cobs.encode(data)
+    assert SIDES["firmware"].unstuffed(cobs.encode(data)) == data
 
 
 @pytest.mark.parametrize(("one", "other"), BOTH)
@@ -111,7 +111,7 @@ def test_an_endless_frame_is_one_bad_one(side: str) -> None:
 @pytest.mark.parametrize("side", SIDES)
 def test_another_version_is_no_frame(side: str) -> None:
     body = struct.pack(">BBH", host.VERSION + 1, 2, 7) + b"hello"
-    stream = b"\0" + cobs.encode(body + struct.pack(">I", crc32(body))) + b"\0"  # type: ignore[no-untyped-call]
+    stream = b"\0" + cobs.encode(body + struct.pack(">I", crc32(body))) + b"\0"
     assert fed(SIDES[side], stream) == ([], 1)
 
 

@@ -5,7 +5,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from bouc_wen import BoucWen, measured
 
 from layflat.errors import InputError
 from layflat.identify import fit
@@ -17,6 +16,7 @@ from layflat.identify.identified_file import identified_path
 from layflat.identify.kinds import Candidate
 from layflat.machine import changed, load
 from layflat.machine.exchanged import with_losses
+from tests.identify.benches.joint_loops.bouc_wen import BoucWen, measured
 
 RIG = load("rig-shell-steel")
 FITTED, VALIDATION = ((5, 6.0), (20, 8.0), (60, 10.0)), ((2, 4.0), (10, 10.0), (40, 5.0))

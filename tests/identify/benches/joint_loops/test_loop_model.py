@@ -3,7 +3,6 @@ from math import radians
 import numpy as np
 import pytest
 import xarray
-from bouc_wen import AMBIENT, BoucWen, measured
 
 from layflat.errors import InputError
 from layflat.identify import fit
@@ -13,6 +12,7 @@ from layflat.identify.benches.joint_loops.model import LoopModel
 from layflat.identify.benches.loader import bench_of
 from layflat.identify.benches.moving.model import BENCH as MOVING
 from layflat.machine import Machine, changed, load
+from tests.identify.benches.joint_loops.bouc_wen import AMBIENT, BoucWen, measured
 
 RIG = load("rig-shell-steel")
 BRAKED = load("paper-small-joint")

@@ -5,7 +5,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from chains import as_chain, described, metres, random_arm
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
@@ -19,6 +18,7 @@ from layflat.machine.parameters import arm, mass_and_pull
 from layflat.motion.kinematics import tip_position
 from layflat.physics.arms.chain.parameters import rotation, towards
 from layflat.physics.arms.chain.space import Axes
+from tests.physics.arms.chain.chains import as_chain, described, metres, random_arm
 
 CHAINED = as_chain()
 SIX = (0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)  # an inertia as a file gives it

@@ -4,13 +4,13 @@ from functools import cache
 
 import numpy as np
 import pytest
-from chains import as_chain, random_arm
 
 from layflat.description.change import changed_all
 from layflat.machine import Machine, load, parameters
 from layflat.sim import Scenario, rollout
 from layflat.sim.ensemble import ensemble
 from layflat.sim.metrics import peak_tip_acceleration, tip_settling
+from tests.physics.arms.chain.chains import as_chain, random_arm
 
 pytestmark = pytest.mark.compiled
 

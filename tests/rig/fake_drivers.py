@@ -5,12 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-from fake_rig import FakeDriver
-from plant_bench import PlantBench
 
 from layflat.machine import load
 from layflat.rig.driver import Driver, DriverError, Reading
 from layflat.rig.loop import Recorder
+from tests.rig.fake_rig import FakeDriver
+from tests.rig.plant_bench import PlantBench
 
 
 def simulated() -> Driver:
