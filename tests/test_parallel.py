@@ -1,12 +1,15 @@
 """What is done beside each other: in other processes, as far as they can be had."""
 
 import os
+import signal
 from collections.abc import Iterator
-from time import sleep
+from contextlib import suppress
+from pathlib import Path
+from time import monotonic, sleep
 
 import pytest
 
-from layflat.parallel import aside, processors
+from layflat.parallel import aside, process_pool, processors
 
 
 def numbers(count: int) -> Iterator[int]:
@@ -25,6 +28,17 @@ def endless() -> Iterator[int]:
     """Yield the process, and never end."""
     yield os.getpid()
     sleep(1e6)
+
+
+def nap(begun: Path) -> None:
+    """Tell that work has begun, go on with it for long, and tell how it ended."""
+    begun.touch()
+    try:
+        for _ in range(600):
+            sleep(0.1)
+    except KeyboardInterrupt:
+        begun.with_suffix(".interrupted").touch()
+        raise
 
 
 needs_two = pytest.mark.skipif(processors() < 2, reason="needs two processors")
@@ -61,3 +75,28 @@ def test_processors_are_counted_without_affinity(monkeypatch: pytest.MonkeyPatch
     assert processors() >= 1
     monkeypatch.delattr(os, "sched_getaffinity", raising=False)
     assert processors() == os.cpu_count()
+
+
+def test_whoever_gives_up_ends_work_that_goes_on_and_begins_no_more(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    begun, before = [tmp_path / f"job-{i}" for i in range(4)], monotonic()
+    with suppress(KeyboardInterrupt), process_pool(1) as submit:
+        jobs = [submit(nap, path) for path in begun]
+        while not begun[0].exists():
+            sleep(0.01)
+        raise KeyboardInterrupt
+    assert monotonic() - before < 30.0
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["job-0", "job-0.interrupted"]
+    assert all(job.done() for job in jobs)
+    assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.skipif(os.name != "posix", reason="needs groups of processes")
+def test_ctrl_c_at_a_terminal_does_not_reach_a_pool() -> None:
+    with process_pool(1) as submit:
+        process = submit(os.getpid).result()
+        job = submit(sleep, 0.5)
+        os.kill(process, signal.SIGINT)
+        assert job.result() is None
+        assert submit(os.getpid).result() == process

@@ -3,16 +3,21 @@
 import multiprocessing
 import os
 import signal
+from _thread import interrupt_main
 from collections.abc import Callable, Generator, Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor
 from contextlib import contextmanager, suppress
 from importlib import import_module
 from math import ceil
 from multiprocessing.connection import Connection
 from multiprocessing.context import SpawnProcess
+from multiprocessing.synchronize import Event
+from threading import Thread
 from typing import Any, TypeVar
 
 Job = TypeVar("Job")
+Submit = Callable[..., Future[Any]]
+"""Takes a function of a module and its arguments, and returns the result as one that will come."""
 
 # Signals that a terminal sends to all of its processes.
 FROM_TERMINAL = [getattr(signal, name) for name in ("SIGINT", "SIGHUP") if hasattr(signal, name)]
@@ -46,12 +51,87 @@ def start_process(
 ) -> SpawnProcess:
     """Start a process that Ctrl-C never reaches, not even before its first line: its host decides what that means."""
     process = multiprocessing.get_context("spawn").Process(target=target, args=arguments, name=name, daemon=daemon)
+    with _kept_from_terminal():
+        process.start()
+    return process
+
+
+@contextmanager
+def _kept_from_terminal() -> Iterator[None]:
+    """Keep a terminal's signals from processes that begin meanwhile, for good, where the system can."""
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
     before = signal.pthread_sigmask(signal.SIG_BLOCK, FROM_TERMINAL)
     try:
-        process.start()
+        yield
     finally:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
-    return process
+
+
+@contextmanager
+def process_pool(processes: int | None = None, first: Callable[[], object] | None = None) -> Iterator[Submit]:
+    """Yield what submits work to processes that Ctrl-C does not reach: it is for who waits for the results.
+
+    An error that ends the block, Ctrl-C and the end of a generator included, raises KeyboardInterrupt in the work that
+    goes on, and what has not begun never does.
+
+    Args:
+        processes: how many; default: one a processor.
+        first: called in each process before anything else.
+    """
+    context = multiprocessing.get_context("spawn")
+    ending = context.Event()
+    with ProcessPoolExecutor(processes or processors(), context, _begin_worker, (ending, first)) as pool:
+
+        def submit(work: Callable[..., Any], *arguments: Any) -> Future[Any]:
+            with _kept_from_terminal():
+                return pool.submit(_work, work, *arguments)
+
+        try:
+            yield submit
+        except BaseException:
+            ending.set()
+            pool.shutdown(cancel_futures=True)
+            raise
+
+
+class _Worker:
+    """State of a process of a pool."""
+
+    ending: Event
+    at_work = False
+
+
+def _begin_worker(ending: Event, first: Callable[[], object] | None) -> None:
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, _interrupt)
+    _Worker.ending = ending
+    Thread(target=_heed, args=(ending,), daemon=True).start()
+    if first is not None:
+        first()
+
+
+def _heed(ending: Event) -> None:
+    ending.wait()
+    interrupt_main(signal.SIGTERM)
+
+
+def _interrupt(*_: object) -> None:
+    if _Worker.at_work:
+        raise KeyboardInterrupt
+    if not _Worker.ending.is_set():
+        raise SystemExit(128 + signal.SIGTERM)
+
+
+def _work(work: Callable[..., Any], *arguments: Any) -> Any:
+    if _Worker.ending.is_set():
+        raise KeyboardInterrupt
+    _Worker.at_work = True
+    try:
+        return work(*arguments)
+    finally:
+        _Worker.at_work = False
 
 
 @contextmanager

@@ -78,29 +78,30 @@ def _tried(
     machine: Machine, protocols: list[str], instants: int, seed: int, hours: float
 ) -> tuple[dict[str, list[Outcome]], SoakResult | None]:
     """Outcomes by protocol, and of the quiet time; each in a process of its own."""
-    from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait  # noqa: PLC0415
+    from concurrent.futures import FIRST_COMPLETED, wait  # noqa: PLC0415
     from multiprocessing import get_context  # noqa: PLC0415
 
     from rich.console import Console  # noqa: PLC0415
     from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn  # noqa: PLC0415
 
+    from layflat.parallel import process_pool  # noqa: PLC0415
     from layflat.rig.trials.cases import ROWS  # noqa: PLC0415
 
-    context, trials = get_context("spawn"), instants * len(ROWS)
+    trials = instants * len(ROWS)
     columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.percentage:.0f} %"))
     with (
-        context.Manager() as manager,
-        ProcessPoolExecutor(2, mp_context=context) as pool,
+        get_context("spawn").Manager() as manager,
+        process_pool(2) as submit,
         Progress(*columns, TimeRemainingColumn(), console=Console(stderr=True), transient=True) as progress,
     ):
         done: Queue[Any] = manager.Queue()
         bars = {name: progress.add_task(f"faults, {name}", total=trials) for name in protocols}
         jobs: dict[str, Future[Any]] = {
-            name: pool.submit(campaign, machine, name, instants, seed, done) for name in protocols
+            name: submit(campaign, machine, name, instants, seed, done) for name in protocols
         }
         if hours > 0.0:
             bars["quiet"] = progress.add_task("moves without a fault", total=1.0)
-            jobs["quiet"] = pool.submit(stay_quiet, machine, hours, seed, done)
+            jobs["quiet"] = submit(stay_quiet, machine, hours, seed, done)
         left = set(jobs.values())
         while left:
             _, left = wait(left, timeout=0.2, return_when=FIRST_COMPLETED)

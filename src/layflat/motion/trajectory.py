@@ -13,6 +13,8 @@ from numpy.typing import ArrayLike
 from layflat.arrays import Array
 from layflat.motion.path import Path
 
+QUINTIC_PEAKS = 15.0 / 8.0, 10.0 / 3.0**0.5  # of `quintic`: velocity over L/T, acceleration over L/T2
+
 Timing = Callable[[Array], tuple[Array, Array, Array]]
 """From times (s) to how far along a path, how fast, and with which acceleration, one of each a time."""
 
@@ -23,6 +25,15 @@ class States(NamedTuple):
     angles: Array  # rad
     velocities: Array  # rad/s
     accelerations: Array  # rad/s2
+
+
+def quintic(share: Array) -> tuple[Array, Array, Array]:
+    """Return how much of its way the motion with the least jerk has gone at shares of its time, and two derivatives.
+
+    It goes from rest to rest: 10 u^3 - 15 u^4 + 6 u^5. Source: flash1985.
+    """
+    u = np.minimum(share, 1.0)
+    return u**3 * (10.0 - 15.0 * u + 6.0 * u**2), 30.0 * (u - u**2) ** 2, 60.0 * u * (1.0 - u) * (1.0 - 2.0 * u)
 
 
 def at_rest(angles: Array) -> States:

@@ -7,7 +7,7 @@ from layflat.design.arm.sizing import SizedArm, size_arm
 from layflat.design.arm.task import read_task
 from layflat.motion.dynamics import rigid_torques
 from layflat.motion.kinematics import tip_position
-from layflat.motion.trajectory import States
+from layflat.motion.trajectory import States, quintic
 from layflat.sim import rollout
 
 pytestmark = pytest.mark.compiled
@@ -28,13 +28,12 @@ def distances(arm: SizedArm, move: int, payload: float) -> tuple[np.ndarray, np.
     machine, moves = arm.machine, arm.moves
     time, start, end = float(moves.times[move]), moves.starts[move], moves.ends[move]
     t = np.arange(0.0, BEFORE + time + AFTER, machine.cycle)
-    u = np.clip((t - BEFORE) / time, 0.0, 1.0)[:, None]
-    share, way = u**3 * (10.0 - 15.0 * u + 6.0 * u**2), end - start
+    (share, rate, change), way = quintic(np.maximum(t - BEFORE, 0.0)[:, None] / time), end - start
     run = rollout(
         machine,
         start + share * way,
-        demand_velocity=30.0 * u**2 * (1.0 - u) ** 2 / time * way,
-        demand_acceleration=60.0 * u * (1.0 - u) * (1.0 - 2.0 * u) / time**2 * way,
+        demand_velocity=rate / time * way,
+        demand_acceleration=change / time**2 * way,
         duration=len(t) * machine.cycle,
         payload=payload,
         controller=machine,

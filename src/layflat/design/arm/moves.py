@@ -1,12 +1,4 @@
-"""The moves that an arm is sized for, as its joints go through them: from rest to rest, each the way with least jerk.
-
-| symbol | meaning | unit |
-|---|---|---|
-| u | share of a move's time that has gone by | 1 |
-| s | share of its way that has, 10 u^3 - 15 u^4 + 6 u^5; at most 1.875 in its time, and accelerated by 5.774 | 1 |
-
-Source: flash1985.
-"""
+"""The moves that an arm is sized for, as its joints go through them: from rest to rest, with least jerk."""
 
 from itertools import cycle, islice, pairwise
 from typing import NamedTuple
@@ -19,7 +11,7 @@ from layflat.errors import DesignError
 from layflat.machine import Machine
 from layflat.motion.inverse import anywhere
 from layflat.motion.kinematics import Kinematics, tip_motion
-from layflat.motion.trajectory import States
+from layflat.motion.trajectory import States, quintic
 
 MOVES = 48  # that are drawn where a task gives none
 SEED = 0
@@ -38,9 +30,7 @@ class Moves(NamedTuple):
     @property
     def states(self) -> States:
         """Angles, velocities and accelerations at all instants of all moves, (moves x instants, joints) each."""
-        u = np.linspace(0.0, 1.0, self.instants)[:, None]
-        share = u**3 * (10.0 - 15.0 * u + 6.0 * u**2)
-        rate, change = 30.0 * u**2 * (1.0 - u) ** 2, 60.0 * u * (1.0 - u) * (1.0 - 2.0 * u)
+        share, rate, change = quintic(np.linspace(0.0, 1.0, self.instants)[:, None])
         way, time = (self.ends - self.starts)[:, None, :], self.times[:, None, None]
         rows = self.starts[:, None, :] + share * way, rate * way / time, change * way / time**2
         return States(*(of.reshape(-1, self.starts.shape[1]) for of in rows))

@@ -1,14 +1,11 @@
 """Mass against speed and pressure: an arm that is sized for a task at other supply pressures and other paces."""
 
 from collections.abc import Callable, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures import as_completed
 from dataclasses import dataclass
 from functools import partial
 from math import inf
-from multiprocessing import get_context
-from os import cpu_count
 from pathlib import Path
-from signal import SIG_IGN, SIGINT, signal
 
 import numpy as np
 
@@ -17,6 +14,7 @@ from layflat.design.arm.sizing import SizedArm, size_arm
 from layflat.design.arm.task import ArmTask
 from layflat.errors import DesignError
 from layflat.files import write_text
+from layflat.parallel import process_pool, processors
 
 PRESSURES = tuple(1e5 * bar for bar in (2.0, 4.0, 6.0, 8.0))  # gauge, Pa
 PACES = tuple(float(pace) for pace in np.geomspace(0.7, 2.4, 7))  # times of the moves over those of the task
@@ -50,19 +48,11 @@ def trade_off(
     """
     jobs = [(pressure, pace) for pressure in pressures for pace in paces]
     work = partial(_trial, arm.task, arm.moves)
-    with ProcessPoolExecutor(min(cpu_count() or 1, len(jobs)), get_context("spawn"), _leave_ctrl_c) as pool:
-        running = [pool.submit(work, *job) for job in jobs]
-        try:
-            for done, _ in enumerate(as_completed(running), 1):
-                advance(done, len(jobs))
-        except BaseException:
-            pool.shutdown(cancel_futures=True)
-            raise
+    with process_pool(min(processors(), len(jobs))) as submit:
+        running = [submit(work, *job) for job in jobs]
+        for done, _ in enumerate(as_completed(running), 1):
+            advance(done, len(jobs))
         return [one.result() for one in running]
-
-
-def _leave_ctrl_c() -> None:
-    signal(SIGINT, SIG_IGN)  # it is for who waits for the results
 
 
 def _trial(task: ArmTask, moves: Moves, supply: float, pace: float) -> Trial:

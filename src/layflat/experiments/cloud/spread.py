@@ -1,11 +1,8 @@
 """What the paper's experiments come to over the members of a cloud."""
 
 import json
-import os
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import asdict, dataclass
-from multiprocessing import get_context
 from pathlib import Path
 from typing import TypeVar
 
@@ -16,6 +13,7 @@ from layflat.experiments.claim import Claim
 from layflat.experiments.report import number
 from layflat.experiments.reproduction import Reproduction, reproduce
 from layflat.files import write_text
+from layflat.parallel import process_pool
 
 T = TypeVar("T")
 
@@ -51,14 +49,10 @@ def names_in(file: Path, count: int) -> list[str]:
 
 
 def at_once(what: Callable[[str], T], names: Sequence[str]) -> Iterator[T]:
-    """Yield something of each machine, on all cores; what is interrupted (Ctrl-C) stops after those at work."""
-    with ProcessPoolExecutor(os.cpu_count(), mp_context=get_context("spawn")) as pool:
-        jobs = [pool.submit(what, name) for name in names]
-        try:
-            for job in jobs:
-                yield job.result()
-        finally:
-            pool.shutdown(cancel_futures=True)
+    """Yield something of each machine, on all cores."""
+    with process_pool() as submit:
+        for job in [submit(what, name) for name in names]:
+            yield job.result()
 
 
 def spreads(found: Sequence[Sequence[Claim]]) -> list[Spread]:

@@ -1,6 +1,5 @@
 """Tune the controller of a design in a process of its own: what `layflat tune` does, begun from the values it has."""
 
-import signal
 import tempfile
 from dataclasses import dataclass, field
 from multiprocessing import get_context
@@ -15,6 +14,7 @@ from layflat.extras import require
 from layflat.files import write_text
 from layflat.machine.listing import to_toml
 from layflat.pages.studio.design import Change, Changes, Design, sources_of
+from layflat.parallel import start_process
 
 GENERATIONS = 40
 
@@ -48,8 +48,7 @@ class TuningRun:
         self._progress = Progress(wanted=generations)
         text = to_toml(design.plain, sources_of(design.opened, design.changes))
         arguments = (text, generations, seed, theirs, self._cancelled)
-        self._process = context.Process(target=_tune, args=arguments, daemon=True)
-        self._process.start()
+        self._process = start_process(_tune, arguments, "layflat-studio-tune", daemon=True)
         theirs.close()
 
     def cancel(self) -> None:
@@ -85,7 +84,6 @@ def _take(progress: Progress, told: tuple[str, Any]) -> None:
 
 def _tune(text: str, generations: int, seed: int, told: Connection, cancelled: Event) -> None:
     """Tune the machine of a complete description, and tell how far it is."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
     from layflat.tune import begin  # noqa: PLC0415  # in the process that tunes only
     from layflat.tune.search import Found  # noqa: PLC0415
 

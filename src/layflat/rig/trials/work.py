@@ -12,11 +12,11 @@ from layflat.machine import Machine
 from layflat.motion.belt import follow_belt
 from layflat.motion.inverse import Inverse
 from layflat.motion.kinematics import tip_position
-from layflat.motion.trajectory import States
+from layflat.motion.trajectory import QUINTIC_PEAKS, States, quintic
 from layflat.rig.abilities import demand_limits
 from layflat.rig.clock import SECOND
 from layflat.rig.safety.supervisor import HostRequest
-from layflat.rig.smooth import PEAKS, fifth, smooth
+from layflat.rig.smooth import smooth
 from layflat.rig.trials.rig import Script
 
 SPAN = 0.9  # of the working stroke in which moves end
@@ -96,11 +96,11 @@ class RandomWork(Script):
         if not found.there.all() or (np.abs(found.angles) > self._half).any():
             return None
         q = CubicSpline(nodes, found.angles)
-        T = max(PEAKS[0] * length / speed, sqrt(PEAKS[1] * length / BELT_ACCELERATION))
+        T = max(QUINTIC_PEAKS[0] * length / speed, sqrt(QUINTIC_PEAKS[1] * length / BELT_ACCELERATION))
         slower = 1.0
         for _ in range(2):
             T *= slower
-            s, v, a = fifth(np.arange(0.0, T + self._machine.cycle, self._machine.cycle) / T)
+            s, v, a = quintic(np.arange(0.0, T + self._machine.cycle, self._machine.cycle)[:, None] / T)
             x, u, w = length * s[:, 0], length * v / T, length * a / T**2
             rows = States(q(x), q(x, 1) * u, q(x, 2) * u**2 + q(x, 1) * w)
             slower = harder(self._machine, rows)
