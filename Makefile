@@ -52,10 +52,10 @@ conformance:  ## compare arms of other packages as other tools read them: docs/a
 
 mutants: $(READY)  ## do the tests see mistakes in physics and control? build/mutants.json (about two hours)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[mutants]'
-	$(BIN)/python -m benchmarks.mutants --out build/mutants.json
+	$(BIN)/python -m research.mutants --out build/mutants.json
 
 calibrate: $(READY)  ## find anew, from anywhere, what the machine files mark as calibrated (a quarter of an hour)
-	$(BIN)/python -m layflat.experiments.calibration --seed 2 --anew --write
+	$(BIN)/python -m research.calibration --seed 2 --anew --write
 
 clean:  ## remove what was built, but not the virtual environment
 	rm -rf build .mypy_cache .ruff_cache .pytest_cache .import_linter_cache

@@ -19,7 +19,7 @@ from layflat.description.text import read_text
 from layflat.errors import MachineError
 
 PAPER = Path(__file__).parent / "builtin" / "paper.cloud.json"
-"""The cloud of the paper's machines; `python -m layflat.experiments.cloud` makes it."""
+"""The cloud of the paper's machines; `python -m research.cloud` makes it."""
 
 KEYS = ("layflat", "command", "columns", "bases", "members")
 
@@ -77,7 +77,7 @@ class Cloud:
                 raise MachineError(
                     f"was made for {base.where} with {was}, which has {has} now",
                     where=f"{self.where}: {path}",
-                    right=f"make it anew: {self.command}",
+                    right=f"make it anew in a clone of layflat: {self.command}",
                 )
 
 
@@ -107,7 +107,7 @@ def _parsed(text: str, where: str) -> Cloud:
             raise MachineError(f"has no {lacking[0]!r}", where=where, right="give a cloud's file")
         if raw["layflat"] != __version__:
             what = f"was made with layflat {raw['layflat']}, this is {__version__}"
-            raise MachineError(what, where=where, right=f"make it anew: {raw['command']}")
+            raise MachineError(what, where=where, right=f"make it anew in a clone of layflat: {raw['command']}")
         columns = tuple(Column(one["machine"], tuple(one["paths"]), one.get("unit", "")) for one in raw["columns"])
         members = tuple(tuple(float(value) for value in one) for one in raw["members"])
     except (ValueError, TypeError, KeyError, RecursionError):
@@ -115,7 +115,7 @@ def _parsed(text: str, where: str) -> Cloud:
     for i, one in enumerate(members):
         if len(one) != len(columns):
             what = f"member {i} has {len(one)} values for {len(columns)} columns"
-            raise MachineError(what, where=where, right=f"make it anew: {raw['command']}")
+            raise MachineError(what, where=where, right=f"make it anew in a clone of layflat: {raw['command']}")
     return Cloud(where, raw["command"], columns, raw["bases"], members)
 
 

@@ -1,0 +1,1 @@
+"""Research: searches and measurements behind what layflat ships; see README.md."""

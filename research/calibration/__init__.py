@@ -1,0 +1,1 @@
+"""What the paper leaves open is found from what it reports: `python -m research.calibration`."""

@@ -1,0 +1,1 @@
+"""The machines that the paper allows, in place of one: `python -m research.cloud`."""
