@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from layflat.description.names import file_name
+from layflat.description.names import file_name, unused_name
 from layflat.errors import InputError
 
 
@@ -22,3 +22,8 @@ def test_names_that_files_can_bear(name: str, tmp_path: Path) -> None:
 def test_names_that_they_can_not(name: str) -> None:
     with pytest.raises(InputError, match=r"--name: .*begin with a letter"):
         file_name(name, "--name")
+
+
+def test_a_name_that_is_used_gets_the_first_free_number() -> None:
+    used = {"a", "a-2", "a-4"}
+    assert [unused_name(name, used.__contains__) for name in ("a", "b", "a-2")] == ["a-3", "b", "a-2-2"]

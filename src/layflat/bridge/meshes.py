@@ -11,6 +11,7 @@ import numpy as np
 from layflat import extras
 from layflat.arrays import Array
 from layflat.bridge.pieces import Piece
+from layflat.description.names import unused_name
 from layflat.errors import InputError
 
 FORMATS = (".stl", ".obj", ".dae")
@@ -65,10 +66,8 @@ class Meshes:
     def _free(self, file: Path) -> str:
         suffix = ".stl" if self._engine and file.suffix.lower() != ".obj" else file.suffix.lower()
         start = f"{self._folder}/" if self._folder else ""
-        taken, stem, count = set(self._names.values()), file.stem, 2
-        while f"{start}{stem}{suffix}" in taken:
-            stem, count = f"{file.stem}-{count}", count + 1
-        return f"{start}{stem}{suffix}"
+        taken = set(self._names.values())
+        return f"{start}{unused_name(file.stem, lambda stem: f'{start}{stem}{suffix}' in taken)}{suffix}"
 
 
 def read(file: Path, *, engine: bool) -> bytes:

@@ -3,6 +3,6 @@
 Files of machines, test benches, cells, studies and mappings are schemas on top of it.
 """
 
-from layflat.description.part import Part
+from layflat.description.part import Part, ordered
 
-__all__ = ["Part"]
+__all__ = ["Part", "ordered"]

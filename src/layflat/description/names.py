@@ -1,6 +1,8 @@
 """Names of things, which become names of files and keys of paths."""
 
 import re
+from collections.abc import Callable
+from itertools import count
 from typing import Annotated
 
 from pydantic import AfterValidator
@@ -26,6 +28,13 @@ def problem(name: str, *, key: bool = False) -> str | None:
     if not name.isprintable() or not (_KEY if key else _FILE).fullmatch(name):
         return "can't be a name"
     return "is reserved by some systems" if _RESERVED.fullmatch(name) else None
+
+
+def unused_name(name: str, is_used: Callable[[str], bool]) -> str:
+    """Return a name that is not used yet: the name itself, else NAME-2, NAME-3, and so on."""
+    if not is_used(name):
+        return name
+    return next(other for n in count(2) if not is_used(other := f"{name}-{n}"))
 
 
 def file_name(name: str, where: str) -> str:

@@ -1,6 +1,8 @@
 """Bases of everything that is described."""
 
-from pydantic import BaseModel, ConfigDict, PrivateAttr
+from typing import Any
+
+from pydantic import BaseModel, ConfigDict, PrivateAttr, model_validator
 
 from layflat.description.names import Name
 from layflat.description.provenance import Provenance
@@ -10,6 +12,25 @@ class Part(BaseModel):
     """Base of all parts: frozen, and an unknown key is an error."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, defer_build=True)
+
+
+def ordered(lower: str, upper: str, problem: str, *, may_equal: bool = False) -> Any:
+    """Return a validator of a part: it refuses, with a problem to tell, a value that is not below another one.
+
+    Args:
+        lower: key of the value that is to be the smaller one.
+        upper: key of the other.
+        problem: in one clause, with what would be right.
+        may_equal: accept equal values.
+    """
+
+    def check(part: Part) -> Part:
+        low, high = getattr(part, lower), getattr(part, upper)
+        if low > high or (low == high and not may_equal):
+            raise ValueError(problem)
+        return part
+
+    return model_validator(mode="after")(check)
 
 
 class Described(Part):

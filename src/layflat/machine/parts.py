@@ -8,7 +8,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import AfterValidator, Field, model_validator
 
-from layflat.description import Part
+from layflat.description import Part, ordered
 from layflat.description import units as u
 from layflat.description.wrong import INPUT, wrong
 from layflat.errors import MachineError
@@ -56,11 +56,9 @@ class Hose(Part):
         default=True, description="folded back on itself, or of a single thickness: no difference in loss"
     )
 
-    @model_validator(mode="after")
-    def _peels(self) -> Self:
-        if self.contact_end >= self.wrap:
-            raise ValueError("contact_end must be smaller than wrap, for example 84 deg with a wrap of 120 deg")
-        return self
+    _peels = ordered(
+        "contact_end", "wrap", "contact_end must be smaller than wrap, for example 84 deg with a wrap of 120 deg"
+    )
 
 
 class Cylinder(Part):
@@ -140,13 +138,12 @@ class Stops(Part):
     stop_stiffness: u.Stiffness
     stop_damping: u.Damping
 
-    @model_validator(mode="after")
-    def _ordered(self) -> Self:
-        if self.mechanical_stroke < self.working_stroke:
-            raise ValueError(
-                "mechanical_stroke must not be smaller than working_stroke, for example 140 deg and 120 deg"
-            )
-        return self
+    _ordered = ordered(
+        "working_stroke",
+        "mechanical_stroke",
+        "mechanical_stroke must not be smaller than working_stroke, for example 140 deg and 120 deg",
+        may_equal=True,
+    )
 
 
 class Link(Part):

@@ -1,11 +1,11 @@
 """Limits that a rig's supervisor holds a machine to. Reasons for the values stand in docs/rig.md."""
 
 from math import radians
-from typing import Annotated, Self
+from typing import Annotated
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
-from layflat.description import Part
+from layflat.description import Part, ordered
 from layflat.description import units as u
 
 
@@ -56,8 +56,4 @@ class Safety(Part):
         description="in which hoses empty through open valves; an arm that would fall is let down in five times that",
     )
 
-    @model_validator(mode="after")
-    def _starts(self) -> Self:
-        if self.supply_ready <= self.supply_low:
-            raise ValueError("supply_ready must be above supply_low, for example 0.8 and 0.5")
-        return self
+    _starts = ordered("supply_low", "supply_ready", "supply_ready must be above supply_low, for example 0.8 and 0.5")

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from layflat.cell import Cell
-from layflat.cell.file.produce import Spread
+from layflat.cell.file.produce import Grade, Spread
 
 
 def test_a_spread_stays_between_its_ends_and_about_its_mean() -> None:
@@ -19,6 +19,11 @@ def test_a_spread_stays_between_its_ends_and_about_its_mean() -> None:
 def test_a_spread_out_of_order_is_refused() -> None:
     with pytest.raises(ValueError, match="mean must lie between"):
         Spread(mean=3.0, spread=0.5, least=1.5, most=2.5)
+
+
+def test_a_grade_that_no_diameter_can_have_is_refused() -> None:
+    with pytest.raises(ValueError, match="least must be below most"):
+        Grade(least=0.06, most=0.05, colours=("red",))
 
 
 def test_grades_go_by_diameter_and_colour(packing: Cell) -> None:

@@ -13,6 +13,7 @@ from layflat.bridge.robots.robot import Look
 from layflat.bridge.robots.serial import Serial, Stage
 from layflat.bridge.robots.strokes import Turning
 from layflat.bridge.robots.template import Template
+from layflat.description.names import unused_name
 from layflat.description.provenance import Provenance
 from layflat.description.tables import Plain
 from layflat.machine import Machine
@@ -129,10 +130,11 @@ class _Meshes:
         file = look.file
         assert file is not None
         content: Path | bytes = look.content or file.resolve()
-        stem, suffix, count = file.stem, file.suffix.lower(), 2
-        while self.found.setdefault(f"{self.folder}/{stem}{suffix}", content) != content:
-            stem, count = f"{file.stem}-{count}", count + 1
-        return f"{self.folder}/{stem}{suffix}"
+
+        def path(stem: str) -> str:
+            return f"{self.folder}/{stem}{file.suffix.lower()}"
+
+        return path(unused_name(file.stem, lambda stem: self.found.setdefault(path(stem), content) != content))
 
 
 def _number(value: float, least: float = 1e-9) -> str:

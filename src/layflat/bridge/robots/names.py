@@ -6,7 +6,7 @@ from typing import TypeVar
 
 from layflat.bridge.robots.robot import Robot
 from layflat.bridge.robots.serial import Serial
-from layflat.description.names import problem
+from layflat.description.names import problem, unused_name
 from layflat.errors import InputError
 
 Value = TypeVar("Value")
@@ -19,9 +19,7 @@ def with_key_names(chain: Serial) -> tuple[Serial, dict[str, str]]:
         name = stage.joint.name
         if problem(name, key=True):
             name = "".join(one if one.isalnum() else "-" for one in name).strip("-") or "joint"
-        stem, count = name, 2
-        while name in taken:
-            name, count = f"{stem}-{count}", count + 1
+        name = unused_name(name, taken.__contains__)
         taken.add(name)
         if name != stage.joint.name:
             renamed[stage.joint.name] = name

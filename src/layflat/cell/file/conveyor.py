@@ -5,19 +5,17 @@ from typing import Annotated, Self
 from pydantic import Field, model_validator
 
 from layflat.arrays import Array
-from layflat.cell.file.parts import Colour, Duration, Extent, PlanePoint, Range, Size
-from layflat.cell.geometry import placed, rectangle
-from layflat.description import Part
+from layflat.cell.file.parts import Bed, Colour, Duration, Extent, Range, Size
+from layflat.cell.geometry import rectangle
 from layflat.description import units as u
 
 BeltSpeed = Annotated[u.AnySpeed, Field(ge=-0.5, le=0.5)]
 BeltAcceleration = Annotated[u.PositiveAcceleration, Field(le=10.0)]
 
 
-class Conveyor(Part):
+class Conveyor(Bed):
     """A level belt that moves along its x axis, on which fruit comes one by one."""
 
-    centre: PlanePoint
     rotation: u.Angle = Field(description="of its x axis, along which it moves, from the cell's")
     size: Size = Field(description="length and width of the belt")
     height: Extent = Field(description="of the belt above the table")
@@ -44,20 +42,6 @@ class Conveyor(Part):
     def outline(self) -> Array:
         """Corners of what it covers of the table, (4, 2) m."""
         return rectangle(self.centre, self.rotation, self.size)
-
-    def placed(self, points: Array) -> Array:
-        """Return points (n, 2), given from its centre along its axes, in the cell's frame, m."""
-        return placed(self.centre, self.rotation, points)
-
-    def on_belt(self, x: float, y: float) -> tuple[float, float]:
-        """Return how far a point (m) is from the belt's centre, along it and across, m."""
-        along, across = placed((0.0, 0.0), -self.rotation, [[x - self.centre[0], y - self.centre[1]]])[0].tolist()
-        return along, across
-
-    def holds(self, x: float, y: float) -> bool:
-        """Return whether a point (m) is over the belt."""
-        along, across = self.on_belt(x, y)
-        return abs(along) < self.size[0] / 2 and abs(across) < self.size[1] / 2
 
     def asked_speed(self, time: float) -> float:
         """Return the speed to which the belt's changes, or has changed, at a time (s), m/s."""

@@ -7,11 +7,12 @@ first axis, x along link 1 at mid-stroke. Rotations are counter-clockwise seen f
 from typing import Annotated, Self
 
 import numpy as np
+from numpy.typing import ArrayLike
 from pydantic import Field, model_validator
 
 from layflat.arrays import Array
 from layflat.cell.geometry import placed, rectangle
-from layflat.description import Part
+from layflat.description import Part, ordered
 from layflat.description import units as u
 from layflat.description.names import Name
 
@@ -84,11 +85,7 @@ class Cup(Part):
     friction: Friction = Field(description="of lip on skin: sideways force per force of the vacuum")
     air: u.Flow = Field(description="what the ejector takes while on, normal volume")
 
-    @model_validator(mode="after")
-    def _fits(self) -> Self:
-        if self.effective_diameter > self.diameter:
-            raise ValueError("effective_diameter is greater than diameter")
-        return self
+    _fits = ordered("effective_diameter", "diameter", "effective_diameter is greater than diameter", may_equal=True)
 
 
 class Range(Part):
@@ -97,18 +94,43 @@ class Range(Part):
     least: Count
     most: Count
 
-    @model_validator(mode="after")
-    def _ordered(self) -> Self:
-        if self.least > self.most:
-            raise ValueError("least is greater than most")
-        return self
+    _ordered = ordered("least", "most", "least is greater than most", may_equal=True)
 
 
-class Tray(Part):
-    """An open box in which produce comes."""
+class Placed(Part):
+    """A thing that stands level in the cell."""
 
     centre: PlanePoint
     rotation: u.Angle = Field(description="of its x axis from the cell's")
+
+    def placed(self, points: ArrayLike) -> Array:
+        """Return points (n, 2), given from its centre along its axes, in the cell's frame, m."""
+        return placed(self.centre, self.rotation, points)
+
+    def seen(self, points: ArrayLike) -> Array:
+        """Return ways (n, 2) in the cell's frame along its axes, m."""
+        return placed((0.0, 0.0), -self.rotation, points)
+
+
+class Bed(Placed):
+    """A level rectangle on which produce lies."""
+
+    size: Size
+
+    def from_centre(self, x: float, y: float) -> tuple[float, float]:
+        """Return how far a point (m) is from its centre, along its axes, m."""
+        along, across = self.seen([[x - self.centre[0], y - self.centre[1]]])[0].tolist()
+        return along, across
+
+    def holds(self, x: float, y: float) -> bool:
+        """Return whether a point (m) is over it."""
+        along, across = self.from_centre(x, y)
+        return abs(along) < self.size[0] / 2 and abs(across) < self.size[1] / 2
+
+
+class Tray(Bed):
+    """An open box in which produce comes."""
+
     size: Size = Field(description="inside")
     height: Extent = Field(description="of its walls above its floor")
     wall: Extent = Field(description="thickness of walls and floor")
@@ -121,15 +143,6 @@ class Tray(Part):
     def outline(self) -> Array:
         """Corners of what it covers of the table, (4, 2) m."""
         return rectangle(self.centre, self.rotation, (self.size[0] + 2 * self.wall, self.size[1] + 2 * self.wall))
-
-    def placed(self, points: Array) -> Array:
-        """Return points (n, 2), given from its centre along its axes, in the cell's frame, m."""
-        return placed(self.centre, self.rotation, points)
-
-    def holds(self, x: float, y: float) -> bool:
-        """Return whether a point (m) is over its floor."""
-        along, across = placed((0.0, 0.0), -self.rotation, [[x - self.centre[0], y - self.centre[1]]])[0]
-        return bool(abs(along) < self.size[0] / 2 and abs(across) < self.size[1] / 2)
 
 
 class Layout(Part):
@@ -163,12 +176,10 @@ class Layout(Part):
         return [(along, across) for across in y for along in x]
 
 
-class Container(Part):
+class Container(Placed):
     """A punnet or tray on the table into which produce is packed."""
 
     layout: Layout = Field(description="built-in name or file")
-    centre: PlanePoint
-    rotation: u.Angle = Field(description="of its x axis from the cell's")
     kind: str = Field(description="of the produce that belongs into it")
     grade: str = Field(description="of that produce")
 
@@ -180,11 +191,11 @@ class Container(Part):
     @property
     def places(self) -> Array:
         """Centres of its places in the cell's frame, (n, 2) m, row by row."""
-        return placed(self.centre, self.rotation, self.layout.places)
+        return self.placed(self.layout.places)
 
     def place_at(self, x: float, y: float) -> int | None:
         """Return the number of the place that a point (m) is over, None where it is over none."""
-        away = placed((0.0, 0.0), -self.rotation, np.array([x, y]) - self.places)
+        away = self.seen(np.array([x, y]) - self.places)
         over = (2.0 * np.abs(away) < self.layout.pitch).all(axis=1)
         return int(np.argmax(over)) if over.any() else None
 

@@ -6,7 +6,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from layflat.cell.file.parts import Colour, Extent, Friction, Range
-from layflat.description import Part
+from layflat.description import Part, ordered
 from layflat.description import units as u
 
 Diameter = Annotated[u.Length, Field(ge=1e-3, le=0.5)]
@@ -67,6 +67,8 @@ class Grade(Part):
     least: Diameter
     most: Diameter
     colours: Annotated[tuple[str, ...], Field(min_length=1)]
+
+    _ordered = ordered("least", "most", "least must be below most, or it takes no fruit")
 
 
 class Produce(Part):

@@ -117,7 +117,7 @@ class BeltDrive:
     def _passed(self, number: int) -> bool:
         """Return whether a fruit on the belt has come to one of its ends."""
         x, y = self._data.qpos[self._places[number]][:2]
-        along, across = self._belt.on_belt(float(x), float(y))
+        along, across = self._belt.from_centre(float(x), float(y))
         if abs(across) > self._belt.size[1] / 2:  # it was taken elsewhere
             return False
         end, begin = self._belt.size[0] / 2, self._belt.size[1] / 2 - self._belt.size[0] / 2

@@ -90,10 +90,10 @@ class BeltModel:
         self._predict(observation.time)
         seen = [one for one in observation.fruits if self._belt.holds(one.x, one.y) and not occlusion.hides(one)]
         pairs, new = self._matched(seen)
-        self._correct([self._belt.on_belt(fruit.x, fruit.y)[0] - track.place for track, fruit in pairs])
+        self._correct([self._belt.from_centre(fruit.x, fruit.y)[0] - track.place for track, fruit in pairs])
         matched = {track.number for track, _ in pairs}
         for track, fruit in pairs:
-            along, across = self._belt.on_belt(fruit.x, fruit.y)
+            along, across = self._belt.from_centre(fruit.x, fruit.y)
             if len(pairs) > 1:  # one alone shows how the belt moves, and not whether it rolls
                 track.place += ROLLED * (along - self.along(track, self._time))
             track.across += (across - track.across) / min(track.seen + 1, LATEST)
@@ -110,7 +110,7 @@ class BeltModel:
             self._spread = np.diag([0.0, self._spread[1, 1]])
             self._ways.clear()
         for fruit in new:
-            along, across = self._belt.on_belt(fruit.x, fruit.y)
+            along, across = self._belt.from_centre(fruit.x, fruit.y)
             self.came += 1
             self.tracks.append(Track(self.came, fruit, along - float(self._state[0]), across, observation))
 

@@ -5,11 +5,12 @@ of time. Maxwell elements (`maxwell`) of equal weight, their times in geometric 
 time to the last. Source: key ferry1980; of yarns key morton2008.
 """
 
-from typing import Annotated, Literal, NamedTuple, Self
+from typing import Annotated, Literal, NamedTuple
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import Field
 
+from layflat.description import ordered
 from layflat.description import units as u
 from layflat.physics.hysteresis import elasto_slip, maxwell
 from layflat.physics.hysteresis.kind import HysteresisKind, LossesPart
@@ -33,11 +34,7 @@ class CreepPart(LossesPart):
     last: u.Time = Field(description="longest such time")
     elements: Annotated[int, Field(ge=2, le=32)] = Field(default=6, description="how many there are")
 
-    @model_validator(mode="after")
-    def _ordered(self) -> Self:
-        if self.last <= self.first:
-            raise ValueError("last must be greater than first, for example 10 ms and 100 s")
-        return self
+    _ordered = ordered("first", "last", "last must be greater than first, for example 10 ms and 100 s")
 
 
 def parameters(described: CreepPart, limit: float) -> Creep:

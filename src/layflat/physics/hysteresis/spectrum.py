@@ -5,11 +5,12 @@ deflection^slope. With slope 0 each decade of the motion's size takes an equal p
 smoother the curve. The law is that of `elasto_slip` (key visintin1994; spectra: iwan1966).
 """
 
-from typing import Annotated, Any, Literal, NamedTuple, Self
+from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import Field
 
+from layflat.description import ordered
 from layflat.description import units as u
 from layflat.physics.hysteresis import elasto_slip
 from layflat.physics.hysteresis.kind import HysteresisKind, LossesPart
@@ -34,11 +35,7 @@ class SpectrumPart(LossesPart):
         default=0.0, description="power of the deflection that each element's share of the loss is proportional to"
     )
 
-    @model_validator(mode="after")
-    def _ordered(self) -> Self:
-        if self.last <= self.first:
-            raise ValueError("last must be greater than first, for example 0.3 deg and 12 deg")
-        return self
+    _ordered = ordered("first", "last", "last must be greater than first, for example 0.3 deg and 12 deg")
 
 
 def elements(described: SpectrumPart) -> tuple[list[Any], list[Any]]:

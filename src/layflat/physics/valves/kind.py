@@ -3,11 +3,11 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from math import nan
-from typing import Annotated, Any, NamedTuple, Self
+from typing import Annotated, Any, NamedTuple
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
-from layflat.description import Part
+from layflat.description import Part, ordered
 from layflat.description import units as u
 from layflat.errors import KindError
 from layflat.jit import law
@@ -51,11 +51,7 @@ class ValvePart(KindPart):
     volts_to_full: u.FullVoltage = Field(description="from the centre to full opening")
     delay: u.TimeOrZero = Field(default=0.0, description="from the command to the driver, at most three control cycles")
 
-    @model_validator(mode="after")
-    def _closes(self) -> Self:
-        if self.leakage >= self.conductance:
-            raise ValueError("leakage must be smaller than conductance")
-        return self
+    _closes = ordered("leakage", "conductance", "leakage must be smaller than conductance")
 
     @property
     def dithered(self) -> Dither | None:
