@@ -23,7 +23,7 @@ def test_a_spread_out_of_order_is_refused() -> None:
 
 def test_a_grade_that_no_diameter_can_have_is_refused() -> None:
     with pytest.raises(ValueError, match="least must be below most"):
-        Grade(least=0.06, most=0.05, colours=("red",))
+        Grade(least="60 mm", most="50 mm", colours=("red",))
 
 
 def test_grades_go_by_diameter_and_colour(packing: Cell) -> None:
