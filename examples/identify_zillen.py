@@ -16,7 +16,7 @@ import xarray
 
 from layflat.errors import InputError
 from layflat.identify import Fit, fit
-from layflat.identify.benches.hysteresis.errors import loop_errors
+from layflat.identify.benches.hysteresis.logs import loop_errors
 from layflat.identify.benches.loader import load_bench
 from layflat.identify.benches.rod.model import RodModel
 from layflat.plot.style import HEAD, LINES, figure, save

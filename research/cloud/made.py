@@ -8,7 +8,7 @@ from typing import Any
 from layflat._version import __version__
 from layflat.arrays import Array
 from layflat.files import write_text
-from layflat.machine.libraries import MACHINES
+from layflat.machine.loader import MACHINES
 from research.cloud.open import NAMES, texts
 
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from layflat.identify.identification import begin
-from layflat.identify.page import write_page
+from layflat.identify.report_text import write_page
 from layflat.machine import load
 from layflat.machine.listing import listing
 from layflat.machine.loader import tables

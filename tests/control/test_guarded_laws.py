@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from layflat.control import CONTROL_LAWS, FULL, Command, Demand, Sensed
-from layflat.control.guard import guard_step
+from layflat.control.checks import guard_step
 from layflat.control.plain import find_flaw
 from layflat.errors import KindError
 from layflat.jit import law

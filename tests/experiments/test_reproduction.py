@@ -5,8 +5,8 @@ from dataclasses import replace
 import pytest
 
 from layflat.experiments import Bench, Reproduction, bench, limits, reproduce
-from layflat.experiments.aside import perform
 from layflat.experiments.claim import Claim
+from layflat.experiments.report import perform
 from layflat.experiments.reproduction import ORDER, STOPPED
 from layflat.machine import changed, load
 

@@ -15,7 +15,7 @@ from layflat.errors import InputError
 from layflat.identify.benches.loader import build_bench, described_tables, load_bench, load_described
 from layflat.identify.holdable import file_text, file_texts, holds_another
 from layflat.machine.derived import at_path
-from layflat.machine.libraries import BENCHES
+from layflat.machine.loader import BENCHES
 
 MACHINES = ("paper-small-joint", "picking-arm")
 NEAR = 1e-6  # rounding of a text with seven digits

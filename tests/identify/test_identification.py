@@ -12,10 +12,16 @@ import pytest
 
 from layflat.errors import InputError
 from layflat.identify.identification import begin
-from layflat.identify.page import write_page
-from layflat.identify.report_text import count_identified, experiment_rows, issue_section, prediction, untrusted
+from layflat.identify.report_text import (
+    count_identified,
+    experiment_rows,
+    issue_section,
+    prediction,
+    untrusted,
+    write_page,
+)
 from layflat.machine import load
-from layflat.machine.libraries import BENCHES
+from layflat.machine.loader import BENCHES
 from tests.identify.benchlogs import Array, columns, written
 
 SMALL = "paper-small-joint"

@@ -21,8 +21,7 @@ from layflat.identify.benches.rod.description import RodBench
 from layflat.identify.fit import Estimate
 from layflat.identify.identified_file import identified_path, write_identified
 from layflat.machine import Machine, load
-from layflat.machine.libraries import BENCHES
-from layflat.machine.loader import tables
+from layflat.machine.loader import BENCHES, tables
 
 SMALL = load("paper-small-joint")
 SHARES = st.floats(0.02, 0.98)

@@ -10,8 +10,7 @@ import pytest
 from layflat import __version__
 from layflat.errors import MachineError
 from layflat.machine import load
-from layflat.machine.libraries import MACHINES
-from layflat.machine.loader import tables
+from layflat.machine.loader import MACHINES, tables
 
 COLUMNS: list[dict[str, Any]] = [
     {"machine": "paper-arm", "paths": ["valve.conductance"], "unit": "dm^3/(s bar)"},

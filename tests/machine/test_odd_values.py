@@ -19,8 +19,7 @@ from layflat.errors import InputError
 from layflat.identify.benches.loader import bench_tables, build_bench
 from layflat.identify.logs.mapping import mapping_of
 from layflat.machine import build
-from layflat.machine.libraries import BENCHES
-from layflat.machine.loader import tables
+from layflat.machine.loader import BENCHES, tables
 
 ODD: list[Any] = [
     None, True, 0, -1, 3, 1e14, -1e300, 1e300, 5e-324, inf, nan, "", "x", "3", "1 kg", "1 m", "-1 Pa", "1e300 m",

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from layflat.errors import InputError
-from layflat.study import Study, chunks, cluster, read, run
+from layflat.study import Study, chunks, read, run, runs
 from layflat.study.chunks import made_with, measured_there
 from layflat.study.runs import _work
 from tests.study.studies import SMALL, written
@@ -66,7 +66,7 @@ def test_a_lost_worker_changes_nothing(tmp_path: Path, study: Study, client: Any
 def test_a_study_goes_on_here_when_its_cluster_is_lost(
     tmp_path: Path, study: Study, client: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(cluster, "PATIENCE", 1.0)
+    monkeypatch.setattr(runs, "PATIENCE", 1.0)
 
     client.run(die_in_a_chunk, tmp_path / "never", workers=list(client.scheduler_info()["workers"])[:1])
 
@@ -89,8 +89,8 @@ def test_a_worker_with_other_laws_is_refused(study: Study) -> None:
 
 def test_no_cluster_at_the_address(tmp_path: Path, study: Study, monkeypatch: pytest.MonkeyPatch) -> None:
     # It is asked twice: who it is, and by the client.
-    assert 2 * cluster.PATIENCE < 10.0
-    monkeypatch.setattr(cluster, "PATIENCE", 1.0)
+    assert 2 * runs.PATIENCE < 10.0
+    monkeypatch.setattr(runs, "PATIENCE", 1.0)
     with socket.socket() as silent:
         silent.bind(("127.0.0.1", 0))
         silent.listen()

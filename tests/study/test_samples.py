@@ -6,8 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from layflat.arrays import Array
-from layflat.study.description import StudyFile
-from layflat.study.kinds import Kind
+from layflat.study.description import Kind, StudyFile
 from layflat.study.sampling import rows, samples
 from layflat.study.varied import Varied
 

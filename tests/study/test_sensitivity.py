@@ -5,8 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from layflat.study.description import StudyFile
-from layflat.study.kinds import Kind
+from layflat.study.description import Kind, StudyFile
 from layflat.study.sampling import saltelli, samples, sobol_indices
 from layflat.study.varied import Varied
 

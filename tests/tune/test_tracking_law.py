@@ -9,13 +9,13 @@ from layflat.errors import InputError
 from layflat.machine import changed, load
 from layflat.sim.ensemble import ensemble
 from layflat.tune import begin
+from layflat.tune import robust as v
 from layflat.tune import search as s
-from layflat.tune import validation as v
 from layflat.tune.conditions import candidate_costs
 from layflat.tune.knobs import values_of
 from layflat.tune.page import write_page
+from layflat.tune.robust import validate
 from layflat.tune.tracking_law import conditions, knobs_of
-from layflat.tune.validation import validate
 
 pytestmark = pytest.mark.compiled
 

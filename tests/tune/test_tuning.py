@@ -9,13 +9,13 @@ import xarray
 from layflat.errors import InputError, MachineError, OutputError
 from layflat.machine import Machine, load
 from layflat.tune import Tuning, begin
+from layflat.tune import robust as v
 from layflat.tune import search as s
-from layflat.tune import validation as v
 from layflat.tune.conditions import Conditions, conditions
 from layflat.tune.knobs import neutral_values, values_of
 from layflat.tune.page import figures_of, values_table, write_page
+from layflat.tune.robust import Validation, validate, warnings
 from layflat.tune.search import Found, Meet
-from layflat.tune.validation import Validation, validate, warnings
 
 BARE = """extends = "paper-small-joint"
 omits = ["joint.small.gains"]

@@ -16,7 +16,7 @@ def machines() -> None:
     from layflat.identify.benches.loader import load_bench  # noqa: PLC0415
     from layflat.machine import load, names  # noqa: PLC0415
     from layflat.machine.cloud import cloud  # noqa: PLC0415
-    from layflat.machine.libraries import BENCHES  # noqa: PLC0415
+    from layflat.machine.loader import BENCHES  # noqa: PLC0415
 
     print_table(["machine", "what it is"], [[name, load(name).title] for name in names()])
     last = len(cloud().members) - 1

@@ -65,7 +65,7 @@ def identify(
     search: the best values so far are written and marked as partial.
     """
     from layflat.identify.identification import begin  # noqa: PLC0415
-    from layflat.identify.page import write_page  # noqa: PLC0415
+    from layflat.identify.report_text import write_page  # noqa: PLC0415
 
     with busy("reading"):
         session = begin(logs, machine, out, blocks=fit, validate=validate or [], mapping=mapping)

@@ -39,7 +39,7 @@ def reproduce(
     """
     from layflat.parallel import aside  # noqa: PLC0415
 
-    with aside("layflat.experiments.aside:perform", machine) as others:  # before the imports, which take as long there
+    with aside("layflat.experiments.report:perform", machine) as others:  # before the imports, which take as long there
         from layflat.experiments import bench, reproduce, write_claims, write_report  # noqa: PLC0415
         from layflat.experiments.questions import QUESTIONS, answers, ask  # noqa: PLC0415
         from layflat.experiments.report import COLUMNS, figures, table  # noqa: PLC0415

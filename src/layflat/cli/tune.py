@@ -40,8 +40,8 @@ def tune(
     what it believes. Ctrl-C ends the search; the best so far is kept.
     """
     from layflat.tune import begin  # noqa: PLC0415
+    from layflat.tune.robust import fresh, validate, warnings  # noqa: PLC0415
     from layflat.tune.tuning import PAGE  # noqa: PLC0415
-    from layflat.tune.validation import fresh, validate, warnings  # noqa: PLC0415
 
     tuning = begin(
         machine, out, method=method, start=start, seed=seed, generations=generations, over=over, device=device

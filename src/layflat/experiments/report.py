@@ -1,4 +1,7 @@
-"""Results of a reproduction on disk: claims.json, and one self-contained report.html with its figures."""
+"""Results of a reproduction on disk: claims.json, and one self-contained report.html with its figures.
+
+Another process evaluates some claims and draws their figures while the command's own does the rest (`perform`).
+"""
 
 import json
 from collections.abc import Callable, Iterator, Sequence
@@ -10,6 +13,7 @@ from matplotlib.figure import Figure
 
 from layflat._version import __version__
 from layflat.experiments.axis_one import TWICE
+from layflat.experiments.bench import bench
 from layflat.experiments.claim import Claim, texts_of
 from layflat.experiments.limits import AT, DURATION, WINDOWS
 from layflat.experiments.open_loop import RIG_PRESSURE
@@ -149,3 +153,12 @@ DRAWN: dict[str, Callable[[Reproduction], Figure]] = {
 
 FIGURES = texts_of("figures.toml")
 """Title, caption and claims shown of each figure by its id, in the order of the paper's."""
+
+
+def perform(machine: str) -> Iterator[Claim | Drawn]:
+    """Evaluate the claims of a machine that another process does not, then draw their figures, one by one."""
+    found = Reproduction.on(bench(machine))
+    for rule, experiment in found.rules(aside=True):
+        found.claims.append(rule.evaluated(experiment))
+        yield found.claims[-1]
+    yield from figures(found)

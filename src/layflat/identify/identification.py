@@ -23,8 +23,7 @@ from layflat.identify.identified_file import Written, identified_path, write_ide
 from layflat.identify.kinds import Candidate, compared
 from layflat.identify.logs import check, read_log, read_table, refuse
 from layflat.identify.logs.checks.alive import NOTHING_MOVES
-from layflat.identify.logs.checks.channels import checked_log
-from layflat.identify.logs.issue import Issue, ordered, several
+from layflat.identify.logs.checks.channels import Issue, checked_log, ordered, several
 from layflat.identify.model import Model
 from layflat.machine import Machine
 

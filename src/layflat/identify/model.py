@@ -11,8 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from layflat.arrays import Array
-from layflat.identify.shares import Shares
-from layflat.identify.unknown import Unknown
+from layflat.identify.unknown import Shares, Unknown
 
 Flags = NDArray[np.bool_]
 

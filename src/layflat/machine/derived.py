@@ -8,9 +8,8 @@ from typing import Any, TypeVar
 from layflat.description.provenance import Provenance
 from layflat.errors import InputError, MachineError
 from layflat.files import whole_file
-from layflat.machine.libraries import MACHINES
 from layflat.machine.listing import to_toml
-from layflat.machine.loader import load, names, tables
+from layflat.machine.loader import MACHINES, load, names, tables
 from layflat.machine.model import Machine
 
 Loaded = TypeVar("Loaded")

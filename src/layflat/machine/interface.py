@@ -1,13 +1,15 @@
-"""What lies between the controller and the joints: converters, the device's watchdog, and how to talk to it.
+"""What a rig has between controller and joints, and the limits that its supervisor holds the machine to.
 
-The device is what the wires end in: a remote I/O station, or a microcontroller.
+Converters, the device's watchdog, and how to talk to it: the device is what the wires end in, a remote I/O station or a
+microcontroller. Reasons for the limits stand in docs/rig.md.
 """
 
+from math import radians
 from typing import Annotated
 
 from pydantic import AfterValidator, Field
 
-from layflat.description import Part
+from layflat.description import Part, ordered
 from layflat.description import units as u
 
 MOST_OUTPUTS = 8  # a command has bits for so many
@@ -58,3 +60,53 @@ class Interface(Part):
     )
     modbus: ModbusLink = Field(default_factory=ModbusLink)
     serial: SerialLink = Field(default_factory=SerialLink)
+
+
+class Safety(Part):
+    """What a rig may do; how soon a fault has to be found stands in rig/safety/faults.py."""
+
+    supply_low: u.Share = Field(default=0.5, description="share of the supply's gauge pressure; below it it is lost")
+    supply_ready: u.Share = Field(default=0.8, description="share of the same that a soft start waits for")
+    overpressure: Annotated[float, Field(gt=1.0, le=2.0)] = Field(
+        default=1.25,
+        description="of the supply's gauge pressure, above which supply or differential pressure is too high: a hose "
+        "that a swinging arm squeezes holds little more than the supply",
+    )
+    speed: u.PositiveSpeed = Field(
+        default=radians(800.0), description="above it a joint runs away; a light arm's elbow reaches 700 deg/s"
+    )
+    overrun: u.Share = Field(
+        default=0.9, description="of the way from the working to the mechanical stroke; past it a joint is outside"
+    )
+    following_error: u.PositiveAngle = Field(
+        default=radians(35.0), description="of a slow joint; the base can swing the elbow out by 25 deg"
+    )
+    following_time: u.TimeOrZero = Field(
+        default=0.1, description="what the error may grow by with speed: about the time in which a joint stops"
+    )
+    demand_lead: u.PositiveAngle = Field(
+        default=radians(45.0), description="how far a demand may jump ahead; the paper's moves are steps of 40 deg"
+    )
+    demand_margin: Annotated[float, Field(gt=0.0, le=10.0)] = Field(
+        default=0.9,
+        description="how far it may jump, over what is left between any joint and its stop: they fling each other",
+    )
+    demand_speed: u.PositiveSpeed = Field(
+        default=radians(60.0), description="with which demands go on beyond that; all sound joints keep up with it"
+    )
+    setpoint_age: u.ShortTime = Field(default=0.1, description="after which the host's demands are stale")
+    air_residual: Annotated[u.Share, Field(gt=0.0)] = Field(
+        default=0.25,
+        description="air that hoses gain or lose beyond what their valve was told, as an opening of it; sound ones "
+        "stay below 0.14, and below 0.25 with a centre that is off by 8 % of full opening",
+    )
+    start_time: u.ShortTime = Field(default=5.0, description="in which a soft start has to bring the air")
+    hold_time: u.ShortTime = Field(
+        default=0.5, description="that a controlled stop holds the joints before the air goes"
+    )
+    vent_time: u.ShortTime = Field(
+        default=1.5,
+        description="in which hoses empty through open valves; an arm that would fall is let down in five times that",
+    )
+
+    _starts = ordered("supply_low", "supply_ready", "supply_ready must be above supply_low, for example 0.8 and 0.5")

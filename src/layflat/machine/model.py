@@ -20,9 +20,8 @@ from layflat.errors import MachineError
 from layflat.jit.outside import load_kinds
 from layflat.kinds import AnyOf, Table
 from layflat.machine.gains import gains_of_law
-from layflat.machine.interface import Interface
+from layflat.machine.interface import Interface, Safety
 from layflat.machine.parts import Joint
-from layflat.machine.safety import Safety
 from layflat.machine.tube import Line, delay
 from layflat.physics.arms import ARMS, ArmPart
 from layflat.physics.delay import LONGEST

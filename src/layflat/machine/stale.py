@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from layflat.description.library import Layer
 from layflat.description.tables import laid_over, leaves
 from layflat.machine import tube
-from layflat.machine.libraries import MACHINES
+from layflat.machine.loader import MACHINES
 from layflat.machine.model import Machine
 from layflat.machine.parts import Joint, body_mass
 

@@ -13,8 +13,7 @@ from layflat.machine import Machine
 from layflat.sim import Scenario
 from layflat.sim.ensemble.cases import cases
 from layflat.sim.run import timing_of
-from layflat.study.description import ScenarioTable
-from layflat.study.kinds import kind
+from layflat.study.description import ScenarioTable, kind
 
 Samples = Mapping[str, Array]
 

@@ -1,22 +1,91 @@
-"""A study from its first chunk, or where it was stopped, to its table: rows are simulated and measured in chunks."""
+"""A study from its first chunk, or where it was stopped, to its table: chunks computed here, or on a Dask cluster."""
 
-from collections.abc import Callable, Generator, Iterable
+import asyncio
+import logging
+from collections.abc import Callable, Generator, Iterable, Iterator
 from contextlib import closing
+from itertools import islice
 from math import ceil
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from layflat.errors import InputError, StoppedError
-from layflat.extras import require
+from layflat.errors import InputError, LayflatError, StoppedError
+from layflat.extras import module, require
 from layflat.sim.ensemble.parallel import check_device
-from layflat.study.chunks import Work, made_with, measured
-from layflat.study.cluster import on_cluster
+from layflat.study.chunks import Work, made_with, measured, measured_there
 from layflat.study.folder import Folder
 from layflat.study.sampling import rows, samples
 from layflat.study.study import Study
 
 if TYPE_CHECKING:
     import pyarrow
+
+PATIENCE = 4.0  # a scheduler has to answer within, s
+AHEAD = 64  # chunks that wait at the scheduler, beside two for every thread: new workers find work at once
+
+
+def on_cluster(study: Study, work: Work, scheduler: str) -> "Iterator[tuple[int, pyarrow.Table]]":
+    """Yield chunks of a study as they get done, in any order.
+
+    Raises:
+        InputError: no scheduler answers, dask is not installed, or a chunk can't be done there.
+    """
+    where = f"--scheduler {scheduler}"
+    client = _client(scheduler, where)
+    try:
+        yield from _done(client, study, work)
+    except LayflatError:
+        raise
+    except Exception as error:  # whatever a cluster may raise
+        what = f"the cluster failed ({type(error).__name__}: {''.join(str(error).splitlines()[:1])})"
+        raise InputError(what, where=where, right="the same command goes on") from error
+    finally:
+        client.close()
+
+
+def _done(client: Any, study: Study, work: Work) -> "Iterator[tuple[int, pyarrow.Table]]":
+    from distributed import as_completed  # noqa: PLC0415
+
+    waiting, numbers, own = iter(work), {}, made_with(study)
+
+    def submit(count: int) -> list[Any]:
+        futures = []
+        for number, runs in islice(waiting, count):
+            future = client.submit(measured_there, study, runs, own, pure=False)
+            numbers[future.key] = number
+            futures.append(future)
+        return futures
+
+    ahead = AHEAD + 2 * sum(client.nthreads().values())
+    running = as_completed(submit(ahead), loop=client.loop, with_results=True)
+    for future, table in running:
+        if isinstance(table, BaseException):  # the scheduler is lost
+            raise table
+        for following in submit(1):
+            running.add(following)
+        yield numbers.pop(future.key), table
+
+
+def _client(scheduler: str, where: str) -> Any:
+    client = module("cluster", "distributed", where=where).Client
+    logging.getLogger("distributed.client").setLevel(logging.CRITICAL)  # what fails is told in one line, by us
+    try:
+        asyncio.run(asyncio.wait_for(_identity(scheduler), PATIENCE))
+        return client(scheduler, timeout=PATIENCE, set_as_default=False)
+    except Exception:  # of many libraries, depending on what else answers there
+        right = "give the address that `dask scheduler` prints, such as tcp://10.0.0.1:8786"
+        raise InputError("no Dask scheduler answers", where=where, right=right) from None
+
+
+async def _identity(scheduler: str) -> None:
+    """Ask a scheduler who it is: a client that finds none can't be closed without another long wait."""
+    from distributed import Security  # noqa: PLC0415
+    from distributed.core import rpc  # noqa: PLC0415
+
+    security = Security().get_connection_args("client")
+    async with rpc(scheduler, connection_args=security, timeout=PATIENCE) as remote:
+        await remote.identity()
+
 
 CHUNKS = {"cpu": 4096, "cuda": 65536}
 """Runs that a device works on at once and that are kept together: what is lost at most when a study is stopped."""

@@ -17,8 +17,7 @@ from layflat.sim.metrics import BAND
 from layflat.study.check import check, inside
 from layflat.study.description import ScenarioTable, StudyFile, explained_study, refuse
 from layflat.study.sampling import samples
-from layflat.study.variants import Variant, variants
-from layflat.study.varied import Varied, applied, groups, resolved
+from layflat.study.varied import Variant, Varied, applied, groups, resolved, variants
 
 BUILT_IN = Path(__file__).parent / "builtin"
 

@@ -3,7 +3,7 @@
 from layflat.errors import MachineError
 from layflat.machine import Machine
 from layflat.tune import papers_law, tracking_law
-from layflat.tune.tunable import Tunable
+from layflat.tune.knobs import Tunable
 
 TUNABLES = {"paper": papers_law.TUNABLE, "tracking": tracking_law.TUNABLE}
 

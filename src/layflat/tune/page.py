@@ -15,8 +15,8 @@ from layflat.plot.tuning import cost_history, responses, settled_shares
 from layflat.sim.metrics import BAND
 from layflat.tune.conditions import REST, nominal_postures
 from layflat.tune.knobs import values_of
+from layflat.tune.robust import LIMIT, Validation, fresh, warnings
 from layflat.tune.tuning import Tuning
-from layflat.tune.validation import LIMIT, Validation, fresh, warnings
 
 Row = list[str]
 

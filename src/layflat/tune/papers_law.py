@@ -10,8 +10,7 @@ from layflat.control.paper import PaperGainsPart
 from layflat.description.change import changed, value_at
 from layflat.machine import Machine
 from layflat.tune.conditions import Conditions, Spread, conditions
-from layflat.tune.knobs import PER_BAR, PER_DEG, Knob, Part, Stage, split
-from layflat.tune.tunable import Tunable
+from layflat.tune.knobs import PER_BAR, PER_DEG, Knob, Part, Stage, Tunable, split
 
 GAINS = (
     Knob(("far.error",), 0.03, 1.0, "V/deg", PER_DEG, 0.3),

@@ -6,9 +6,8 @@ from layflat.control.tracking.description import QUICKEST, TrackingControllerPar
 from layflat.description.change import value_at
 from layflat.machine import Machine
 from layflat.tune.conditions import NOMINAL, TIP, Conditions, Spread, sequences
-from layflat.tune.knobs import Knob, Part, Stage, split
+from layflat.tune.knobs import Knob, Part, Stage, Tunable, split
 from layflat.tune.robust import STATEMENT, robust_set
-from layflat.tune.tunable import Tunable
 
 RANGES = {
     "torque_errors": (0.004, 0.2),

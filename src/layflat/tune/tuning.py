@@ -16,10 +16,9 @@ from layflat.machine.derived import derived_path, write_derived
 from layflat.machine.members import differing
 from layflat.sim.ensemble.parallel import check_device
 from layflat.tune.conditions import Conditions, Spread, check_carried
-from layflat.tune.knobs import Knob, Part, neutral_values, values_of
+from layflat.tune.knobs import Knob, Part, Tunable, neutral_values, values_of
 from layflat.tune.laws import tunable
 from layflat.tune.search import Found, judge, panel, search
-from layflat.tune.tunable import Tunable
 
 Progress = Callable[[Found, int, str], None]
 """Told the best so far, the generations done, and what is looked for; before the first generation too."""

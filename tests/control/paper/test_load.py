@@ -2,7 +2,7 @@
 
 import pytest
 
-from layflat.control.paper.load import DescribedLoad, NoLoad, fed_back
+from layflat.control.paper.gains import DescribedLoad, NoLoad, fed_back
 from layflat.description.change import changed
 from layflat.machine import load
 from layflat.machine.loader import tables

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from layflat.control.tracking.doubt import MEMORY, MOST, Doubt, doubted
+from layflat.control.tracking.arrival import MEMORY, MOST, Doubt, doubted
 from layflat.description.change import changed_all
 from layflat.machine import Machine, load
 from layflat.sim import rollout

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.linalg import eigh
 
-from layflat.control.tracking.model_step import MAX_PHASE, step_count
+from layflat.control.tracking.model import MAX_PHASE, step_count
 from layflat.description.change import changed_all
 from layflat.machine import Machine, load, parameters
 from layflat.physics.natural_rates import natural_rates

@@ -3,7 +3,7 @@ import pytest
 from scipy.optimize import minimize
 
 from layflat.arrays import Array
-from layflat.experiments.beyond.least_excess import least_excess
+from layflat.experiments.beyond.search import least_excess
 
 POINTS, UNKNOWNS, RADIUS = 6, 20, 1.0
 

@@ -6,7 +6,7 @@ import pytest
 from layflat.errors import InputError
 from layflat.experiments.beyond import Optimum, settling_bound
 from layflat.experiments.beyond.floor import mass_matrix, settling_floor
-from layflat.experiments.beyond.guesses import tracked
+from layflat.experiments.beyond.optimum import tracked
 from layflat.experiments.beyond.shooting import Shooting
 from layflat.machine import Machine, changed, load, parameters
 from layflat.sim import rollout

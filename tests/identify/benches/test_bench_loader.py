@@ -6,8 +6,8 @@ from layflat.description.provenance import SOURCES, split
 from layflat.errors import MachineError
 from layflat.identify.benches.loader import bench_tables, load_bench
 from layflat.identify.benches.vessel.description import VesselBench
-from layflat.machine.libraries import BENCHES
 from layflat.machine.listing import listing, to_toml
+from layflat.machine.loader import BENCHES
 from layflat.physics.flow import sonic_conductance
 
 GOOD = BENCHES.text("blow-down-vessel")

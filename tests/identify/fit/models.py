@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from layflat.identify import Model, Output, Unknown
-from layflat.identify.shares import Shares
+from layflat.identify.unknown import Shares
 
 Array = NDArray[np.float64]
 

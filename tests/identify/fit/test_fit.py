@@ -7,8 +7,7 @@ import pytest
 
 from layflat.errors import InputError
 from layflat.identify import fit
-from layflat.identify.fit.certainty import NORMAL
-from layflat.identify.fit.residuals import PRIOR_WIDTH
+from layflat.identify.fit.certainty import NORMAL, PRIOR_WIDTH
 from layflat.identify.report_text import prediction, untrusted
 from tests.identify.fit.models import TIME, ByLifetime, Decay, Led, Level, Linearly, Product, Twins, TwoTones
 

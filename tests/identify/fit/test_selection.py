@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from layflat.identify.fit import fit_selected
-from layflat.identify.fit.folds import MAX_FOLDS, split_folds
 from layflat.identify.fit.result import choose
+from layflat.identify.fit.selection import MAX_FOLDS, split_folds
 from layflat.identify.report_text import expected
 from tests.identify.fit.models import TIME, Decay, Polynomial
 

@@ -9,8 +9,7 @@ import pytest
 
 from layflat.errors import InputError
 from layflat.identify.logs import check, read_log, refuse, save
-from layflat.identify.logs.checks.channels import without_spikes
-from layflat.identify.logs.issue import Issue
+from layflat.identify.logs.checks.channels import Issue, without_spikes
 from layflat.identify.logs.mapping import mapping_of
 from layflat.machine import changed as described
 from layflat.machine import load

@@ -10,9 +10,9 @@ import pytest
 
 from layflat.errors import InputError
 from layflat.identify.logs import check, read_log
+from layflat.identify.logs.checks.channels import Issue
 from layflat.identify.logs.checks.lags import lag_of
 from layflat.identify.logs.grid import clock_of, grid_over
-from layflat.identify.logs.issue import Issue
 from layflat.identify.logs.mapping import mapping_of
 from layflat.machine import load
 from tests.identify.logs.recordings import ENTRIES, Array, changed, entry, mapping, recorded, run, ticks, write_csv

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from layflat.errors import InputError
 from layflat.identify.logs import read_log, read_mapping, write_mapping
 from layflat.identify.logs.mapping import Mapping, mapping_of, mapping_text
-from layflat.identify.logs.signals import SIGNALS
+from layflat.identify.logs.vocabulary import SIGNALS
 from tests.identify.logs.recordings import ENTRIES, mapping, recorded, write_csv
 
 TEXT = """

@@ -8,7 +8,7 @@ import pytest
 from layflat.errors import InputError
 from layflat.identify.logs import guess_mapping, read_log
 from layflat.identify.logs.clocks import unwrap_counter
-from layflat.identify.logs.shared_stamps import find_shared
+from layflat.identify.logs.paired_clocks import find_shared
 from tests.identify.logs.recordings import Array, ticks
 
 COUNT = 1000

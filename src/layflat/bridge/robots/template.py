@@ -8,8 +8,7 @@ from layflat.description.hints import did_you_mean
 from layflat.description.provenance import Sources
 from layflat.description.tables import Plain
 from layflat.errors import InputError
-from layflat.machine.libraries import MACHINES
-from layflat.machine.loader import load, tables
+from layflat.machine.loader import MACHINES, load, tables
 from layflat.machine.parts import Joint
 
 USUAL = "paper-small-joint-fast:small"  # the paper's small joint, with the larger valve

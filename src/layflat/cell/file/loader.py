@@ -16,7 +16,7 @@ from layflat.description.provenance import Sources
 from layflat.description.tables import Plain
 from layflat.errors import CellError
 from layflat.machine import load as load_machine
-from layflat.machine.libraries import MACHINES
+from layflat.machine.loader import MACHINES
 
 BUILT_IN = Path(__file__).parent / "builtin"
 ROTATED = ("camera", "tray.*", "container.*", "base_markers.marker.*")  # tables that have an angle of rotation

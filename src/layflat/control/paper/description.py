@@ -6,8 +6,7 @@ from typing import Any, Literal
 from pydantic import Field
 
 from layflat.control.kind import ControllerPart
-from layflat.control.paper.gains import Gains, Phase, Settings
-from layflat.control.paper.load import DescribedLoad, NoLoad
+from layflat.control.paper.gains import DescribedLoad, Gains, NoLoad, Phase, Settings
 from layflat.description import Part
 from layflat.description import units as u
 from layflat.errors import MachineError

@@ -16,8 +16,7 @@ Signs: a positive voltage above N fills hose A and turns the joint forward (see 
 
 from layflat.control.average import mean4, ripple4
 from layflat.control.kind import voltages_alone
-from layflat.control.paper.gains import Memories, Memory, Report
-from layflat.control.paper.load import fed_back
+from layflat.control.paper.gains import Memories, Memory, Report, fed_back
 from layflat.jit import composition, law
 from layflat.lanes import each, select
 

@@ -1,8 +1,13 @@
-"""Arrival at a goal: by the place of the tip, and by the joints that it does not tell of.
+"""Arrival at a goal, and the law's doubt of its model, in which it stops on the way.
 
-A joint whose axis passes through the tip leaves it where it is, as the last one of most arms of six joints does, and
-with the elbow to either side the tip is at the same place. So each joint has to be near its own goal too: exactly
-where it moves the tip by little, and roughly where the tip's own tolerance tells of it.
+Arrival goes by the place of the tip, and by the joints that it does not tell of. A joint whose axis passes through the
+tip leaves it where it is, as the last one of most arms of six joints does, and with the elbow to either side the tip is
+at the same place. So each joint has to be near its own goal too: exactly where it moves the tip by little, and roughly
+where the tip's own tolerance tells of it.
+
+Where the model is right, squares of the angles' innovations are their variances in the mean. Where they are many times
+that for a while, all that follows from the model is wrong, feedback included. Then the valves are centred and the
+brakes stay closed, until another goal is asked for, which is tried anew.
 """
 
 from math import sqrt
@@ -13,6 +18,39 @@ from layflat.jit import composition, law
 from layflat.lanes import each, gather, select, slots
 from layflat.physics.algebra import largest
 from layflat.physics.arms import tip_in_space
+
+MEMORY = 0.3  # time over which squares are averaged, s
+MOST = 64.0  # mean square over the variance from which the model is not gone by
+CAP = 120.0  # of a single square: a push is no doubt
+ELSEWHERE = 0.02  # from where a goal was given up that another one is, rad
+
+
+class Doubt(NamedTuple):
+    """What is remembered of it."""
+
+    mean: float  # of the squares
+    held: float  # 1 where the goal was given up, else 0
+    goal: tuple[float, ...]  # that was given up, rad
+
+
+@law
+def _apart(a, b):
+    return a - b
+
+
+@law
+def _kept(held, before, goal):
+    return select(held > 0.5, before, goal)
+
+
+@composition
+def doubted(doubt, square, goals, T):
+    """Return the doubt after a cycle with such a square over its variance; goals: angles, rad."""
+    tried = largest(each(_apart, goals, doubt.goal)) > ELSEWHERE
+    held, mean = select(tried, 0.0, doubt.held), select(tried & (doubt.held > 0.5), 0.0, doubt.mean)
+    mean = mean + min(T / MEMORY, 1.0) * (min(square, CAP) - mean)
+    held = select(mean > MOST, 1.0, held)
+    return Doubt(mean, held, each(_kept, held, doubt.goal, goals))
 
 
 class Tolerance(NamedTuple):

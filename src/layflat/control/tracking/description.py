@@ -21,8 +21,7 @@ from layflat.control.tracking.arrival import Tolerance
 from layflat.control.tracking.estimation import Prior, Shapes
 from layflat.control.tracking.law import Settings
 from layflat.control.tracking.limits import ActuatorLimits, Margins, Parts
-from layflat.control.tracking.model import ObserverTuning, Plant
-from layflat.control.tracking.model_step import step_count
+from layflat.control.tracking.model import ObserverTuning, Plant, step_count
 from layflat.control.tracking.torques import Feedback
 from layflat.description import units as u
 from layflat.errors import MachineError

@@ -23,9 +23,8 @@ from math import sqrt
 from typing import Any, NamedTuple
 
 from layflat.control.contract import Command
-from layflat.control.tracking.arrival import has_arrived
+from layflat.control.tracking.arrival import Doubt, doubted, has_arrived
 from layflat.control.tracking.auxiliary import Auxiliary, asked_of, begun, rested_for, tolerance_of
-from layflat.control.tracking.doubt import Doubt, doubted
 from layflat.control.tracking.estimation import (
     ParameterEstimate,
     Prior,

@@ -17,8 +17,8 @@ from layflat.design.arm.valves import Valve
 from layflat.design.sized import ASKED, OVERSHOOT_ROOM
 from layflat.design.sizing import MODEL, Sized
 from layflat.machine import Machine
-from layflat.machine.libraries import MACHINES
 from layflat.machine.listing import to_toml
+from layflat.machine.loader import MACHINES
 from layflat.machine.model import build
 
 OMITS = ("arm", "joint", "controller")

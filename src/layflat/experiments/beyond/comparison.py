@@ -14,9 +14,7 @@ from layflat.experiments.beyond import settling
 from layflat.experiments.beyond.belts import Following, following
 from layflat.experiments.beyond.moves import POSTURES, steps
 from layflat.experiments.beyond.optimum import settling_bound
-from layflat.experiments.beyond.repeating import learnt_ratio
-from layflat.experiments.beyond.resting import Resting, resting
-from layflat.experiments.beyond.settling import Settling
+from layflat.experiments.beyond.settling import Resting, Settling, learnt_ratio, resting
 from layflat.experiments.beyond.stiffness import Stiffness, adjustable, stiffnesses
 from layflat.machine import Machine, load
 from layflat.machine.exchanged import with_tracking

@@ -1,8 +1,8 @@
-"""How soon controllers bring the tip to rest: on the arm they know, on others, and with what they do not know."""
+"""Settling of the tip under a controller, its rest and its repeats: on the arm that it knows, and on others."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import get_args
+from typing import NamedTuple, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -10,11 +10,14 @@ from numpy.typing import ArrayLike
 from layflat.arrays import Array
 from layflat.control.tracking.description import PartOfLaw, TrackingControllerPart
 from layflat.description.change import changed_all, value_at
-from layflat.experiments.beyond.moves import POSTURES, sequences
+from layflat.experiments.beyond.moves import POSTURES, REST, sequences, steps
 from layflat.machine import Machine
-from layflat.sim import Scenario
+from layflat.motion.optimal import time_optimal
+from layflat.motion.path import JointLine
+from layflat.sim import Scenario, rollout
 from layflat.sim.ensemble import ensemble
-from layflat.tune.robust import robust_set
+from layflat.sim.repeats import learnt_error_ratio
+from layflat.tune.robust import plants, robust_set
 
 MOVES = 5  # after each other, where what is learnt counts
 HEAVIEST = 2.0  # payload that a planar arm may carry, kg: the paper's
@@ -113,3 +116,45 @@ def _times(machine: Machine, scenarios: Sequence[Scenario], vary: Mapping[str, A
     runs = ensemble(machine, scenarios, vary, controller=driver, metrics=("tip_settling",))
     found: Array = runs["tip_settling"].to_numpy()
     return np.where(np.isnan(found), np.inf, found)
+
+
+SETTLED = 2.5  # time after the step from which the arm has to rest, s
+
+
+class Resting(NamedTuple):
+    """What an arm at rest does."""
+
+    moved: float  # greatest way of any joint, rad
+    air: float  # share of the air that it takes with its dither on all the time
+
+
+def resting(machine: Machine, seconds: float) -> Resting:
+    """Return what a machine does in so many seconds after a move."""
+    moved, air = _at_rest(machine, seconds)
+    _, always = _at_rest(changed_all(machine, {"valve.dither.least": 1.0}), min(seconds, 10.0))
+    return Resting(moved, air / always)
+
+
+def _at_rest(machine: Machine, seconds: float) -> tuple[float, float]:
+    """Greatest way, rad, and air taken, kg/s."""
+    before, after = steps(machine)[0]
+    demand = [(0.0, before.tolist()), (REST, after.tolist())]
+    run = rollout(machine, demand, duration=REST + SETTLED + seconds, seed=1)
+    first = round((REST + SETTLED) / machine.cycle)
+    angles, air = run["angle"].to_numpy()[first:], run["air_taken"].sum("joint").to_numpy()[first:]
+    return float(np.abs(angles - angles[0]).max()), float(air[-1] - air[0]) / seconds
+
+
+REPEATS = 5
+
+
+def learnt_ratio(machine: Machine, count: int) -> float:
+    """Return the median error along time-optimal steps after five repeats, over that before them.
+
+    Each of so many plants that differ from the machine makes a step of its own; errors are rms of the true tip.
+    """
+    found = []
+    for plant, (before, after) in zip(plants(machine, count), steps(machine) * count, strict=False):
+        motion = time_optimal(machine, JointLine(before, after))
+        found.append(learnt_error_ratio(machine, plant, motion, REPEATS))
+    return float(np.median(found))

@@ -20,8 +20,7 @@ from layflat.description.wrong import shown
 from layflat.errors import MachineError
 from layflat.identify.benches.contract import Bench, BenchDescription, Logs, check_known
 from layflat.machine import Machine, load
-from layflat.machine.libraries import BENCHES, MACHINES
-from layflat.machine.loader import tables
+from layflat.machine.loader import BENCHES, MACHINES, tables
 
 KINDS = {"friction rig": "rod", "regulated joint": "regulated", "vessel": "vessel"}  # folders by a description's `kind`
 HYDDOWN = {".yml", ".yaml"}  # suffixes of HydDown's input files, which describe vessels

@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from layflat.arrays import Array
-from layflat.identify.fit.certainty import blocks_of, bootstrap, covariance, interval, is_told
-from layflat.identify.fit.residuals import Residuals
+from layflat.identify.fit.certainty import Residuals, blocks_of, bootstrap, covariance, interval, is_told
 from layflat.identify.fit.result import ALIKE, Estimate, Fit
 from layflat.identify.model import Model
 

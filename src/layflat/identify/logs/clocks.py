@@ -10,7 +10,7 @@ from layflat.arrays import Array
 from layflat.description.units import TIME
 from layflat.errors import InputError
 from layflat.identify.logs.headers import Header, words_of
-from layflat.identify.logs.shared_stamps import find_shared
+from layflat.identify.logs.paired_clocks import find_shared
 from layflat.identify.logs.table import Column, Table
 from layflat.identify.logs.units import kind_of_unit, unit_written
 from layflat.identify.logs.vocabulary import meanings

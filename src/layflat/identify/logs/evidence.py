@@ -10,10 +10,19 @@ from layflat.arrays import Array
 from layflat.description import units as u
 from layflat.identify.logs.headers import words_of
 from layflat.identify.logs.own import SENSED
-from layflat.identify.logs.signals import FORCE, SIGNALS, Signal, conversion
 from layflat.identify.logs.table import Column, Table
 from layflat.identify.logs.units import kind_of_unit, measures
-from layflat.identify.logs.vocabulary import FILTERED, RAW, STATISTICS, meanings, signal_of
+from layflat.identify.logs.vocabulary import (
+    FILTERED,
+    FORCE,
+    RAW,
+    SIGNALS,
+    STATISTICS,
+    Signal,
+    conversion,
+    meanings,
+    signal_of,
+)
 
 BY_UNIT = {"rad": "angle", "Pa": "pressure", "V": "voltage", "N*m": "torque", "N": "force", "K": "temperature"}
 """Roles, and signals, that a unit alone tells, by its SI unit."""

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from layflat.arrays import Array
 from layflat.errors import InputError
-from layflat.identify.logs.signals import SIGNALS, channel_name
+from layflat.identify.logs.vocabulary import SIGNALS, channel_name
 
 GAP = 4.5  # periods between two samples that are a gap: more than three samples are missing
 EVEN = 1e-6  # deviation from an even clock, in periods, that is rounding

@@ -20,8 +20,8 @@ from layflat.identify.logs.evidence import Candidate, find_candidate, find_unuse
 from layflat.identify.logs.formats import read_table
 from layflat.identify.logs.mapping import Mapping, mapping_of
 from layflat.identify.logs.own import own_mapping
-from layflat.identify.logs.signals import AMBIENT, SIGNALS, channel_name, conversion
 from layflat.identify.logs.table import Column, Table
+from layflat.identify.logs.vocabulary import AMBIENT, SIGNALS, channel_name, conversion
 
 USUAL_STEPS = (1e-6, 0.7)  # s between two samples of a log of a motion
 CLEAR = 0.4  # points by which one of two columns for one signal must be ahead

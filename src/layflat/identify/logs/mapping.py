@@ -37,7 +37,7 @@ from layflat.description.text import read_text
 from layflat.description.wrong import shown, wrong
 from layflat.errors import InputError
 from layflat.files import write_text
-from layflat.identify.logs.signals import AMBIENT, SIGNALS, channel_name, conversion
+from layflat.identify.logs.vocabulary import AMBIENT, SIGNALS, channel_name, conversion
 
 COMPLETE = "a mapping has [[column]] with from, signal and unit, and [time] with column and unit"
 

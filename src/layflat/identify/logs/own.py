@@ -3,8 +3,8 @@
 from typing import Any
 
 from layflat.identify.logs.mapping import Mapping, mapping_of
-from layflat.identify.logs.signals import SIGNALS
 from layflat.identify.logs.table import Table
+from layflat.identify.logs.vocabulary import SIGNALS
 
 CLOCKS = ("time", "t")
 

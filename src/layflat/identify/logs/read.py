@@ -16,8 +16,8 @@ from layflat.identify.logs.formats import read_table
 from layflat.identify.logs.grid import Clock, Grid, Series, clock_of, gaps, grid_as_recorded, grid_over, resampled
 from layflat.identify.logs.mapping import MappedColumn, Mapping, read_mapping
 from layflat.identify.logs.own import own_mapping
-from layflat.identify.logs.signals import SIGNALS, channel_name, conversion
 from layflat.identify.logs.table import Column, Table
+from layflat.identify.logs.vocabulary import SIGNALS, channel_name, conversion
 
 LISTED = 8  # names in a message
 NAMED = 3  # things without columns that are named with their reason

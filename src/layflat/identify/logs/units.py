@@ -5,7 +5,7 @@ from functools import lru_cache
 
 from layflat.description import units as u
 from layflat.description.expression import QuantityError
-from layflat.identify.logs.signals import FORCE
+from layflat.identify.logs.vocabulary import FORCE
 
 KINDS = (u.PRESSURE, u.ANGLE, u.VOLTAGE, u.TORQUE, FORCE, u.TEMPERATURE, u.LENGTH, u.MASS, u.TIME,
          u.ANGULAR_SPEED, u.SPEED, u.ANGULAR_ACCELERATION, u.ACCELERATION, u.FLOW, u.FREQUENCY)  # fmt: skip

@@ -1,4 +1,9 @@
-"""Vocabulary of headers: what words mean, and the signal that their meanings make."""
+"""Vocabulary of headers: the meanings of words, the signals that these make, and how signals are treated in time."""
+
+from dataclasses import dataclass
+from math import radians
+
+from layflat.description import units as u
 
 ROLES = {
     "angle": (
@@ -84,3 +89,85 @@ def meanings(words: list[str]) -> set[str]:
 def signal_of(meant: set[str]) -> str | None:
     """Return the signal that some roles make; None where nothing fits."""
     return next((signal for signal, roles in SIGNALS_OF if roles <= meant), None)
+
+
+FORCE = u.Quantity("force", "N", "12 N")
+
+SHOWN = {"Pa": ("bar", 1e5), "rad": ("deg", radians(1.0)), "m": ("mm", 1e-3)}  # units that people read, and their sizes
+AMBIENT = 101325.0  # pressure of a standard atmosphere, Pa: gauge pressures count from it where nothing else is said
+
+
+@dataclass(frozen=True)
+class Signal:
+    """One of the standard signals, as in a log's data set."""
+
+    name: str
+    kind: u.Quantity | None  # of quantity; None is a share, without unit
+    meaning: str
+    by_joint: bool = True  # each joint has its own
+    held: bool = False  # what is commanded, and holds until the next sample; all else is measured
+    absolute: bool = False  # an absolute pressure inside: a log has to say whether it counts from ambient pressure
+
+    @property
+    def unit(self) -> str:
+        """SI unit."""
+        return "1" if self.kind is None else self.kind.unit.replace("*", " ")
+
+    @property
+    def shown(self) -> tuple[str, float]:
+        """The unit that people read, and its size in SI."""
+        return ("%", 0.01) if self.kind is None else SHOWN.get(self.unit, (self.unit, 1.0))
+
+
+SIGNALS = {
+    signal.name: signal
+    for signal in (
+        Signal("angle", u.ANGLE, "joint angle"),
+        Signal("pressure_a", u.PRESSURE, "absolute pressure in hose A", absolute=True),
+        Signal("pressure_b", u.PRESSURE, "absolute pressure in hose B", absolute=True),
+        Signal("measured_pressure", u.PRESSURE, "differential pressure, hose A less hose B"),
+        Signal("torque", u.TORQUE, "torque at the joint"),
+        Signal("voltage", u.VOLTAGE, "control voltage", held=True),
+        Signal("demand", u.ANGLE, "angle asked for", held=True),
+        Signal("setpoint_a", u.PRESSURE, "absolute pressure asked for in hose A", held=True, absolute=True),
+        Signal("setpoint_b", u.PRESSURE, "absolute pressure asked for in hose B", held=True, absolute=True),
+        Signal("brake", None, "share of the brake's torque", held=True),
+        Signal("dither", None, "share of the valve's dither", held=True),
+        Signal("supply", u.PRESSURE, "absolute supply pressure", by_joint=False, absolute=True),
+        Signal("payload", u.MASS, "payload", by_joint=False, held=True),
+        Signal("position", u.LENGTH, "position of what moves in a line", by_joint=False),
+        Signal("force", FORCE, "force on what moves in a line", by_joint=False),
+        Signal("pressure", u.PRESSURE, "absolute pressure of a chamber", by_joint=False, absolute=True),
+        Signal("temperature", u.TEMPERATURE, "temperature of the gas in a chamber", by_joint=False),
+    )
+}
+"""By name, in the order in which they are listed."""
+
+_SHARES = {"1": 1.0, "share": 1.0, "%": 0.01, "percent": 0.01}
+
+
+def conversion(unit: str, signal: Signal) -> tuple[float, float]:
+    """Factor and shift that turn numbers in a unit, such as "kPa", "1.2 deg" or "degC", into SI: x factor + shift.
+
+    Raise ValueError if it is none, with one clause that says what is wrong and what would be right.
+    """
+    text = unit.strip()
+    if signal.kind is None:
+        if text not in _SHARES:
+            raise ValueError(f"{unit!r} is not a unit of a share; give one of {', '.join(map(repr, _SHARES))}")
+        return _SHARES[text], 0.0
+    numbered = text[:1].isdigit() or text[:1] == "."
+    try:
+        shift = 0.0 if numbered else signal.kind.convert(f"0 {text}")
+        factor = signal.kind.convert(text if numbered else f"1 {text}") - shift
+    except ValueError:
+        article, unit_of_it = signal.kind.article, signal.kind.example.partition(" ")[2]
+        raise ValueError(f'{unit!r} is not a unit of {article}; give one such as "{unit_of_it}"') from None
+    if factor <= 0.0:
+        raise ValueError(f"{unit!r} is not positive; turn a signal round with sign = -1")
+    return factor, shift
+
+
+def channel_name(signal: str, joint: str | None) -> str:
+    """How one signal of one joint is called: "angle.elbow", or "force" where there is no joint."""
+    return f"{signal}.{joint}" if joint else signal

@@ -7,8 +7,7 @@ from typing import Self
 
 from layflat.description.provenance import Sources
 from layflat.description.tables import Plain
-from layflat.machine.libraries import MACHINES
-from layflat.machine.loader import load, tables
+from layflat.machine.loader import MACHINES, load, tables
 from layflat.machine.model import Machine, build
 
 

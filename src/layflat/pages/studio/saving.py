@@ -14,9 +14,8 @@ from layflat.errors import InputError
 from layflat.files import whole_file
 from layflat.machine.cloud import parted
 from layflat.machine.derived import at_path
-from layflat.machine.libraries import MACHINES
 from layflat.machine.listing import to_toml
-from layflat.machine.loader import load
+from layflat.machine.loader import MACHINES, load
 from layflat.machine.stale import counted_twice, stale_values
 from layflat.pages.studio.design import Design, put, sources_of, whole_path
 

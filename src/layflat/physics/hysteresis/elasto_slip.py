@@ -77,6 +77,12 @@ def slip(f, k, Y, turn):
 
 
 @law
+def share_carried(wanted, limit):
+    """Share of their limits that elements carry so that `wanted` is met, -1..1, where no log shows how they begin."""
+    return min(max(wanted / limit, -1.0), 1.0) if limit > 0.0 else 0.0
+
+
+@law
 def _slipped(f, k, Y_0, Y_1, turn, p_g):
     return slip(f, k, Y_0 + Y_1 * p_g, turn)
 

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from layflat.identify.benches.hysteresis.errors import loop_height, ways
+from layflat.identify.benches.hysteresis.logs import loop_height, ways
 
 T = np.linspace(0.0, 3.0, 3001)
 X = np.sin(2 * np.pi * T)

@@ -8,9 +8,8 @@ import pytest
 
 from layflat.errors import InputError
 from layflat.identify import fit
-from layflat.identify.benches.hysteresis.errors import loop_errors
-from layflat.identify.benches.joint_loops.kinds import STARTS
-from layflat.identify.benches.joint_loops.model import BENCH, LoopModel
+from layflat.identify.benches.hysteresis.logs import loop_errors
+from layflat.identify.benches.joint_loops.model import BENCH, STARTS, LoopModel
 from layflat.identify.identification import Identification
 from layflat.identify.identified_file import identified_path
 from layflat.identify.kinds import Candidate

@@ -6,7 +6,7 @@ import xarray
 
 from layflat.errors import InputError
 from layflat.identify import fit
-from layflat.identify.benches.hysteresis.errors import loop_errors
+from layflat.identify.benches.hysteresis.logs import loop_errors
 from layflat.identify.benches.joint_loops.model import BENCH as TURNED
 from layflat.identify.benches.joint_loops.model import LoopModel
 from layflat.identify.benches.loader import bench_of

@@ -12,7 +12,7 @@ from layflat.errors import InputError
 from layflat.identify import fit
 from layflat.identify.benches.moving.blocks import BLOCKS, unknowns
 from layflat.identify.benches.moving.model import ArmModel
-from layflat.identify.shares import Shares
+from layflat.identify.unknown import Shares
 from layflat.machine import Machine, changed, load
 from layflat.machine.parameters import arm
 from layflat.physics.arms.planar import OneLink

@@ -9,9 +9,8 @@ from hypothesis import strategies as st
 
 from layflat.arrays import Array
 from layflat.description.change import changed_all, replaced
-from layflat.identify.benches.moving.blocks import unknowns
+from layflat.identify.benches.moving.blocks import some_torques, unknowns
 from layflat.identify.benches.moving.bodies import STRENGTHS, BodyShares
-from layflat.identify.benches.moving.links import some_torques
 from layflat.identify.benches.moving.spread import possible
 from layflat.machine import Machine, load
 from layflat.physics.arms.chain.description import impossible, six_moments

@@ -13,8 +13,7 @@ from hypothesis import strategies as st
 from layflat.arrays import Array
 from layflat.description.change import changed, changed_all, value_at
 from layflat.identify import fit
-from layflat.identify.benches.moving.blocks import BLOCKS, unknowns
-from layflat.identify.benches.moving.links import SCALES, links
+from layflat.identify.benches.moving.blocks import BLOCKS, SCALES, links, unknowns
 from layflat.identify.benches.moving.model import ArmModel
 from layflat.identify.benches.moving.spread import possible
 from layflat.identify.model import Model

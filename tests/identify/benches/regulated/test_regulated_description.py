@@ -6,7 +6,7 @@ import pytest
 from layflat.description.provenance import split
 from layflat.errors import MachineError
 from layflat.identify.benches.loader import load_bench
-from layflat.machine.libraries import BENCHES
+from layflat.machine.loader import BENCHES
 
 TEXT = BENCHES.text("regulated-elbow")
 

@@ -5,7 +5,7 @@ import pytest
 from layflat.errors import MachineError
 from layflat.identify.benches.loader import load_bench
 from layflat.identify.benches.rod.description import RodBench
-from layflat.machine.libraries import BENCHES
+from layflat.machine.loader import BENCHES
 
 TEXT = BENCHES.text("friction-rig")
 

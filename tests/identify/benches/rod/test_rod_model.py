@@ -7,8 +7,7 @@ import xarray
 
 from layflat.errors import InputError
 from layflat.identify import fit
-from layflat.identify.benches.hysteresis.errors import loop_errors
-from layflat.identify.benches.hysteresis.logs import noise
+from layflat.identify.benches.hysteresis.logs import loop_errors, noise
 from layflat.identify.benches.hysteresis.model import rounded, shares_of, split_of
 from layflat.identify.benches.loader import load_bench
 from layflat.identify.benches.rod.description import RodBench

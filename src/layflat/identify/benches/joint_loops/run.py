@@ -3,12 +3,11 @@
 from typing import Any, NamedTuple
 
 from layflat.arrays import Array
-from layflat.identify.benches.hysteresis.start import share_carried
 from layflat.jit import kernel
 from layflat.lanes import total
 from layflat.physics.friction import level
 from layflat.physics.hysteresis import loaded, torques
-from layflat.physics.hysteresis.elasto_slip import slip
+from layflat.physics.hysteresis.elasto_slip import share_carried, slip
 from layflat.physics.joint import Hose
 from layflat.sim.slow import Slow, free, unturned
 

@@ -18,8 +18,7 @@ from numpy.typing import NDArray
 from layflat.arrays import Array
 from layflat.identify.benches.moving.spread import THICK, inertia_of, is_thin, spread_of
 from layflat.identify.model import Flags
-from layflat.identify.shares import NEAR, Shares
-from layflat.identify.unknown import Unknown
+from layflat.identify.unknown import NEAR, Shares, Unknown
 from layflat.machine import Machine
 from layflat.physics.arms.chain.description import LinkPart, six_moments
 

@@ -25,9 +25,8 @@ from typing import NamedTuple
 import numpy as np
 
 from layflat.arrays import Array
-from layflat.identify.benches.hysteresis.start import share_carried
 from layflat.jit import kernel, law
-from layflat.physics.hysteresis.elasto_slip import slip
+from layflat.physics.hysteresis.elasto_slip import share_carried, slip
 
 
 class Rod(NamedTuple):

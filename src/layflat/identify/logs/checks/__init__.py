@@ -2,8 +2,7 @@
 
 from layflat.arrays import Dataset
 from layflat.identify.logs.checks import alive, gauges, lags, levels, missing, signs, stops, units
-from layflat.identify.logs.checks.channels import checked_log
-from layflat.identify.logs.issue import Issue, ordered
+from layflat.identify.logs.checks.channels import Issue, checked_log, ordered
 
 QUESTIONS = (
     missing.issues, alive.issues, missing.clocks, units.issues, gauges.issues, levels.issues, signs.issues,

@@ -6,8 +6,7 @@ import numpy as np
 
 from layflat.arrays import Array
 from layflat.description import units as u
-from layflat.identify.logs.checks.channels import Channel, CheckedLog, noise, quantum, runs
-from layflat.identify.logs.issue import Issue
+from layflat.identify.logs.checks.channels import Channel, CheckedLog, Issue, noise, quantum, runs
 
 RAIL_SHARE = 0.005
 RAIL_SAMPLES = 8  # share and number of the samples at exactly one extreme from which it may be a rail

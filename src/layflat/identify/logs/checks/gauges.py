@@ -4,8 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from layflat.identify.logs.checks.channels import Channel, CheckedLog, runs
-from layflat.identify.logs.issue import Issue
+from layflat.identify.logs.checks.channels import Channel, CheckedLog, Issue, runs
 
 VENTED = 0.15  # share of ambient pressure about which vented air is found, with all errors of sensors
 CLOSE = 0.04  # the same for a level that lasts

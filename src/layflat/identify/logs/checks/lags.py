@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 from scipy.signal import savgol_filter
 
 from layflat.arrays import Array
-from layflat.identify.logs.checks.channels import CheckedLog
-from layflat.identify.logs.issue import Issue
+from layflat.identify.logs.checks.channels import CheckedLog, Issue
 
 WINDOW = 0.12  # time over which signals are smoothed alike, s
 MAX_LAG = 0.2  # s; a best fit there is no lag

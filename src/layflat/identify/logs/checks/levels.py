@@ -8,8 +8,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from layflat.arrays import Array
-from layflat.identify.logs.checks.channels import Channel, CheckedLog
-from layflat.identify.logs.issue import Issue
+from layflat.identify.logs.checks.channels import Channel, CheckedLog, Issue
 
 HIGHEST_AIR, LOWEST_AIR = 1.1e5, 4.5e4  # pressures of the air from below the sea's level to 6000 m, Pa
 OTHER_AIR = 5e3  # difference from the machine's ambient pressure that no weather makes at one place, Pa

@@ -5,8 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from layflat.identify.logs.checks.channels import Channel, CheckedLog, runs
-from layflat.identify.logs.issue import Issue, Severity, several
+from layflat.identify.logs.checks.channels import Channel, CheckedLog, Issue, Severity, runs, several
 
 LEAST_SAMPLES = 10
 LEAST_TIME = 2.0  # of a joint's log, s: about a move

@@ -10,8 +10,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from layflat.arrays import Array
-from layflat.identify.logs.checks.channels import CheckedLog, noise, smoothed
-from layflat.identify.logs.issue import Issue
+from layflat.identify.logs.checks.channels import CheckedLog, Issue, noise, smoothed
 
 SMOOTH = 0.04  # time of averaging, s: two periods of a dither
 SOON = 0.2  # how far ahead a turn is looked at, s: what a joint takes to follow its pressures

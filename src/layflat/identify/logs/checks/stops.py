@@ -9,8 +9,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from layflat.arrays import Array
-from layflat.identify.logs.checks.channels import CheckedLog, without_spikes
-from layflat.identify.logs.issue import Issue
+from layflat.identify.logs.checks.channels import CheckedLog, Issue, without_spikes
 from layflat.machine import Machine
 
 HARD, BEFORE = 5.0, 4  # rad/s over so many samples: joints under control come to their stops slower, if at all

@@ -6,10 +6,9 @@ from math import pi
 import numpy as np
 
 from layflat.description import units as u
-from layflat.identify.logs.checks.channels import Channel, CheckedLog
+from layflat.identify.logs.checks.channels import Channel, CheckedLog, Issue, Severity
 from layflat.identify.logs.checks.gauges import counts_wrong, pressure_span
-from layflat.identify.logs.issue import Issue, Severity
-from layflat.identify.logs.signals import conversion
+from layflat.identify.logs.vocabulary import conversion
 
 BEYOND = 1.15  # share of a stroke or of full voltage that is no play any more
 BEYOND_SUPPLY = 1.1  # share of the supply's gauge pressure that no load and no noise explains
