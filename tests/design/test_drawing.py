@@ -29,10 +29,9 @@ from layflat.design import (
     synthesise,
     write_drawings,
 )
-from layflat.design.dxf import dxf_text
 from layflat.design.outline import HUB_SHARE
 from layflat.design.sheet import Sheet
-from layflat.design.svg import svg_text
+from layflat.design.sheet_formats import dxf_text, svg_text
 from layflat.errors import DesignError, MissingExtraError, OutputError
 from layflat.machine import load
 from tests.design.rolled_cam import Shell

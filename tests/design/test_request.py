@@ -14,7 +14,7 @@ from scipy.integrate import quad
 
 from layflat.design import HOSE_WIDTHS, SizingRequest
 from layflat.design.request import CHOSEN_RATIO, CONTACT_SHARE, GIVEN_RATIO, RANGES, RESERVE, hoses_and_cylinders
-from layflat.design.strap import LAYERS, LEAST_WIDTH, THICKNESSES, WIDTH_SHARE, choose_strap, strap_stress
+from layflat.design.strength import LAYERS, LEAST_WIDTH, THICKNESSES, WIDTH_SHARE, choose_strap, strap_stress
 from layflat.errors import DesignError, InputError
 from layflat.machine import load
 

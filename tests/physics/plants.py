@@ -16,7 +16,7 @@ from layflat.physics.hose import Stroke
 from layflat.physics.hysteresis.elasto_slip import ElastoSlip
 from layflat.physics.joint import Hose, Joint, Surroundings
 from layflat.physics.sensor import Sensor
-from layflat.physics.stop import Stops
+from layflat.physics.stops_and_springs import Stops
 from layflat.physics.valves.spool import SpoolValve
 from layflat.physics.valves.spool_motion import Spool
 from layflat.physics.valves.switching import Switch, SwitchingPair

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from layflat.errors import DivergedError, InputError
 from layflat.machine import Machine, changed, load, parameters
-from layflat.physics.failing import BURST_TIME
+from layflat.physics.driven import BURST_TIME
 from layflat.physics.step import STEP
 from layflat.sim import Scenario, rollout
 from layflat.sim.kernel import Signals

@@ -16,8 +16,7 @@ from typing import Any, NamedTuple
 from layflat.jit import composition, kernel
 from layflat.lanes import mapped, read_numbers, write_numbers
 from layflat.physics.delay import Line
-from layflat.physics.driven import Outputs
-from layflat.physics.failing import through_hole
+from layflat.physics.driven import Outputs, through_hole
 from layflat.physics.friction import levels
 from layflat.physics.joint import JointState, Motion, Surroundings, is_sound
 from layflat.physics.sensor import read_sensor

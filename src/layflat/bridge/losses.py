@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from layflat.arrays import Array
-from layflat.bridge.inertia import nearest_inertia
+from layflat.bridge.formats import nearest_inertia
 from layflat.bridge.pieces import link_pieces, rigid
 from layflat.bridge.urdf import unread_meshes
 from layflat.machine import Machine

@@ -8,8 +8,7 @@ from xml.etree.ElementTree import Element, SubElement, indent, tostring
 import numpy as np
 
 from layflat.arrays import Array
-from layflat.bridge.inertia import nearest_inertia
-from layflat.bridge.limits import effort
+from layflat.bridge.formats import effort, nearest_inertia
 from layflat.bridge.meshes import Meshes
 from layflat.bridge.pieces import BODY, COLOURS, Piece, joint_pieces, link_pieces, rigid
 from layflat.machine import Machine, load

@@ -7,8 +7,7 @@ from xml.etree.ElementTree import Element, SubElement, indent, tostring
 import numpy as np
 
 from layflat.arrays import Array
-from layflat.bridge.inertia import nearest_inertia
-from layflat.bridge.limits import effort, velocity
+from layflat.bridge.formats import effort, nearest_inertia, velocity
 from layflat.bridge.meshes import Meshes, is_unread
 from layflat.bridge.mjcf import numbers
 from layflat.bridge.pieces import BODY, COLOURS, Piece, joint_pieces, link_pieces, rigid
@@ -25,7 +24,7 @@ def to_urdf(machine: str | Path | Machine, folder: str = "") -> str:
     """Return the arm as URDF: bodies as in `arm_spec`, drawn whole, with limits, friction and damping of the joints.
 
     Limits are the stops; the working stroke stands in `safety_controller`. `effort` is the greatest torque at supply
-    pressure, `velocity` as of `layflat.bridge.limits`. The link "tool" is at the tip, "payload" is what it carries.
+    pressure, `velocity` as of `layflat.bridge.formats`. The link "tool" is at the tip, "payload" is what it carries.
     Gravity, of which URDF knows nothing, stands in an element that MuJoCo reads.
 
     Args:

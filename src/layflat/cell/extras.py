@@ -1,8 +1,11 @@
-"""Libraries of the extra `cell`, imported when they are needed; MissingExtraError names one that is not there."""
+"""MuJoCo and OpenCV as the cell uses them, imported when they are needed.
+
+MissingExtraError names a library of the extra `cell` that is not there.
+"""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import Any
+from typing import Any, Literal
 
 from layflat import extras
 from layflat.bridge.arm import engine
@@ -33,3 +36,16 @@ def one_thread() -> Iterator[None]:
 def points(found: Any, width: int = 2) -> Any:
     """Return points of OpenCV, (N, 1, width) before version 5 and (N, width) since, as (N, width)."""
     return found.reshape(-1, width)
+
+
+UNTOUCHED = {"contype": 0, "conaffinity": 0}  # of what is seen and touches nothing
+
+
+Geom = Literal["box", "cylinder", "capsule", "ellipsoid", "mesh"]
+
+
+def add_geom(body: Any, kind: Geom, name: str, **others: Any) -> None:
+    """Add a geom to a body; lengths in m, `size` may be shorter than MuJoCo's three."""
+    if "size" in others:
+        others["size"] = [*others["size"], 0.0, 0.0][:3]
+    body.add_geom(name=name, type=getattr(mujoco().mjtGeom, f"mjGEOM_{kind.upper()}"), **others)

@@ -100,7 +100,7 @@ def _print(design: "JointDesign") -> None:
     """Print what was designed, the cam's columns, the strap's stresses, and what the rules found."""
     import numpy as np  # noqa: PLC0415
 
-    from layflat.design.shaft import shaft_advice  # noqa: PLC0415
+    from layflat.design.strength import shaft_advice  # noqa: PLC0415
 
     joint, (angle, torque) = design.joint, design.torque
     rows = [

@@ -20,8 +20,8 @@ if TYPE_CHECKING:
     from layflat.design.plates import Plate, of_plate
     from layflat.design.request import HOSE_WIDTHS, SizingRequest
     from layflat.design.sizing import Sized, size_joint
-    from layflat.design.strap import StrapStress, strap_stress
     from layflat.design.straplines import Lines, RollerLine, ShellLine
+    from layflat.design.strength import StrapStress, strap_stress
     from layflat.design.summary import Air, JointDesign, Mass
 
 __all__ = [

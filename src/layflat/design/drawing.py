@@ -11,13 +11,12 @@ import numpy as np
 from layflat import extras
 from layflat.arrays import Array
 from layflat.design.cam import Cam
-from layflat.design.dxf import dxf_text
 from layflat.design.outline import Outline
 from layflat.design.sheet import Circle, Diameter, Distance, Layer, Note, Sheet
 from layflat.design.sheet import Path as Line
+from layflat.design.sheet_formats import dxf_text, svg_text
 from layflat.design.straplines import CLAMP_ANGLE, RollerLine, ShellLine, of_joint, turned, unit
 from layflat.design.summary import JointDesign
-from layflat.design.svg import svg_text
 from layflat.errors import DesignError
 from layflat.files import whole_file
 

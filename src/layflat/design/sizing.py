@@ -19,7 +19,7 @@ from layflat.design.outline import cam_outline
 from layflat.design.request import CONTACT_SHARE, RESERVE, SizingRequest, hoses_and_cylinders, too_much
 from layflat.design.rules import LEAST_SLOT
 from layflat.design.sized import SizedJoint, description
-from layflat.design.strap import choose_strap
+from layflat.design.strength import choose_strap
 from layflat.design.summary import JointDesign
 from layflat.errors import DesignError
 from layflat.files import write_text

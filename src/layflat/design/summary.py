@@ -11,7 +11,7 @@ from layflat.design.cam import Cam
 from layflat.design.characteristic import Characteristic
 from layflat.design.findings import Finding
 from layflat.design.outline import Outline
-from layflat.design.strap import StrapStress, strap_stress
+from layflat.design.strength import StrapStress, strap_stress
 from layflat.errors import DesignError
 from layflat.machine import Joint, Machine
 from layflat.machine.parts import part_masses

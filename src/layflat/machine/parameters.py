@@ -38,7 +38,7 @@ from layflat.physics.hysteresis import HYSTERESIS
 from layflat.physics.hysteresis.kind import over_pressure
 from layflat.physics.joint import Damping, Hose, Joint, Surroundings
 from layflat.physics.sensor import Sensor
-from layflat.physics.stop import Stops
+from layflat.physics.stops_and_springs import Stops
 from layflat.physics.valves import VALVES, ValvePart
 
 FOLLOW = 40.0  # rate at which estimate in the hoses' pressures follows what is measured: fast beside a move, 1/s

@@ -3,7 +3,7 @@
 from layflat.arrays import Array
 from layflat.machine.model import Machine
 from layflat.physics.joint import SecondHose, TwoHoses
-from layflat.physics.spring import NoSpring, Spring, spring_torque
+from layflat.physics.stops_and_springs import NoSpring, Spring, spring_torque
 
 
 def springs(machine: Machine) -> list[NoSpring | Spring]:

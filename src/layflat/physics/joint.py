@@ -13,8 +13,7 @@ from layflat.physics.hose import ConstantStroke, Stroke, swept_volume, torque_pe
 from layflat.physics.hysteresis import at_rest as relaxed
 from layflat.physics.line import NoLine, air_at
 from layflat.physics.sensor import Sensor
-from layflat.physics.spring import NoSpring, spring_torque
-from layflat.physics.stop import Stops
+from layflat.physics.stops_and_springs import NoSpring, Stops, spring_torque
 from layflat.physics.valves import at_rest
 
 FILLED = 0.75

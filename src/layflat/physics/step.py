@@ -23,8 +23,7 @@ from layflat.physics.hose import swept_volume, torque_per_pressure
 from layflat.physics.hysteresis import torques, turned
 from layflat.physics.joint import AirTaken, HoseState, JointState, Ledger, Motion, has_second
 from layflat.physics.line import exchange
-from layflat.physics.spring import spring_torque
-from layflat.physics.stop import stop_damping, stop_torque
+from layflat.physics.stops_and_springs import spring_torque, stop_damping, stop_torque
 from layflat.physics.valves import move
 
 STEP = 0.5e-3  # default step, s: docs/speed.md says why

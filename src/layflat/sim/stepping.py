@@ -12,8 +12,7 @@ from layflat.arrays import Array
 from layflat.jit import kernel, law
 from layflat.lanes import mapped, read_numbers, slots, write_numbers
 from layflat.physics.delay import NOTHING_ASKED, Line
-from layflat.physics.driven import Inputs, Outputs
-from layflat.physics.failing import through_hole
+from layflat.physics.driven import Inputs, Outputs, through_hole
 from layflat.physics.joint import Drive, Joint, JointState, Surroundings, is_sound
 from layflat.physics.plant import advance, at_rest, together
 from layflat.physics.valves import driven, start_wave

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 
 from layflat.jit import kernel
 from layflat.lanes import join
-from layflat.physics.friction.box import brake_two
 from layflat.physics.friction.pivoting import brake_many
+from layflat.physics.friction.turning import brake_two
 
 SIZES = st.integers(1, 7)
 

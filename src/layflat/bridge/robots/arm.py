@@ -8,13 +8,13 @@ from pathlib import Path
 import numpy as np
 
 from layflat.arrays import Array
-from layflat.bridge.limits import effort
+from layflat.bridge.formats import effort
 from layflat.bridge.robots.describe import Described, described
+from layflat.bridge.robots.held import stand_on
 from layflat.bridge.robots.mesh_files import with_meshes
 from layflat.bridge.robots.names import machine_name, translated, with_key_names
 from layflat.bridge.robots.read import read_robot
 from layflat.bridge.robots.serial import Serial, serial
-from layflat.bridge.robots.standing import stand_on
 from layflat.bridge.robots.strokes import ROOM, Turning, strokes
 from layflat.bridge.robots.template import templates
 from layflat.description import units as u

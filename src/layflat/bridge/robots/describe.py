@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from layflat.arrays import Array
-from layflat.bridge.robots.robot import Look
+from layflat.bridge.robots.robot import STANDARD, Look
 from layflat.bridge.robots.serial import Serial, Stage
 from layflat.bridge.robots.strokes import Turning
 from layflat.bridge.robots.template import Template
@@ -21,7 +21,6 @@ from layflat.machine.listing import to_toml
 from layflat.machine.model import build
 from layflat.physics.arms.bodies import about, turn_of
 
-STANDARD = (0.0, 0.0, -9.80665)  # gravity where a file tells none: z is up, m/s2
 DIGITS = 15
 CYCLE = "5 ms"
 AXES = 3  # of the tip: it does not tell of more joints where they are

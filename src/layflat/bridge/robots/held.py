@@ -1,8 +1,13 @@
-"""Joints of a robot that are not the arm's own: held still where the file draws them."""
+"""Joints of a robot that are not the arm's own, held still where the file draws them; an arm on one of its bodies."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
-from layflat.bridge.robots.robot import SLIDE, Link, Pose, Robot
+import numpy as np
+
+from layflat.bridge.robots.robot import FIXED, SLIDE, STANDARD, Link, Pose, Robot, at
+from layflat.description.hints import did_you_mean
+from layflat.errors import InputError
 
 ROOM = 1e-9  # by which a position may be out of a joint's limits, rad or m
 
@@ -75,3 +80,37 @@ def _is_beyond(link: Link, position: float) -> bool:
     if link.limits is None or link.limits[0] >= link.limits[1]:
         return False
     return not link.limits[0] - ROOM <= position <= link.limits[1] + ROOM
+
+
+def stand_on(robot: Robot, body: str) -> Robot:
+    """Return what stands on a body, which becomes the base; gravity is turned into its frame.
+
+    Args:
+        robot: as read from a file.
+        body: name of the body; joints between it and the robot's own base are held where the file draws them.
+
+    Raises:
+        InputError: there is no such body.
+    """
+    if body not in robot.bodies:
+        right = did_you_mean(body, robot.bodies, f"{robot.noun}s are {{}}")
+        raise InputError(f"there is no {robot.noun} {body!r}", where="--from", right=right)
+    held, pose = HeldJoints(robot, []), at((0.0, 0.0, 0.0))
+    for link in robot.to(body):
+        pose = pose.then(link.pose if link.kind == FIXED else held.hold(link))
+    standing = set(robot.behind(body))
+    gravity = np.array(STANDARD if robot.gravity is None else robot.gravity, float)
+    return replace(
+        robot,
+        base=body,
+        bodies={name: own for name, own in robot.bodies.items() if name in standing},
+        links=[link for link in robot.links if link.parent in standing],
+        frames={name: frame for name, frame in robot.frames.items() if frame[0] in standing},
+        gravity=pose.axes.T @ gravity,
+        loops=[
+            (name, {one if one in standing else body for one in tied})
+            for name, tied in robot.loops
+            if not standing.isdisjoint(tied)
+        ],
+        notes=[*robot.notes, *held.notes()],
+    )

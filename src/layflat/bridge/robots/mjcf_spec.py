@@ -7,7 +7,7 @@ from typing import Any, NoReturn
 import numpy as np
 
 from layflat.bridge.arm import without_warnings
-from layflat.bridge.inertia import realizable_inertia
+from layflat.bridge.formats import realizable_inertia
 from layflat.errors import InputError
 from layflat.physics.arms.bodies import moments
 

@@ -13,6 +13,7 @@ from layflat.arrays import Array
 from layflat.physics.arms.bodies import about
 
 HINGE, FIXED, SLIDE = "hinge", "fixed", "prismatic"
+STANDARD = (0.0, 0.0, -9.80665)  # gravity where a file tells none: z is up, m/s2
 
 
 class Pose(NamedTuple):

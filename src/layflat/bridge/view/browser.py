@@ -15,8 +15,7 @@ from layflat import extras
 from layflat.arrays import Array
 from layflat.bridge.mjcf import IN_FRONT, quaternion
 from layflat.bridge.pieces import COLOURS, Piece
-from layflat.bridge.view.scenery import SQUARE, scenery, stroke_arcs
-from layflat.bridge.view.viewpoint import FIELD, viewpoint
+from layflat.bridge.view.scenery import FIELD, SQUARE, scenery, stroke_arcs, viewpoint
 from layflat.errors import InputError
 from layflat.machine import Machine
 

@@ -15,8 +15,7 @@ from layflat.bridge.meshes import Meshes
 from layflat.bridge.mjcf import add_geom, numbers, text_of
 from layflat.bridge.pieces import COLOURS, Piece
 from layflat.bridge.view.opengl import context
-from layflat.bridge.view.scenery import SQUARE, Scenery, scenery
-from layflat.bridge.view.viewpoint import FIELD, viewpoint
+from layflat.bridge.view.scenery import FIELD, SQUARE, Scenery, scenery, viewpoint
 from layflat.errors import InputError
 from layflat.files import whole_file
 from layflat.machine import Machine

@@ -12,7 +12,7 @@ from PIL import Image, ImageDraw
 
 from layflat import extras
 from layflat.arrays import Picture
-from layflat.cell.pictures.shared import INK, PAPER, fitted, font, of_kind
+from layflat.cell.pictures.sheet import INK, PAPER, fitted, font, of_kind
 from layflat.errors import InputError, OutputError
 from layflat.files import whole_file
 

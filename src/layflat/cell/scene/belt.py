@@ -10,10 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from layflat.cell.extras import mujoco
+from layflat.cell.extras import UNTOUCHED, add_geom, mujoco
 from layflat.cell.file.conveyor import Conveyor
 from layflat.cell.geometry import about_z
-from layflat.cell.scene import shapes
 from layflat.cell.scene.movables import BELT
 from layflat.cell.scene.produce import GRID, SHELF, SceneFruit
 
@@ -36,26 +35,26 @@ def add_belt(spec: Any, belt: Conveyor) -> None:
     under = (belt.height - 2 * THICK) / 2
     if under > 0.0:
         pos, size = [0.0, 0.0, -2 * THICK - under], (length / 2, width / 2, under)
-        shapes.add(frame, "box", "conveyor.frame", size=size, pos=pos, rgba=[*dark, 1.0])
+        add_geom(frame, "box", "conveyor.frame", size=size, pos=pos, rgba=[*dark, 1.0])
     for side in (-1.0, 1.0):
         half = (belt.height + RAISED) / 2
         pos, size = [0.0, side * (width / 2 - RAIL), RAISED - half], (length / 2, RAIL, half)
-        shapes.add(frame, "box", f"conveyor.guide{side:+.0f}", size=size, pos=pos, rgba=[*dark, 1.0], condim=6)
+        add_geom(frame, "box", f"conveyor.guide{side:+.0f}", size=size, pos=pos, rgba=[*dark, 1.0], condim=6)
     surface = {"size": (length / 2, width / 2, THICK), "pos": [0.0, 0.0, -THICK], "rgba": [*belt.colour, 1.0]}
-    shapes.add(frame, "box", "conveyor.surface", **surface, **shapes.UNTOUCHED)
+    add_geom(frame, "box", "conveyor.surface", **surface, **UNTOUCHED)
     plate = frame.add_body(name="belt")
     plate.sleep = mj.mjtSleepPolicy.mjSLEEP_NEVER
     plate.add_joint(name="belt", type=mj.mjtJoint.mjJNT_SLIDE, axis=[1, 0, 0])
     touch = {"contype": BELT, "conaffinity": BELT, "condim": 6, "mass": HEAVY}
     size = (length / 2 + PITCH, width / 2, THICK)
-    shapes.add(plate, "box", "belt", size=size, pos=[0.0, 0.0, -THICK], rgba=[0.0, 0.0, 0.0, 0.0], **touch)
+    add_geom(plate, "box", "belt", size=size, pos=[0.0, 0.0, -THICK], rgba=[0.0, 0.0, 0.0, 0.0], **touch)
     stripe = {"size": (STRIPE / 2, width / 2 - 2 * RAIL, 2e-4), "rgba": [*dark, 1.0], "mass": 0.0}
     for i in range(int(length / PITCH - 1e-9)):
         at = -length / 2 + STRIPE / 2 + i * PITCH
-        shapes.add(plate, "box", f"belt.stripe-{i}", pos=[at, 0.0, 0.0], **stripe, **shapes.UNTOUCHED)
+        add_geom(plate, "box", f"belt.stripe-{i}", pos=[at, 0.0, 0.0], **stripe, **UNTOUCHED)
     half = GRID[0] * GRID[1] / 2 + GRID[1]
     shelf = {"size": (half, half, 0.01), "pos": [x, y, SHELF - 0.01], "rgba": [0.0, 0.0, 0.0, 0.0]}
-    shapes.add(spec.worldbody, "box", "shelf", condim=6, **shelf)
+    add_geom(spec.worldbody, "box", "shelf", condim=6, **shelf)
 
 
 class BeltDrive:

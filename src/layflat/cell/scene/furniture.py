@@ -6,12 +6,11 @@ from typing import Any
 import numpy as np
 
 from layflat.arrays import Picture
-from layflat.cell.extras import mujoco
+from layflat.cell.extras import UNTOUCHED, add_geom, mujoco
 from layflat.cell.file.model import Cell
 from layflat.cell.file.parts import Colour, Layout, Size
 from layflat.cell.geometry import about_z, looking
 from layflat.cell.markers import board_picture, marker_picture
-from layflat.cell.scene import shapes
 from layflat.cell.scene.optics import optics_of
 
 TABLE = 0.02  # half its thickness, m
@@ -27,7 +26,7 @@ def furnish(spec: Any, cell: Cell, rng: np.random.Generator) -> None:
     _box(world, "table", (width / 2, depth / 2, TABLE), (x, y, -TABLE), cell.table.colour)
     column = cell.mount.height - next(iter(cell.machine.joints.values())).body.height / 2
     size, pos = (0.6 * cell.column_radius, column / 2), [0.0, 0.0, column / 2]
-    shapes.add(world, "cylinder", "column", size=size, pos=pos, rgba=[0.30, 0.31, 0.33, 1.0])
+    add_geom(world, "cylinder", "column", size=size, pos=pos, rgba=[0.30, 0.31, 0.33, 1.0])
     for name, tray in cell.tray.items():
         body = _body(world, f"tray.{name}", (*tray.centre, 0.0), tray.rotation)
         _open_box(body, f"tray.{name}", tray.size, tray.height, tray.wall, tray.colour)
@@ -54,7 +53,7 @@ def _body(world: Any, name: str, position: tuple[float, ...], rotation: float) -
 
 
 def _box(body: Any, name: str, half: tuple[float, ...], at: tuple[float, ...], colour: tuple[float, ...]) -> None:
-    shapes.add(body, "box", name, size=half, pos=list(at), rgba=[*colour, 1.0], condim=6)
+    add_geom(body, "box", name, size=half, pos=list(at), rgba=[*colour, 1.0], condim=6)
 
 
 def _open_box(body: Any, name: str, inside: Size, height: float, wall: float, colour: Colour) -> None:
@@ -97,16 +96,16 @@ def _printed(
     material.textures[mj.mjtTextureRole.mjTEXROLE_RGB] = name
     margin = rim * size[0] / (grey.shape[1] - 2 * rim)
     x, y = size[0] / 2 + margin, size[1] / 2 + margin
-    sheet: dict[str, Any] = {**shapes.UNTOUCHED, "group": group}
+    sheet: dict[str, Any] = {**UNTOUCHED, "group": group}
     pos, rgba = [0.0, 0.0, -thick / 2 - INK], [0.95, 0.95, 0.95, 1.0]
-    shapes.add(body, "box", f"{name}.sheet", size=(x, y, thick / 2), pos=pos, rgba=rgba, **sheet)
+    add_geom(body, "box", f"{name}.sheet", size=(x, y, thick / 2), pos=pos, rgba=rgba, **sheet)
     printed = spec.add_mesh(
         name=name,
         uservert=[-x, -y, 0, x, -y, 0, x, y, 0, -x, y, 0, 0, 0, -1e-4],
         userface=[0, 1, 2, 0, 2, 3, 0, 4, 1, 1, 4, 2, 2, 4, 3, 3, 4, 0],
         usertexcoord=[0, 1, 1, 1, 1, 0, 0, 0, 0, 0],
     )
-    shapes.add(body, "mesh", f"{name}.print", meshname=printed.name, material=name, **sheet)
+    add_geom(body, "mesh", f"{name}.print", meshname=printed.name, material=name, **sheet)
 
 
 def _lights(spec: Any, cell: Cell, rng: np.random.Generator) -> None:

@@ -5,9 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from layflat.cell.extras import mujoco
+from layflat.cell.extras import UNTOUCHED, add_geom, mujoco
 from layflat.cell.file.model import Cell
-from layflat.cell.scene import shapes
 from layflat.cell.scene.produce import CAP, STEM, SceneFruit
 
 GREEN = (0.20, 0.42, 0.12, 1.0)
@@ -34,11 +33,11 @@ def add_fruit(spec: Any, cell: Cell, fruit: SceneFruit) -> None:
     radius, over = fruit.diameter / 2, fruit.over
     whole = fruit.shape == "round"
     skin = {"size": (radius, radius, over), "material": material.name}
-    shapes.add(body, "ellipsoid", fruit.name, mass=(1.0 if whole else 0.9) * fruit.mass, **skin, **touch)
+    add_geom(body, "ellipsoid", fruit.name, mass=(1.0 if whole else 0.9) * fruit.mass, **skin, **touch)
     if not whole:
         half = (1 - CAP / 2) * fruit.height / 2
         stem = {"size": (STEM * fruit.diameter, half), "pos": [0.0, 0.0, -half], "mass": 0.1 * fruit.mass}
-        shapes.add(body, "cylinder", f"{fruit.name}.stem", rgba=PALE, **stem, **touch)
+        add_geom(body, "cylinder", f"{fruit.name}.stem", rgba=PALE, **stem, **touch)
     _add_top(spec, body, fruit)
     spec.add_equality(
         name=f"hold.{fruit.name}", type=mj.mjtEq.mjEQ_WELD, objtype=mj.mjtObj.mjOBJ_BODY,
@@ -48,16 +47,16 @@ def add_fruit(spec: Any, cell: Cell, fruit: SceneFruit) -> None:
 
 def _add_top(spec: Any, body: Any, fruit: SceneFruit) -> None:
     """Add a calyx or stalk: it is seen, and touches nothing."""
-    radius, over, ghost = fruit.diameter / 2, fruit.over, {"mass": 0.0, **shapes.UNTOUCHED}
+    radius, over, ghost = fruit.diameter / 2, fruit.over, {"mass": 0.0, **UNTOUCHED}
     if fruit.top == "calyx":
         name = f"{fruit.name}.calyx"
         spec.add_mesh(name=name, **_star(0.42 * radius, 0.08 * radius))
-        shapes.add(body, "mesh", "", meshname=name, pos=[0.0, 0.0, 0.985 * over], rgba=GREEN, **ghost)
+        add_geom(body, "mesh", "", meshname=name, pos=[0.0, 0.0, 0.985 * over], rgba=GREEN, **ghost)
     elif fruit.top == "stalk":
         hollow = {"size": (0.16 * radius, 0.16 * radius, 0.03 * radius), "pos": [0.0, 0.0, 0.98 * over]}
-        shapes.add(body, "ellipsoid", "", rgba=HOLLOW, **hollow, **ghost)
+        add_geom(body, "ellipsoid", "", rgba=HOLLOW, **hollow, **ghost)
         along = [0.0, 0.0, 0.95 * over, 0.05 * radius, 0.0, 1.06 * over]
-        shapes.add(body, "capsule", "", fromto=along, size=(0.045 * radius,), rgba=BROWN, **ghost)
+        add_geom(body, "capsule", "", fromto=along, size=(0.045 * radius,), rgba=BROWN, **ghost)
 
 
 def _star(radius: float, thick: float) -> dict[str, list[float] | list[int]]:
@@ -75,10 +74,10 @@ def add_shapes(spec: Any, cell: Cell) -> None:
     """Add what is seen and touched of the arm: a drum round each joint, two tubes for each link; no mass."""
     for name, joint in cell.machine.joints.items():
         link, radius = spec.joint(name).parent, joint.cylinder.diameter / 2
-        shapes.add(link, "cylinder", f"{name}.drum", size=(radius, joint.body.height / 2), rgba=DRUM, mass=0.0)
+        add_geom(link, "cylinder", f"{name}.drum", size=(radius, joint.body.height / 2), rgba=DRUM, mass=0.0)
         for side in (-1.0, 1.0):
             along = [0.0, side * 0.6 * radius, 0.0, joint.planar_link.length, side * 0.018, 0.0]
-            shapes.add(link, "capsule", f"{name}.tube{side:+.0f}", fromto=along, size=(0.009,), rgba=LINK, mass=0.0)
+            add_geom(link, "capsule", f"{name}.tube{side:+.0f}", fromto=along, size=(0.009,), rgba=LINK, mass=0.0)
 
 
 def add_tool(spec: Any, cell: Cell) -> None:
@@ -89,14 +88,14 @@ def add_tool(spec: Any, cell: Cell) -> None:
     lift, cup = cell.lift, cell.cup
     x, lip = cell.machine.joint[last].planar_link.length, lift.clearance - cell.mount.height
     cylinder = [x, 0.0, 0.05, x, 0.0, lip + LIP + 0.035]
-    shapes.add(tip, "cylinder", "lift.cylinder", fromto=cylinder, size=(0.016,), rgba=STEEL, mass=0.0)
+    add_geom(tip, "cylinder", "lift.cylinder", fromto=cylinder, size=(0.016,), rgba=STEEL, mass=0.0)
     body = tip.add_body(name="cup", pos=[x, 0.0, lip], gravcomp=1.0)
     limited = {"range": [0.0, lift.stroke], "limited": mj.mjtLimited.mjLIMITED_TRUE}
     body.add_joint(name="lift", type=mj.mjtJoint.mjJNT_SLIDE, axis=[0, 0, -1], **limited)
     rod = {"fromto": [0.0, 0.0, LIP, 0.0, 0.0, lift.stroke + 0.06], "mass": 0.9 * lift.mass}
-    shapes.add(body, "cylinder", "cup.rod", size=(0.005,), rgba=STEEL, **rod)
+    add_geom(body, "cylinder", "cup.rod", size=(0.005,), rgba=STEEL, **rod)
     lips = {"fromto": [0.0, 0.0, 0.0, 0.0, 0.0, LIP], "mass": 0.1 * lift.mass}
-    shapes.add(body, "cylinder", "cup", size=(cup.diameter / 2,), rgba=RUBBER, condim=4, conaffinity=1 | BELT, **lips)
+    add_geom(body, "cylinder", "cup", size=(cup.diameter / 2,), rgba=RUBBER, condim=4, conaffinity=1 | BELT, **lips)
     body.add_site(name="cup", size=[0.002, 0.002, 0.002], rgba=[0, 0, 0, 0])
     motor = spec.add_actuator(name="lift", trntype=mj.mjtTrn.mjTRN_JOINT, target="lift")
     motor.set_to_motor()

@@ -7,12 +7,12 @@ from typing import Any, Literal
 import numpy as np
 
 from layflat.arrays import Array
+from layflat.cell.extras import UNTOUCHED, add_geom
 from layflat.cell.file.conveyor import Conveyor
 from layflat.cell.file.model import Cell
 from layflat.cell.file.parts import Tray
 from layflat.cell.file.produce import Clutter
 from layflat.cell.geometry import about_z, overlap, product, rectangle
-from layflat.cell.scene import shapes
 from layflat.errors import CellError
 
 CAP = 0.72  # height of a mushroom's cap as a share of its whole height
@@ -209,4 +209,4 @@ def _add(
         orientation = product(orientation, np.array([cos(pi / 4), 0.0, sin(pi / 4), 0.0]))
     kinds: dict[str, Literal["ellipsoid", "box", "capsule"]] = {"leaf": "ellipsoid", "sheet": "box", "stick": "capsule"}
     place = {"pos": [*at[:2], at[2] + high], "quat": orientation.tolist()}
-    shapes.add(spec.worldbody, kinds[clutter.shape], name, size=half, rgba=[*colour, 1.0], **place, **shapes.UNTOUCHED)
+    add_geom(spec.worldbody, kinds[clutter.shape], name, size=half, rgba=[*colour, 1.0], **place, **UNTOUCHED)

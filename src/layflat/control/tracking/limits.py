@@ -17,7 +17,7 @@ from layflat.jit import composition, law
 from layflat.lanes import each, select
 from layflat.physics.algebra import least, times
 from layflat.physics.arms import dynamics
-from layflat.physics.spring import spring_torque
+from layflat.physics.stops_and_springs import spring_torque
 
 LEAST_SHARE = 0.1  # of its torque that a joint is always given to accelerate, whatever its friction is estimated to be
 LEAST_INERTIA = 1e-3  # along a path, kg m2

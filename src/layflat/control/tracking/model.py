@@ -32,7 +32,7 @@ from layflat.physics.joint import (
 )
 from layflat.physics.natural_rates import natural_rates
 from layflat.physics.plant import advance, together
-from layflat.physics.stop import stop_damping, stop_torque
+from layflat.physics.stops_and_springs import stop_damping, stop_torque
 from layflat.physics.valves import start_wave, weaken_wave
 
 STEP = 2.5e-3  # longest of the model, s

@@ -13,8 +13,7 @@ from numpy.typing import NDArray
 from layflat.arrays import Array
 from layflat.bridge.meshes import solid
 from layflat.bridge.pieces import Piece
-from layflat.bridge.view.scenery import scenery
-from layflat.bridge.view.viewpoint import FIELD, viewpoint
+from layflat.bridge.view.scenery import FIELD, scenery, viewpoint
 from layflat.machine import Machine
 from layflat.pages.look.sparing import Sparing
 

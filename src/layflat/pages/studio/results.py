@@ -12,8 +12,8 @@ from layflat.design.drawing import MM, cam_sheet, layout_sheet
 from layflat.design.findings import ORDER, Finding
 from layflat.design.joint import design_joint
 from layflat.design.sheet import Path as Line
+from layflat.design.sheet_formats import svg_text
 from layflat.design.summary import JointDesign
-from layflat.design.svg import svg_text
 from layflat.errors import DesignError
 from layflat.machine.model import Machine
 from layflat.machine.parts import Joint

@@ -7,7 +7,7 @@ import numpy as np
 from nicegui import background_tasks, ui
 
 from layflat.arrays import Array
-from layflat.design.strap import StrapStress
+from layflat.design.strength import StrapStress
 from layflat.errors import LayflatError
 from layflat.pages.look.charts import Axis, Line, LineChart, points
 from layflat.pages.studio.beside import LIMIT, find_drawing

@@ -9,11 +9,11 @@
 | w | velocity after the step | rad/s |
 | c | how a joint is taken to go: 1 or -1 where it slides that way, 0 where it is held | 1 |
 
-The problem of box.py for more than two joints: M w = p + J, where a joint is held (w = 0, low <= J <= high) or slides
-(forward with J = low, back with J = high). With c given it is linear; what then is against c changes it: a joint that
-would slide the other way is held, one that is held by more than there is slides. From how the joints went before the
-step one round mostly does. All that is against c changes at once, and where that goes on for `BLOCKS` rounds, only the
-first of it, which comes to an end since M is positive definite (judice1994).
+The problem of `brake_two` (turning.py) for more than two joints: M w = p + J, where a joint is held (w = 0, low <= J <=
+high) or slides (forward with J = low, back with J = high). With c given it is linear; what then is against c changes
+it: a joint that would slide the other way is held, one that is held by more than there is slides. From how the joints
+went before the step one round mostly does. All that is against c changes at once, and where that goes on for `BLOCKS`
+rounds, only the first of it, which comes to an end since M is positive definite (judice1994).
 """
 
 from layflat.jit import composition, law

@@ -6,25 +6,53 @@
 | p | momentum (M v)_i that the step would end with, were there no friction | kg m2 rad/s |
 | u, w | velocities before and after the step | rad/s |
 | B | greatest impulse of friction in this step: torque x step | N m s |
+| low, high | least and greatest impulse of friction in this step: -B and B | N m s |
 | S | the same of a joint that stands still at some instant of the step | N m s |
 | J | impulse of friction | N m s |
 | f | share of the step after which the first joint is at rest | 1 |
 
 Friction turns with the velocity. Were it against the way at the end from the beginning of the step on, each turn would
 leave an error of the order of B h. So what moves is taken to move on, against all of its friction, and what rests to
-rest or to slip, as box.py and pivoting.py find. Where a joint would pass zero, the step is parted: up to the first rest
-all is as it was taken to be, in proportion to time; from there the rest of the step is solved. Friction takes energy in
-both parts.
+rest or to slip, as `brake_one`, `brake_two` and pivoting.py find. Where a joint would pass zero, the step is parted: up
+to the first rest all is as it was taken to be, in proportion to time; from there the rest of the step is solved.
+Friction takes energy in both parts.
 
 Where friction depends on velocity, B is that of the velocity in the middle of the step, and a joint whose velocity
 would pass zero in that rest is solved for once more with what holds it there, S.
+
+One or two joints are solved in closed form: find J within low and high such that each joint either stands still, or
+slides with J = low forward, with J = high back, where M v = p + J. This is the optimality condition of a convex
+quadratic in J over a box; the exact minimiser is found (see docs/derivations.md): minimise over J_2 first, clip J_1,
+then solve for J_2 again. The minimum can't have more kinetic energy than p has, whatever B is: friction only takes.
+Where friction is known, low is high.
 """
 
 from layflat.jit import composition, law
 from layflat.lanes import anywhere, each, select, total
 from layflat.physics.algebra import least, minus, times
-from layflat.physics.friction.box import brake_one, brake_two
 from layflat.physics.friction.pivoting import brake_many
+
+
+@law
+def brake_one(M, p, low, high):
+    """Velocity after friction, and the impulse, of a single joint. The velocity of a held joint is exactly 0."""
+    J = min(max(-p, low), high)
+    return (p + J) / M, J
+
+
+@law
+def brake_two(M_11, M_12, M_22, p_1, p_2, low_1, low_2, high_1, high_2):
+    """Velocities after friction, and the impulses, of two coupled joints: (v_1, v_2, J_1, J_2)."""
+    per_det = 1.0 / (M_11 * M_22 - M_12 * M_12)
+    J_2 = min(max(-p_2, low_2), high_2)
+    needed_1 = (M_12 / M_22) * (p_2 + J_2) - p_1
+    J_1 = min(max(needed_1, low_1), high_1)
+    needed_2 = (M_12 / M_11) * (p_1 + J_1) - p_2
+    J_2 = min(max(needed_2, low_2), high_2)
+    end_1, end_2 = p_1 + J_1, p_2 + J_2
+    v_1 = select(needed_1 == J_1, 0.0, (M_22 * per_det) * end_1 - (M_12 * per_det) * end_2)
+    v_2 = select(needed_2 == J_2, 0.0, (M_11 * per_det) * end_2 - (M_12 * per_det) * end_1)
+    return v_1, v_2, J_1, J_2
 
 
 @composition

@@ -18,7 +18,7 @@ from layflat.physics.arrays import itemwise
 from layflat.physics.dither import half_change, start_dither, turn_dither, weakened
 from layflat.physics.flow import laminar_slope
 from layflat.physics.friction.stribeck import StaticRatio
-from layflat.physics.valves import spool_mean
+from layflat.physics.valves import spool_ports
 from layflat.physics.valves.kind import Dither, ValveKind, ValvePart
 from layflat.physics.valves.spool_motion import Spool, SpoolState, StictionSpool, advance_spool, centred, spool_opening
 from layflat.physics.valves.spool_ports import mean_conductances
@@ -157,5 +157,5 @@ KIND = ValveKind(
     weaken_wave=weaken_spool_wave,
     seized=seized,
     held_at=held_at,
-    mean=spool_mean.MEAN,
+    mean=spool_ports.MEAN,
 )

@@ -35,7 +35,7 @@ from layflat.jit import law
 from layflat.lanes import select
 from layflat.physics.chamber import Chamber, air_mass, energy, pressure_after_swelling, temperature_and_roots, wall_heat
 from layflat.physics.flow import root_temperature
-from layflat.physics.friction.box import brake_one
+from layflat.physics.friction.turning import brake_one
 from layflat.physics.valves import chamber_flow
 
 FAR = 40.0  # so many widths from its change a friction stays as it is; exp would overflow

@@ -1,9 +1,8 @@
 """Arms in space: serial chains of joints and links."""
 
-from layflat.physics.arms.chain.bodies import bodies
 from layflat.physics.arms.chain.description import ChainPart
 from layflat.physics.arms.chain.laws import Chain, dynamics, points, turning
-from layflat.physics.arms.chain.parameters import parameters
+from layflat.physics.arms.chain.parameters import bodies, parameters
 from layflat.physics.arms.kind import ArmKind, ArmLaws
 
 KIND = ArmKind(

@@ -4,7 +4,8 @@ The laws want x at right angles to the axis of the next joint as well, so that e
 tilt about x and a turn about z (Denavit and Hartenberg's idea; origins stay where they are, since common normals of
 axes that are nearly parallel lie far away).
 
-What is described may be arrays in place of numbers, an item a run of an ensemble.
+What is described may be arrays in place of numbers, an item a run of an ensemble. The rigid bodies
+of an arm stay in the described frames.
 """
 
 from collections.abc import Sequence
@@ -12,6 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from layflat.physics.arms.bodies import RigidArm, RigidLink, lumped, moments, point, turned_by
 from layflat.physics.arms.chain.description import NO_WAY, ChainPart, LinkPart, six_moments
 from layflat.physics.arms.chain.laws import Chain, Link
 from layflat.physics.arms.chain.space import (
@@ -117,3 +119,22 @@ def parameters(described: ChainPart, joints: Sequence[Any]) -> Chain:
     rows = range(len(parts))
     armatures = tuple(parts[i].armature if i == j else 0.0 for i in rows for j in rows if i <= j)
     return chain(jointed, armatures, outward(before, Vector(*described.tool)), Vector(*described.gravity))
+
+
+def bodies(described: ChainPart, joints: Sequence[Any]) -> RigidArm:
+    """Return the arm as rigid bodies, without payload; each link has rotor and body of the next joint in its mass."""
+    parts = [described.link[name] for name in described.joints]
+    carries = described.bodies == "carried"
+    loads = [(joint.body.mass if carries else 0.0) for joint in joints[1:]] + [0.0]
+    ends = [part.place for part in parts[1:]] + [described.tool]
+    links = []
+    for part, carried, end in zip(parts, loads, ends, strict=True):
+        axis = np.array(part.axis, float) / np.linalg.norm(part.axis)
+        own = part.mass, np.array(part.centre, float), moments(six_moments(part.inertia))
+        # The rotor is a thin disk about the axis; as it has no mass of its own, it may be anywhere.
+        disk = 0.5 * part.rotor_inertia * (np.eye(3) + np.outer(axis, axis))
+        mass, centre, inertia = lumped([own, point(carried, end), (0.0, np.zeros(3), disk)])
+        place, axes = np.array(part.place, float), turned_by(part.turn)
+        links.append(RigidLink(place, axes, axis, mass, centre, inertia, part.armature, part.shapes))
+    gravity = np.array(described.gravity, float)
+    return RigidArm(tuple(links), np.array(described.tool, float), turned_by(described.tool_turn), gravity)

@@ -1,8 +1,19 @@
+"""End stops and springs on shafts."""
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from layflat.physics.stop import Stops, stop_damping, stop_energy, stop_torque
+from layflat.physics.stops_and_springs import (
+    NoSpring,
+    Spring,
+    Stops,
+    spring_energy,
+    spring_torque,
+    stop_damping,
+    stop_energy,
+    stop_torque,
+)
 
 STOPS = Stops(1.0, 50.0, 1.2, 2000.0, 5.0)
 
@@ -24,3 +35,19 @@ def test_torque_is_the_slope_of_the_energy(q: float) -> None:
     d = 1e-6
     slope = (stop_energy(STOPS, q + d) - stop_energy(STOPS, q - d)) / (2 * d)
     assert stop_torque(STOPS, q) == pytest.approx(-slope, abs=1e-2)
+
+
+numbers = st.floats(-30.0, 30.0)
+
+
+@given(numbers, st.floats(0.0, 50.0), st.floats(-1.2, 1.2))
+def test_its_torque_is_the_slope_of_its_energy(torque: float, stiffness: float, q: float) -> None:
+    spring, d = Spring(torque, stiffness), 1e-4
+    slope = (spring_energy(spring, q + d) - spring_energy(spring, q - d)) / (2.0 * d)
+    assert spring_torque(spring, q) == pytest.approx(-slope, abs=1e-6)
+
+
+@given(numbers)
+def test_none_changes_no_bit(torque: float) -> None:
+    assert (torque + spring_torque(NoSpring(), 0.3)).hex() == torque.hex()
+    assert (-0.0 + spring_torque(NoSpring(), 0.3)).hex() == (-0.0).hex()

@@ -1,4 +1,4 @@
-"""What the strap bears: tension and bending against yield.
+"""Strength of the strap, by tension and bending, and of a shaft in the cam's bore, by torsion.
 
 | symbol | meaning | unit |
 |---|---|---|
@@ -6,13 +6,15 @@
 | w, t, n | width and thickness of the strap, number of layers | m, m, 1 |
 | E | modulus | Pa |
 | rho | radius that it bends over | m |
+| T, d | torque of the joint, diameter of the shaft, which fills the bore | N m, m |
+| tau | shear stress at the surface of the shaft | Pa |
 
 Layers lie loose on each other, so each bends by itself; so does each fibre of a woven strap, whose diameter is then t
 in the bending stress.
 """
 
 from dataclasses import dataclass
-from math import ceil, inf
+from math import cbrt, ceil, inf, pi, sqrt
 
 from layflat.design.request import SizingRequest
 from layflat.errors import DesignError
@@ -77,3 +79,31 @@ def choose_strap(request: SizingRequest, base: Strap, hose_width: float, tension
     load = f"{tension:.4g} N around {bend_radius * 1e3:.4g} mm with a margin of {request.stress_margin:.3g}"
     right = "a shorter stroke bends it less, a lower supply pressure pulls less; or ask for a smaller stress_margin"
     raise DesignError(f"no strap up to {widest * 1e3:.4g} mm wide bears {load}", where="size: strap", right=right)
+
+
+SHAFT_YIELD = 490e6  # of C45, quenched and tempered, up to 16 mm thick, Pa; source: ISO 683-1
+SHEAR_SAFETY = 1.5  # yield over stress that is asked of a shaft
+
+
+def shear_stress(torque: float, diameter: float) -> float:
+    """Return the shear stress of a round shaft in torsion, tau = 16 T/(pi d^3), Pa (budynas2020, table 10.1)."""
+    return 16.0 * torque / (pi * diameter**3)
+
+
+def allowed_shear_stress() -> float:
+    """Return what a shaft of C45 may bear, Pa: its yield in shear after von Mises, over the safety."""
+    return SHAFT_YIELD / sqrt(3.0) / SHEAR_SAFETY
+
+
+def shaft_advice(torque: float, bore: float) -> str:
+    """Return how thick a shaft has to be that carries a torque (N m), and what to do if a bore (m) is thinner."""
+    thinnest, stress = least_diameter(torque), shear_stress(torque, bore)
+    text = f"{thinnest * 1e3:.1f} mm at least if it carries the torque (C45 with a safety of {SHEAR_SAFETY:g})"
+    if bore >= thinnest:
+        return text
+    return f"{text}; in the bore of {bore * 1e3:.3g} mm it would bear {stress / 1e6:.0f} MPa: bolt the cam to the link"
+
+
+def least_diameter(torque: float) -> float:
+    """Return the diameter (m) of the thinnest shaft that may bear a torque (N m)."""
+    return cbrt(16.0 * torque / (pi * allowed_shear_stress()))

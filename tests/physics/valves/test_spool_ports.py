@@ -4,9 +4,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from layflat.physics.valves import VALVES, at_rest, move, net_opening, start_wave, weaken_wave
-from layflat.physics.valves.spool_mean import MeanSpool, Share, averaged
 from layflat.physics.valves.spool_motion import SpoolState
-from layflat.physics.valves.spool_ports import path_conductance
+from layflat.physics.valves.spool_ports import MeanSpool, Share, averaged, path_conductance
 from tests.physics.plants import VALVE
 
 MEAN: MeanSpool = averaged(VALVE)

@@ -1,4 +1,7 @@
-"""End stops: the collapsed hose is squeezed first, then the arm meets the mechanical stop.
+"""End stops and springs of a joint's shaft.
+
+At an end the collapsed hose is squeezed first, then the arm meets the mechanical stop. A spring brings back a joint
+that has a single hose, or bears part of what an arm weighs.
 
 | symbol | meaning | unit |
 |---|---|---|
@@ -10,8 +13,9 @@
 
 from typing import NamedTuple
 
-from layflat.jit import law
+from layflat.jit import by_kind, law
 from layflat.lanes import select
+from layflat.physics.arms.kind import NONE
 
 
 class Stops(NamedTuple):
@@ -46,3 +50,33 @@ def stop_energy(stops, q):
     """Energy stored in squeezed hose and stop, J."""
     squeezed, past = _past(q, stops.squeeze_angle), _past(q, stops.stop_angle)
     return 0.5 * (stops.squeeze_stiffness * squeezed * squeezed + stops.stop_stiffness * past * past)
+
+
+class NoSpring(NamedTuple):
+    """A joint without one."""
+
+
+class Spring(NamedTuple):
+    """Torque at q = 0 (N m; positive turns the joint forward), and stiffness (N m/rad)."""
+
+    torque: float
+    stiffness: float
+
+
+@law
+def _nothing(spring, q):  # noqa: ARG001
+    return NONE
+
+
+@law
+def _torque(spring, q):
+    return spring.torque - spring.stiffness * q
+
+
+spring_torque = by_kind({NoSpring: _nothing, Spring: _torque})
+"""Torque of a spring on the joint, N m: `spring_torque(spring, q)`."""
+
+
+def spring_energy(spring: Spring, q: float) -> float:
+    """Return the energy that is stored in a spring beyond that at q = 0, J."""
+    return q * (0.5 * spring.stiffness * q - spring.torque)

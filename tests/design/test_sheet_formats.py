@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from layflat.design.sheet import Circle, Diameter, Distance, Note, Path, Sheet
-from layflat.design.svg import svg_text
+from layflat.design.sheet_formats import svg_text
 
 SVG = "{http://www.w3.org/2000/svg}"
 numbers = st.floats(-200.0, 200.0)

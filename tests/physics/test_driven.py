@@ -9,7 +9,7 @@ from layflat.lanes import leaves
 from layflat.machine import load, parameters
 from layflat.physics.chamber import Chamber, air_mass, energy, temperature
 from layflat.physics.chamber import pressure as pressure_of
-from layflat.physics.failing import kinked, through_hole
+from layflat.physics.driven import kinked, through_hole
 from layflat.physics.joint import Hose, HoseState, hose_at_rest
 from layflat.physics.valves import held_at, move, net_opening, seized, start_wave
 

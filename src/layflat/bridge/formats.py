@@ -1,9 +1,27 @@
-"""Inertia that MuJoCo takes: it refuses, with no room for rounding, moments that no body can have."""
+"""Values that formats of robots, and MuJoCo, ask for: greatest torque and velocity of a joint, inertia of a body."""
 
 import numpy as np
 
 from layflat.arrays import Array
+from layflat.machine import Machine, parameters
+from layflat.physics.air_balance import REFERENCE_PRESSURE
 from layflat.physics.arms.chain.description import ROUNDING
+
+
+def effort(machine: Machine, name: str) -> float:
+    """Return a joint's greatest torque at supply pressure, N m."""
+    return float(parameters.torque_constant(machine.joints[name]) * machine.supply.pressure_gauge)
+
+
+def velocity(machine: Machine, name: str) -> float:
+    """Return the velocity (rad/s) at which a fully open valve just keeps a hose at supply pressure.
+
+    It is the valve's conductance x 1 bar / (torque per pressure).
+    """
+    joint, (valve, *_) = machine.joints[name], parameters.drive_parts(machine)
+    conductance = joint.valve_size * valve.conductance
+    return float(conductance * REFERENCE_PRESSURE / parameters.torque_constant(joint))
+
 
 MARGIN = 1e-12  # by which the greatest moment is less than the sum of the others, as a share: MuJoCo's own rounding
 

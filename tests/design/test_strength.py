@@ -4,7 +4,7 @@ from math import pi, sqrt
 
 import pytest
 
-from layflat.design.shaft import least_diameter, shaft_advice, shear_stress
+from layflat.design.strength import least_diameter, shaft_advice, shear_stress
 
 
 def test_the_stress_of_a_bar_in_torsion_is_its_torque_over_its_section_modulus() -> None:
