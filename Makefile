@@ -27,6 +27,7 @@ reproduce: $(READY)  ## reproduce the paper: build/reproduce/report.html and cla
 questions: $(READY)  ## the same with the paper's open questions, studies of thousands of runs
 	$(BIN)/layflat reproduce --out build/reproduce --questions
 
+test: export PYTHONDONTWRITEBYTECODE :=  # hundreds of processes import the package
 test: $(READY)  ## run the tests: side by side, those in real time alone, and the laws' own without compiler
 	$(BIN)/python -m pytest -n 2 --dist loadscope -m "not realtime"
 	$(BIN)/python -m pytest -m realtime $$(grep -rl --include='*.py' mark.realtime tests)

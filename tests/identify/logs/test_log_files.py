@@ -1,7 +1,6 @@
 """A log comes back the same through every kind of file."""
 
-import gc
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -222,17 +221,7 @@ def test_a_cycle_that_is_none(tmp_path: Path) -> None:
             read_log(path, cycle=cycle)
 
 
-@pytest.fixture
-def small_heap() -> Iterator[None]:
-    """Objects of other tests are none of the collector's business: it runs at every damaged file."""
-    gc.collect()
-    gc.freeze()
-    yield
-    gc.unfreeze()
-
-
 @pytest.mark.parametrize("kind", ["nc", "parquet"])
-@pytest.mark.usefixtures("small_heap")
 def test_a_damaged_file_is_refused_in_one_line(kind: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     """Flipped bits, anywhere: what can still be read is read, all else is one line, and nothing else is said."""
     time = np.arange(40) * 0.01

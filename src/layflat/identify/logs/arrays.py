@@ -128,14 +128,15 @@ def _floats(column: Any) -> Array:
 
 def _attempt(read: Callable[[], T], path: Path, kind: str) -> T:
     """Read a file; whatever a library raises becomes one line, as a damaged file can make it raise nearly anything."""
-    hook = sys.unraisablehook
+    what, hook = None, sys.unraisablehook
     sys.unraisablehook = lambda _: None  # files that were half opened complain when they are dropped
     try:
         return read()
     except Exception as error:
         what = reason_of(error)
     finally:
-        gc.collect()
+        if what is not None:  # to look for them takes long beside all that a program has in memory
+            gc.collect()
         sys.unraisablehook = hook
     right = f"give a whole {kind} file: this one is damaged, cut off, or of another kind"
     raise InputError(f"can't be read as {kind} ({what})", where=str(path), right=right)
