@@ -17,9 +17,9 @@ from layflat.experiments.dither import HIGH_FREQUENCY, small_gain
 from layflat.experiments.open_loop import SMALL_SWEEP
 from layflat.experiments.two_axis import END, FIRST, HALF, RESTS, SECOND, approaches
 from layflat.machine import Machine, parameters
+from layflat.motion.scenario import Scenario
 from layflat.physics.step import COARSE
 from layflat.physics.valves.spool import SpoolValvePart
-from layflat.sim import Scenario
 from layflat.sim.ensemble.cases import cases
 from layflat.sim.ensemble.loops import heights
 from layflat.sim.ensemble.parallel import traced

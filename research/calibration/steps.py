@@ -12,7 +12,7 @@ from layflat.experiments.bench import INERTIA_PER_TORQUE, Bench, maximum_torque,
 from layflat.experiments.limits import AT, RATIOS, STEP, SWING
 from layflat.jit import kernel
 from layflat.machine import Machine
-from layflat.sim import Scenario
+from layflat.motion.scenario import Scenario
 from layflat.sim.ensemble.parallel import traced
 from layflat.sim.metrics import BAND
 from research.calibration.effort import Effort

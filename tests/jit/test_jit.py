@@ -49,12 +49,11 @@ from layflat.lanes import Like, leaves
 from layflat.sim.kernel import Case, Timing, run_cycles
 
 noise = np.random.default_rng(0).normal(size=(7, 2, 2))
-acting = signals(6, 2, demand=[0.3, -0.2], brake=[6.7, 2.2], load=[1.0, 0.5], payload=1.5, noise=noise)
+acting = signals(6, 2, demand=[0.3, -0.2], brake=[6.7, 2.2], load=[1.0, 0.5], payload=1.5, opening=np.nan)
 start, filled = np.zeros(2), np.full((2, 2), 3e5)
 case = Case(TWO_LINKS, JOINTS, Settings((GAINS,) * 2), AROUND)
-acting = acting._replace(opening=np.full((6, 2), np.nan))
 timing = Timing(CYCLE, 20, 4)
-rest = acting, timing, SIGNALS, np.zeros(1)
+rest = acting, noise, timing, SIGNALS, np.zeros(1)
 records = run_cycles(Like.of(case), np.fromiter(leaves(case), float), start, filled, *rest)[0]
 sys.stdout.buffer.write(records.tobytes())
 """

@@ -20,7 +20,8 @@ from layflat.physics.stops_and_springs import Stops
 from layflat.physics.valves.spool import SpoolValve
 from layflat.physics.valves.spool_motion import Spool
 from layflat.physics.valves.switching import Switch, SwitchingPair
-from layflat.sim.kernel import Case, Sample, Signals, Timing, run_cycles
+from layflat.sim.cycle import Acting, Around, Signals
+from layflat.sim.kernel import Case, Sample, Timing, run_cycles
 
 Floats = NDArray[np.float64]
 
@@ -86,17 +87,10 @@ class Run(NamedTuple):
 
 def signals(cycles: int, joints: int, **given: Any) -> Signals:
     """Signals that are zero but for those given (which are spread over cycles and joints), at full supply."""
-    shapes: dict[str, tuple[int, ...]] = dict.fromkeys(
-        ("demand", "stiffness", "opening", "brake", "dither", "load", "drift"), (cycles, joints)
-    )
-    shapes |= {
-        "rates": (cycles, joints, 2),
-        "supply": (cycles,),
-        "payload": (cycles,),
-        "noise": (cycles + 1, joints, 2),
-    }
-    given = {"supply": AROUND.supply_pressure, "dither": 1.0} | given
-    return Signals(**{name: np.array(np.broadcast_to(given.get(name, 0.0), shapes[name]), float) for name in shapes})
+    usual = {"supply": AROUND.supply_pressure - AROUND.ambient_pressure, "dither": 1.0, "voltage": np.nan}
+    by_joint = [np.broadcast_to((usual | given).get(name, 0.0), (cycles, joints)) for name in Acting._fields]
+    shared = [np.broadcast_to((usual | given).get(name, 0.0), cycles) for name in Around._fields]
+    return Signals(np.stack(by_joint, axis=-1), np.stack(shared, axis=-1))
 
 
 def run(
@@ -108,12 +102,14 @@ def run(
     pressure: float | tuple[tuple[float, float], ...] = 3.5e5,
 ) -> Run:
     """Run a plant from rest at these angles (rad) and pressures (absolute, Pa)."""
-    n = len(joints)
+    n, calm = len(joints), np.zeros((len(acting.by_joint) + 1, len(joints), 2))
+    joints = tuple(joint._replace(brake_torque=1.0) for joint in joints)  # so that shares of it are torques
     start = np.array(np.broadcast_to(angles, n), float)
     filled = np.array(np.broadcast_to(pressure, (n, 2)), float)
     case = Case(arm, joints, Settings((GAINS,) * n), AROUND)
     numbers = np.fromiter(leaves(case), float)
-    records, _, rows, diverged = run_cycles(Like.of(case), numbers, start, filled, acting, timing, SIGNALS, np.zeros(1))
+    rest = acting, calm, timing, SIGNALS, np.zeros(1)
+    records, _, rows, diverged = run_cycles(Like.of(case), numbers, start, filled, *rest)
     assert diverged == -1
     return Run(records[:rows])
 

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from layflat.physics.joint import Joint
-from layflat.sim.kernel import Signals, Timing
+from layflat.sim.cycle import Signals
+from layflat.sim.kernel import Timing
 from tests.physics.plants import (
     CYCLE,
     JOINTS,

@@ -13,10 +13,10 @@ from hypothesis import strategies as st
 
 from layflat.errors import LayflatError
 from layflat.machine import load
+from layflat.motion.scenario import SIGNALS
 from layflat.sim import Scenario
 from layflat.sim.run import start_angles
-from layflat.sim.scenario import start_pressures
-from layflat.sim.shapes import signals
+from layflat.sim.signals import signals, start_pressures
 
 ARM = load("paper-arm")
 NAMES = [field.name for field in fields(Scenario)]
@@ -58,21 +58,22 @@ def test_any_value_gives_a_run_or_one_line(name: str, value: Any) -> None:
     try:
         scenario = Scenario(**{"duration": 0.1, name: value})
         acting = signals(scenario, ARM, ARM.cycle)
-        start = start_angles(scenario, ARM, acting.demand), start_pressures(scenario, ARM)
+        start = start_angles(scenario, ARM, acting.named("demand")), start_pressures(scenario, ARM)
     except LayflatError as error:
         lines = str(error).strip().split("\n")
         assert len(lines) == 1  # either is right
         return
-    assert len(acting.demand) == round(scenario.cycles(ARM.cycle))
-    for key, array in acting._asdict().items():
+    assert len(acting.named("demand")) == round(scenario.cycles(ARM.cycle))
+    for key in SIGNALS:
+        array = acting.named(key)
         assert array.dtype == np.float64
-        assert np.isfinite(array).all() or (key == "opening" and np.isnan(array).all())
+        assert np.isfinite(array).all() or (key in {"opening", "voltage"} and np.isnan(array).all())
     assert np.isfinite(start[0]).all()
     if scenario.closed_loop:
-        assert np.abs(acting.demand).max() <= np.radians(60.0) + 1e-9
-    assert np.nanmax(np.abs(acting.opening), initial=0.0) <= 1.05 + 1e-9
-    assert acting.brake.min() >= 0.0
-    assert acting.supply.min() >= 0.0
+        assert np.abs(acting.named("demand")).max() <= np.radians(60.0) + 1e-9
+    assert np.nanmax(np.abs(acting.named("opening")), initial=0.0) <= 1.05 + 1e-9
+    assert acting.named("brake").min() >= 0.0
+    assert acting.named("supply").min() >= -ARM.supply.ambient_pressure
 
 
 @pytest.mark.parametrize("name", NAMES)

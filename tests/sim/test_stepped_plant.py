@@ -12,7 +12,7 @@ from layflat.machine import Machine, changed, load, parameters
 from layflat.physics.driven import BURST_TIME
 from layflat.physics.step import STEP
 from layflat.sim import Scenario, rollout
-from layflat.sim.kernel import Signals
+from layflat.sim.cycle import Signals
 from layflat.sim.plant import SteppedPlant
 from layflat.sim.run import prepare
 from tests.physics.controllers import Controller
@@ -36,14 +36,16 @@ def one_by_one(machine: Machine, acting: Signals, seed: int) -> dict[str, NDArra
     """What a loop in Python makes of what acts on a machine: columns by name, (instants, joints)."""
     plant, calm = (SteppedPlant(machine, start=0.0, seed=seed, noise=noisy) for noisy in (True, False))
     controller = Controller(parameters.control(machine), *calm.sense())
-    rows, voltages, cycles = [], np.zeros(len(plant.joints)), len(acting.demand)
+    demand, load, gauge, payload = (acting.named(name) for name in ("demand", "load", "supply", "payload"))
+    supply = gauge + machine.supply.ambient_pressure
+    rows, voltages, cycles = [], np.zeros(len(plant.joints)), len(acting.by_joint)
     for k in range(cycles + 1):
         angles, pressures = plant.sense()
         if k < cycles:
-            voltages = controller.voltages(angles, pressures, CYCLE, acting.demand[k])
+            voltages = controller.voltages(angles, pressures, CYCLE, demand[k])
         rows.append([plant.angles, plant.velocities, *plant.pressures.T, voltages.copy(), angles, pressures])
         if k < cycles:
-            plant.payload, plant.supply, plant.load[:] = acting.payload[k], acting.supply[k], acting.load[k]
+            plant.payload, plant.supply, plant.load[:] = payload[k], supply[k], load[k]
             plant.drive(voltages)
             plant.advance(CYCLE * (k + 1))
     names = ("angle", "velocity", "pressure_a", "pressure_b", "voltage", "measured_angle", "measured_pressure")

@@ -14,7 +14,7 @@ from layflat.errors import InputError
 from layflat.machine import Machine, load
 from layflat.motion.kinematics import tip_position
 from layflat.sim import Scenario
-from layflat.sim.shapes import shapes
+from layflat.sim.signals import expand
 from layflat.sim.tip_metrics import tip_missed, tip_moves_of
 
 PICKING, PLANAR = load("picking-arm"), load("paper-arm")
@@ -24,7 +24,7 @@ UP = np.array([0.0, 0.0, 0.001])
 
 
 def asked(machine: Machine, **given: object) -> Array:
-    return shapes(Scenario(duration=0.2, **given), machine, 0.005).demand  # type: ignore[arg-type]
+    return expand(Scenario(duration=0.2, **given), machine, 0.005).named("demand")  # type: ignore[arg-type]
 
 
 def test_the_tip_is_asked_for_where_it_is_told_to() -> None:

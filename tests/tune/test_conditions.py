@@ -6,7 +6,7 @@ import pytest
 from layflat.errors import MachineError
 from layflat.machine import changed, load
 from layflat.sim.ensemble import ensemble
-from layflat.sim.shapes import shapes
+from layflat.sim.signals import expand
 from layflat.tune import papers_law, tracking_law
 from layflat.tune.conditions import Spread, check_carried, conditions, nominal_postures, sequences_of
 
@@ -69,7 +69,7 @@ def test_moves_stay_in_the_stroke_and_are_measured_one_by_one(name: str) -> None
     runs = ensemble(machine, found.scenarios, found.of(1))
     assert runs.sizes["move"] == 2
     assert not np.isnan(runs.settling).any()
-    first = np.unique(shapes(found.scenarios[0], machine, 0.005).demand, axis=0)
+    first = np.unique(expand(found.scenarios[0], machine, 0.005).named("demand"), axis=0)
     assert np.abs(np.diff(first[:, 0])).max() == pytest.approx(radians(40.0))
 
 

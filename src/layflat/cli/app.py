@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import is_dataclass
+from dataclasses import fields, is_dataclass
 from functools import wraps
 from inspect import Parameter, Signature, signature
 from pathlib import Path
@@ -79,19 +79,32 @@ Seed = Annotated[int, typer.Option(min=0, max=2**32 - 1, help="of the random num
 
 
 def expanded(command: Callable[..., Any]) -> Callable[..., Any]:
-    """Wrap a command that takes a dataclass of options: typer sees an option for each of its fields."""
+    """Wrap a command that takes a dataclass of options: typer sees an option for each of its fields.
+
+    A field with metadata is a table of options, by their names: typer sees all of them, with these annotations.
+    """
     own = signature(command, eval_str=True).parameters
     name = next(key for key, one in own.items() if is_dataclass(one.annotation))
     options: Any = own[name].annotation
-    fields = signature(options, eval_str=True).parameters
+    tables = {one.name: one.metadata for one in fields(options) if one.metadata}
+    seen = signature(options, eval_str=True).parameters
 
     @wraps(command)
     def called(**given: Any) -> Any:
-        made = options(**{key: given.pop(key) for key in fields})
-        return command(**given, **{name: made})
+        found = {key: {each: given.pop(each) for each in table} for key, table in tables.items()}
+        found |= {key: given.pop(key) for key in seen if key not in tables}
+        return command(**given, **{name: options(**found)})
 
-    shown = [each for key, one in own.items() for each in (fields.values() if key == name else [one])]
-    called.__signature__ = Signature([one.replace(kind=Parameter.KEYWORD_ONLY) for one in shown])  # type: ignore[attr-defined]
+    def parts(key: str, one: Parameter) -> Iterator[Parameter]:
+        if key in tables:
+            notes = tables[key].items()
+            yield from (Parameter(each, Parameter.KEYWORD_ONLY, default=None, annotation=note) for each, note in notes)
+        else:
+            yield one.replace(kind=Parameter.KEYWORD_ONLY)
+
+    inside = [part for key, one in seen.items() for part in parts(key, one)]
+    shown = [one for key in own for one in (inside if key == name else parts("", own[key]))]
+    called.__signature__ = Signature(shown)  # type: ignore[attr-defined]
     called.__annotations__ = {one.name: one.annotation for one in shown}
     return called
 

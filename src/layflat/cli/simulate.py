@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -12,18 +12,21 @@ from layflat.cli.app import MachineName, Out, Seed, app, expanded, known_joint, 
 from layflat.cli.bars import in_background
 from layflat.cli.moves import parse_row, parse_steps, print_missed, print_moves, print_tip_missed, print_tip_moves
 from layflat.errors import DivergedError, InputError
+from layflat.motion.scenario import SIGNALS
 
 if TYPE_CHECKING:
     import xarray
 
     from layflat.cli.moves import Steps
     from layflat.machine import Machine
-    from layflat.sim.scenario import Scenario, Signal
+    from layflat.motion.scenario import Scenario
+    from layflat.motion.signal_rows import Signal
 
 LEAD = 0.1  # a move without a time begins so long after the start, s: the joints are at rest before it
 USUAL_DURATION = "3 s"  # duration of a run
 
-SAME_IN_SCENARIO = ("tip", "duration", "start", "opening", "payload", "supply", "drift", "load", "brake", "step")
+DISTURBED = {name: row for name, row in SIGNALS.items() if row.option}  # by options of their own
+SAME_IN_SCENARIO = ("tip", "duration", "start", "opening", "step", *DISTURBED)
 """Options that are called the same in a scenario."""
 
 
@@ -45,11 +48,10 @@ class Asked:
     opening: Annotated[str | None, typer.Option(help='open loop: valve openings, -1 to 1, such as "0.1, 0"')] = None
     duration: Annotated[str | None, typer.Option(help="of the run  [default: 3 s, or that of the file]")] = None
     start: Annotated[str | None, typer.Option(help="angles at the start  [default: 0 deg]")] = None
-    payload: Annotated[list[str] | None, typer.Option(help='such as "2 kg @ 1 s"; repeatable')] = None
-    supply: Annotated[list[str] | None, typer.Option(help='gauge, such as "0 bar @ 1 s"; repeatable')] = None
-    drift: Annotated[list[str] | None, typer.Option(help='of the valve\'s neutral, such as "0.2 V @ 1 s"')] = None
-    load: Annotated[list[str] | None, typer.Option(help='on the joints, such as "2 N m @ 1 s"')] = None
-    brake: Annotated[list[str] | None, typer.Option(help='share of the brake\'s torque, such as "0.5 @ 1 s"')] = None
+    disturbed: dict[str, list[str] | None] = field(
+        default_factory=dict,
+        metadata={name: Annotated[list[str] | None, typer.Option(help=row.option)] for name, row in DISTURBED.items()},
+    )
     seed: Seed = 0
 
     def refuse_contradictions(self) -> None:
@@ -69,12 +71,12 @@ class Asked:
         names = list(machine.joints)
         acting: dict[str, Any] = {"duration": USUAL_DURATION if self.duration is None else self.duration}
         acting["start"] = parse_row(self.start, names, "--start") if self.start is not None else 0.0
-        for key in ("drift", "load", "brake"):
-            if texts := getattr(self, key):
-                acting[key] = parse_steps(texts, names, f"--{key}", bare=key == "brake")
-        for key in ("payload", "supply"):
-            if texts := getattr(self, key):
-                steps = parse_steps(texts, [key], f"--{key}", of="value")
+        for key, row in DISTURBED.items():
+            texts, bare = self.disturbed.get(key), row.quantity is None
+            if texts and row.by_joint:
+                acting[key] = parse_steps(texts, names, f"--{key}", bare=bare)
+            elif texts:
+                steps = parse_steps(texts, [key], f"--{key}", bare=bare, of="value")
                 acting[key] = [(time, values[key]) for time, values in steps]
         if self.opening is not None:
             acting |= {"opening": parse_steps([self.opening], names, "--opening", bare=True), "demand": {}}

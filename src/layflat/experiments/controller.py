@@ -13,8 +13,9 @@ from layflat.experiments.bench import maximum_torque
 from layflat.experiments.claim import Evaluated, Experiment, Quantity, claim
 from layflat.experiments.kernels import control_cycles
 from layflat.machine import parameters
+from layflat.motion.scenario import Scenario
 from layflat.physics.step import STEP
-from layflat.sim import Scenario, rollout
+from layflat.sim import rollout
 
 DRIFT = 0.05  # drift of the valve's neutral, share of full opening
 DURATION = 60.0

@@ -12,10 +12,10 @@ from layflat.arrays import Array
 from layflat.description import units as u
 from layflat.experiments.bench import INERTIA_PER_TORQUE, maximum_torque, payload_for_inertia
 from layflat.machine import Machine
-from layflat.sim import Scenario
+from layflat.motion.scenario import Scenario
 from layflat.sim.ensemble.parallel import traced
 from layflat.sim.metrics import BAND, settling_time
-from layflat.sim.shapes import shapes
+from layflat.sim.signals import expand
 
 STEP = radians(40)
 AT = 0.5  # the step comes at this time, s, after the joint has come to rest
@@ -60,7 +60,7 @@ def watched(machine: Machine, scenario: Scenario) -> xarray.Dataset:
     longer = replace(scenario, duration=u.quantity(scenario.duration, u.TIME, "duration") + machine.cycle)
     angle = traced(machine, longer, {}, ("angle",))[0, :, :, 0]
     sound = ~np.isnan(angle).any(axis=1)
-    demand = shapes(longer, machine, machine.cycle).demand
+    demand = expand(longer, machine, machine.cycle).named("demand")
     return xarray.Dataset(
         {"demand": (("time", "joint"), demand[sound]), "angle": (("time", "joint"), angle[sound])},
         {"time": machine.cycle * np.arange(len(angle))[sound], "joint": list(machine.joints)},

@@ -13,7 +13,8 @@ from layflat.experiments.bench import alone, maximum_torque
 from layflat.experiments.claim import Evaluated, Experiment, Quantity, claim
 from layflat.machine import Machine, changed, parameters
 from layflat.machine.model import restored
-from layflat.sim import Scenario, rollout
+from layflat.motion.scenario import Scenario
+from layflat.sim import rollout
 from layflat.sim.sweep import Loop
 
 PRINTED_MEAN = 82.10202  # mean torque of the printed Table 1, N m

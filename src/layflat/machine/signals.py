@@ -1,10 +1,9 @@
 """What is known of a machine in motion: the signals' names, units and meanings, simulated or recorded alike.
 
-What a control law reports is named by the law (see control/kind.py).
+What acts on it stands in motion/scenario.py; what a control law reports is named by the law (see control/kind.py).
 """
 
 SIGNALS: dict[str, tuple[str, str]] = {
-    "demand": ("rad", "angle asked for"),
     "angle": ("rad", "joint angle"),
     "velocity": ("rad/s", "joint velocity"),
     "pressure_a": ("Pa", "absolute pressure in hose A"),
@@ -23,8 +22,6 @@ SIGNALS: dict[str, tuple[str, str]] = {
     "brake_heat": ("J", "heat of the brake since the start"),
     "damping_heat": ("J", "heat of viscous friction and stops since the start"),
     "air_taken": ("kg", "air taken from the supply since the start"),
-    "payload": ("kg", "payload"),
-    "supply": ("Pa", "absolute supply pressure"),
     "tip": ("m", "position of the tip"),
 }
 """Unit and meaning by name."""

@@ -1,9 +1,10 @@
 """Single values and rows of a signal as people write them: text with a unit, or numbers in SI units."""
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import fields, replace
 from math import inf, isfinite
 from numbers import Real
-from typing import Any, NamedTuple, SupportsFloat, TypeGuard
+from typing import Any, NamedTuple, SupportsFloat, TypeGuard, TypeVar
 
 import numpy as np
 
@@ -14,8 +15,11 @@ from layflat.description.wrong import shown
 from layflat.errors import InputError
 
 Value = str | float
+Pair = tuple[Value, Value]  # of the hoses A and B
 Angles = Value | Mapping[str, Value] | Sequence[Value]
 """Of all joints: one value, a table by joint, or one value a joint from base to tip."""
+
+K = TypeVar("K")
 
 PLURALS = {"joint": "joints", "axis": "axes"}
 
@@ -146,3 +150,47 @@ def check_real(array: Any, kind: SignalKind) -> None:
         raise InputError("holds masked values", where=kind.where, right="give an array without a mask")
     if array.dtype.kind not in "iufUO":
         raise InputError(f"an array of {array.dtype} holds no numbers", where=kind.where, right="give real numbers")
+
+
+def read_duration(value: object) -> float:
+    """Return a duration, s; raise InputError if it is none."""
+    return read_number(value, u.TIME, "duration")
+
+
+def check_truth(value: object, where: str) -> None:
+    """Refuse what is neither True nor False; raise InputError naming the argument `where`."""
+    if not isinstance(value, (bool, np.bool_)):
+        raise InputError(f"{shown(value)} is neither True nor False", where=where, right="give one of them")
+
+
+def check_whole(value: object, where: str, lower: int, upper: int | None = None) -> int:
+    """Return a whole number within bounds.
+
+    Args:
+        value: that is given.
+        where: the argument in messages.
+        lower: the smallest that is allowed.
+        upper: the largest; default: any.
+
+    Raises:
+        InputError: naming `where`: it is no whole number, or out of bounds.
+    """
+    right = f"give a whole number, {lower} or more" if upper is None else f"give {lower} to {upper}"
+    if not (is_real(value) and isinstance(value, (int, np.integer))):
+        raise InputError(f"{shown(value)} is not a whole number", where=where, right=right)
+    if value < lower or (upper is not None and value > upper):
+        raise InputError(f"{shown(value)} is out of range", where=where, right=right)
+    return int(value)
+
+
+def checked_options(kind: type[K], given: Mapping[str, Any], where: str, over: K | None = None) -> K:
+    """Return a dataclass of options with those that were given, over its defaults or another one.
+
+    Raises:
+        InputError: an option is unknown.
+    """
+    known = [field.name for field in fields(kind)]  # type: ignore[arg-type]
+    unknown = sorted(set(given) - set(known))
+    if unknown:
+        raise InputError(f"unknown option {unknown[0]!r}", where=where, right=did_you_mean(unknown[0], known, "use {}"))
+    return replace(over or kind(), **given)  # type: ignore[type-var]

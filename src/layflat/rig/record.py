@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Self
 from layflat.arrays import Array
 from layflat.control.average import SIGNALS as AVERAGED
 from layflat.machine.signals import SIGNALS
+from layflat.motion.scenario import SIGNALS as ACTING
 from layflat.rig.clock import SECOND
 
 if TYPE_CHECKING:
@@ -22,7 +23,7 @@ SHARED: dict[str, tuple[str, str]] = {
     "lateness": ("s", "of the cycle, after its deadline"),
     "compute": ("s", "taken by the cycle before, waiting for the device left out"),
     "link": ("s", "taken by this cycle's transaction"),
-    "supply": SIGNALS["supply"],
+    "supply": ACTING["supply"].recorded,
     "air": ("1", "1 where air is asked for"),
     "stopped": ("1", "1 while the e-stop is pressed"),
     "device": ("1", "what the device does by itself"),
@@ -34,7 +35,7 @@ SHARED: dict[str, tuple[str, str]] = {
 
 # What there is of every joint, whatever law controls it; behind it stands what the law tells, then its fault.
 RIG_SIGNALS: dict[str, tuple[str, str]] = {
-    "demand": SIGNALS["demand"],
+    "demand": ACTING["demand"].recorded,
     "demand_velocity": ("rad/s", "velocity of the demand; zero where the control law takes none"),
     **{name: SIGNALS[name] for name in ("voltage", "measured_angle", "measured_pressure")},
     **AVERAGED,

@@ -10,7 +10,8 @@ from layflat.control import CONTROL_LAWS, Demand, Sensed
 from layflat.control.plain import find_flaw
 from layflat.kind_checks import place_of
 from layflat.machine import Machine
-from layflat.sim.kernel import Case, Signals, Timing
+from layflat.sim.cycle import DEMANDS, Signals
+from layflat.sim.kernel import Case, Timing
 
 if TYPE_CHECKING:
     import xarray
@@ -39,10 +40,9 @@ def find_cause(machine: Machine, case: Case, signals: Signals, timing: Timing, r
 def _cycles(signals: Signals, records: int, run: "xarray.Dataset") -> Any:
     """Yield what the control law was given, cycle by cycle."""
     sensed = zip(run["measured_angle"].to_numpy()[::records], run["measured_pressure"].to_numpy()[::records])  # noqa: B905
-    for (angles, pressures), demand, rates, stiffness in zip(  # noqa: B905  # the run ends before its signals
-        sensed, signals.demand, signals.rates, signals.stiffness
-    ):
-        wanted = Demand(*map(_row, (demand, rates[:, 0], rates[:, 1], stiffness)))
+    asked = zip(*(signals.named(name) for name in DEMANDS))  # noqa: B905
+    for (angles, pressures), demands in zip(sensed, asked):  # noqa: B905  # the run ends before its signals
+        wanted = Demand(*map(_row, demands))
         yield Sensed(_row(angles), _row(pressures)), wanted
 
 

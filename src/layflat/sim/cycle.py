@@ -2,22 +2,16 @@
 
 from typing import Any, NamedTuple
 
+import numpy as np
+
+from layflat.arrays import Array
 from layflat.control import Demand, Sensed, step
 from layflat.jit import composition, law
 from layflat.lanes import each, gather, in_lanes, select, slots
 from layflat.physics.adjustable import adjusted, regulated
-from layflat.physics.joint import Drive
+from layflat.physics.joint import Drive, Surroundings
 from layflat.physics.sensor import read_sensor
 from layflat.physics.valves import driven, start_wave, weaken_wave
-
-
-class Wanted(NamedTuple):
-    """What is asked of a joint in a control cycle."""
-
-    angle: float  # rad
-    velocity: float  # rad/s
-    acceleration: float  # rad/s2
-    stiffness: float  # N m/rad; 0: as it comes
 
 
 class Lead(NamedTuple):
@@ -33,16 +27,42 @@ NOT_LED = Lead(0.0, 0.0, 0.0, 0.0)
 
 
 class Acting(NamedTuple):
-    """What acts on a joint in a control cycle."""
+    """Signals of a joint in a control cycle: rows of the table in motion/scenario.py."""
 
-    demand: Wanted
-    opening: float  # in place of the controller, -1..1; not a number where it drives
-    voltage: float  # in place of the controller, V; not a number where it drives
-    lead: Lead
-    brake: float  # torque at which the brake slips, N m
-    dither: float  # share of the valve's dither
-    load: float  # external torque, N m
-    drift: float  # shift of the valve's centre, V
+    demand: float
+    demand_velocity: float
+    demand_acceleration: float
+    demand_stiffness: float
+    opening: float  # not a number where the controller or a voltage drives
+    voltage: float  # likewise
+    brake: float
+    dither: float
+    load: float
+    drift: float
+
+
+class Around(NamedTuple):
+    """Signals in a control cycle that all joints share, likewise."""
+
+    supply: float
+    payload: float
+
+
+NOTHING, NOTHING_AROUND = Acting(*[0.0] * len(Acting._fields)), Around(*[0.0] * len(Around._fields))
+DEMANDS = ("demand", "demand_velocity", "demand_acceleration", "demand_stiffness")  # in the order of `Demand`
+
+
+class Signals(NamedTuple):
+    """A scenario over control cycles; before it is a run's, what is not a number there is as the machine has it."""
+
+    by_joint: np.ndarray  # items of `Acting`, (cycles, joints, signals)
+    shared: np.ndarray  # items of `Around`, (cycles, signals)
+
+    def named(self, name: str) -> Array:
+        """Return a signal, (cycles, joints), or (cycles,) of one that all joints share."""
+        if name in Around._fields:
+            return self.shared[:, Around._fields.index(name)]
+        return self.by_joint[:, :, Acting._fields.index(name)]
 
 
 class Noise(NamedTuple):
@@ -56,6 +76,7 @@ class Loop(NamedTuple):
     """What goes on in the joints between cycles: slots with an item a joint."""
 
     acting: Any
+    leads: Any
     noise: Any
     drives: Any
     lines: Any
@@ -68,6 +89,13 @@ class Loop(NamedTuple):
 def is_number(given):
     """Whether something is given."""
     return given == given  # noqa: PLR0124
+
+
+@law
+def surroundings(air, shared):
+    """What surrounds the joints in a control cycle: as a machine has it, and the signals that all joints share."""
+    p_a = air.ambient_pressure
+    return Surroundings(shared.supply + p_a, air.supply_temperature, p_a, air.ambient_temperature, shared.payload)
 
 
 @law
@@ -91,8 +119,7 @@ def sense_all(joints, like, states, noise):
 
 @law
 def _asked(acting):
-    wanted = acting.demand
-    return wanted.angle, wanted.velocity, wanted.acceleration, wanted.stiffness
+    return acting.demand, acting.demand_velocity, acting.demand_acceleration, acting.demand_stiffness
 
 
 @composition
@@ -102,18 +129,18 @@ def _demanded(like, acting):
 
 
 @composition
-def _drive(joint, state, line, acting, asked, shares, around, cycle):
+def _drive(joint, state, line, acting, lead, asked, shares, around, cycle):
     """Drive of a joint for a control cycle, the voltage behind it, and the line of commands after it."""
     valve = joint.valve
     voltage = select(is_number(acting.opening), valve.centre_voltage + valve.volts_to_full * acting.opening, asked)
-    lead, wanted, motion = acting.lead, acting.demand, state.motion
-    behind, difference = wanted.angle - motion.angle, state.hose_a.pressure - state.hose_b.pressure
+    motion = state.motion
+    behind, difference = acting.demand - motion.angle, state.hose_a.pressure - state.hose_b.pressure
     led = acting.voltage + lead.voltage * behind - lead.pressure * difference
     voltage = select(is_number(acting.voltage), led, voltage)
     opening, line = driven(valve, line, voltage - acting.drift, cycle)
     supply = regulated(shares.supply, around.supply_pressure, around.ambient_pressure)
-    load = acting.load + lead.spring * behind + lead.damper * (wanted.velocity - motion.velocity)
-    return Drive(opening, shares.brake * acting.brake, load, supply), voltage, line
+    load = acting.load + lead.spring * behind + lead.damper * (acting.demand_velocity - motion.velocity)
+    return Drive(opening, shares.brake * (acting.brake * joint.brake_torque), load, supply), voltage, line
 
 
 @composition
@@ -132,7 +159,7 @@ def control_cycle(joints, like, settings, memory, states, loop, around, time, cy
         joint, state = joints[j], states[j]
         shares, loop.shares[j] = adjusted(joint.adjustables, loop.shares[j], commanded[j], cycle)
         loop.drives[j], loop.voltages[j], loop.lines[j] = _drive(
-            joint, state, loop.lines[j], loop.acting[j], asked[j], shares, around, cycle
+            joint, state, loop.lines[j], loop.acting[j], loop.leads[j], asked[j], shares, around, cycle
         )
         loop.waves[j] = weaken_wave(
             joint.valve, start_wave(joint.valve, time, h), shares.dither * loop.acting[j].dither

@@ -16,8 +16,9 @@ from layflat.files import whole_file
 from layflat.machine import Machine
 from layflat.machine.signals import attributes
 from layflat.motion.kinematics import tip_position
-from layflat.sim.kernel import Sample, Signals, Timing
-from layflat.sim.scenario import Scenario
+from layflat.motion.scenario import SIGNALS, Scenario
+from layflat.sim.cycle import Around, Signals
+from layflat.sim.kernel import Sample, Timing
 
 
 def dataset(
@@ -42,10 +43,12 @@ def dataset(
     for column, name in enumerate(law.report._fields):  # type: ignore[attr-defined]  # a named tuple
         unit, meaning = law.signals[name]
         said[name] = (both, shown[:, :, column], {"units": unit, "long_name": meaning})
-    cycle = np.minimum(np.arange(len(rows)) // timing.records, len(acting.demand) - 1)
-    said["demand"] = (both, acting.demand[cycle], attributes("demand"))
-    said["payload"] = ("time", acting.payload[cycle], attributes("payload"))
-    said["supply"] = ("time", acting.supply[cycle], attributes("supply"))
+    cycle = np.minimum(np.arange(len(rows)) // timing.records, len(acting.by_joint) - 1)
+    for name in ("demand", *Around._fields):
+        row, values = SIGNALS[name], acting.named(name)[cycle]
+        values = values + machine.supply.ambient_pressure if row.gauge else values
+        unit, meaning = row.recorded
+        said[name] = (both if row.by_joint else "time", values, {"units": unit, "long_name": meaning})
     tips = tip_position(machine, said["angle"][1])
     said["tip"] = (("time", "axis"), tips, attributes("tip"))
     coords = {

@@ -1,6 +1,5 @@
 """The compiled time loop of a run: sense, control, advance, record, one control cycle after the other."""
 
-from math import nan
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -15,7 +14,7 @@ from layflat.physics.hysteresis import stored, torques
 from layflat.physics.joint import Drive, Joint, Surroundings, is_sound
 from layflat.physics.plant import advance, at_rest, together
 from layflat.physics.valves import net_opening, start_wave
-from layflat.sim.cycle import NOT_LED, Acting, Loop, Noise, Wanted, control_cycle, sense_all
+from layflat.sim.cycle import NOT_LED, NOTHING, NOTHING_AROUND, Loop, Noise, control_cycle, sense_all, surroundings
 
 
 class Case(NamedTuple):
@@ -33,23 +32,6 @@ class Timing(NamedTuple):
     cycle: float
     steps: int
     records: int
-
-
-class Signals(NamedTuple):
-    """What acts on the machine, an item per cycle (first axis) and, where shaped so, per joint (second axis)."""
-
-    demand: np.ndarray  # rad, (cycles, joints)
-    rates: np.ndarray  # of the demand, rad/s and rad/s2, (cycles, joints, 2)
-    stiffness: np.ndarray  # asked for at rest, N m/rad, (cycles, joints); 0: as it comes
-    opening: np.ndarray
-    """Valve opening in an open-loop run, -1..1, (cycles, joints); not a number where the controller drives."""
-    brake: np.ndarray  # torque at which the brake slips, N m, (cycles, joints)
-    dither: np.ndarray  # share of the valve's dither, (cycles, joints)
-    load: np.ndarray  # external torque, N m, (cycles, joints)
-    drift: np.ndarray  # shift of the valve's centre, V, (cycles, joints)
-    supply: np.ndarray  # absolute supply pressure, Pa, (cycles,)
-    payload: np.ndarray  # kg, (cycles,)
-    noise: np.ndarray  # standard normal samples of angle and pressure sensor, (cycles + 1, joints, 2)
 
 
 class Sample(NamedTuple):
@@ -114,42 +96,31 @@ def _record(out, shown, row, joints, states, around, sensed, voltages, report):
 
 @composition
 def _acting(signals, k, j):
-    return Acting(
-        Wanted(signals.demand[k, j], signals.rates[k, j, 0], signals.rates[k, j, 1], signals.stiffness[k, j]),
-        signals.opening[k, j],
-        nan,
-        NOT_LED,
-        signals.brake[k, j],
-        signals.dither[k, j],
-        signals.load[k, j],
-        signals.drift[k, j],
-    )
+    return read_numbers(NOTHING, signals.by_joint[k, j])
 
 
 @composition
-def _noise(signals, k, j):
-    return Noise(signals.noise[k, j, 0], signals.noise[k, j, 1])
+def _noise(samples, k, j):
+    return Noise(samples[k, j, 0], samples[k, j, 1])
 
 
 @composition
 def _surroundings(air, signals, k):
-    return Surroundings(
-        signals.supply[k], air.supply_temperature, air.ambient_pressure, air.ambient_temperature, signals.payload[k]
-    )
+    return surroundings(air, read_numbers(NOTHING_AROUND, signals.shared[k]))
 
 
 @composition
-def all_cycles(case, angles, pressures, signals, timing, reported, done):
+def all_cycles(case, angles, pressures, signals, samples, timing, reported, done):
     """Run all cycles of a scenario from rest.
 
     Args: `Case`; start angles (joints,) in rad; start pressures (joints, 2) in Pa, nan for those that hold the arm;
-    `Signals`; `Timing`; how many signals the law reports of a joint; an array whose first item counts the cycles that
-    are done. Returns the records (instants, joints, columns of
-    `Sample`), those of the law's report (instants, joints, reported), how many instants are valid, and the joint that
-    diverged (-1: none).
+    `cycle.Signals`; standard normal samples of the sensors of angle and pressure, (cycles + 1, joints, 2); `Timing`;
+    how many signals the law reports of a joint; an array whose first item counts the cycles that are done.
+    Returns the records (instants, joints, columns of `Sample`), those of the law's report (instants, joints,
+    reported), how many instants are valid, and the joint that diverged (-1: none).
     """
     arm, like, settings, air = case
-    cycles, n = signals.demand.shape
+    cycles, n = len(signals.by_joint), len(like)
     rows = cycles * timing.records + 1
     out, shown = np.empty((rows, n, COLUMNS)), np.empty((rows, n, reported))
     sub, h = timing.steps // timing.records, timing.cycle / timing.steps
@@ -158,11 +129,11 @@ def all_cycles(case, angles, pressures, signals, timing, reported, done):
     joined = together(arm, joints)
     firsts, seconds = gather(like, pressures[:, 0]), gather(like, pressures[:, 1])
     states = slots(at_rest(arm, like, gather(like, angles), firsts, seconds, around))
-    calm = _acting(signals, 0, 0)
-    acting = slots(like, Acting(calm.demand, calm.opening, calm.voltage, NOT_LED, 0.0, 0.0, 0.0, 0.0))
+    acting, leads = slots(like, NOTHING), slots(like, NOT_LED)
     noise = slots(like, Noise(0.0, 0.0))
     loop = Loop(
         acting,
+        leads,
         noise,
         slots(like, Drive(0.0, 0.0, 0.0, 0.0)),
         slots(like, NOTHING_ASKED),
@@ -177,7 +148,7 @@ def all_cycles(case, angles, pressures, signals, timing, reported, done):
         done[0] = k
         around = _surroundings(air, signals, k)
         for j in range(n):
-            acting[j], noise[j] = _acting(signals, k, j), _noise(signals, k, j)
+            acting[j], noise[j] = _acting(signals, k, j), _noise(samples, k, j)
         sensed, memory, report = control_cycle(
             joints, like, settings, memory, states, loop, around, timing.cycle * k, timing.cycle, h
         )
@@ -189,13 +160,13 @@ def all_cycles(case, angles, pressures, signals, timing, reported, done):
                 if not is_sound(states[j]):
                     return out, shown, row, j
     for j in range(n):
-        noise[j] = _noise(signals, cycles, j)
+        noise[j] = _noise(samples, cycles, j)
     sensed = sense_all(joints, like, states, noise)
     _record(out, shown, row, joints, states, around, sensed, loop.voltages, report)
     return out, shown, row + 1, -1
 
 
 @kernel
-def run_cycles(like, numbers, angles, pressures, signals, timing, reported, done):
+def run_cycles(like, numbers, angles, pressures, signals, samples, timing, reported, done):
     """As `all_cycles`, of what a case looks like (`Like`) and its numbers in order."""
-    return all_cycles(read_numbers(like, numbers), angles, pressures, signals, timing, reported, done)
+    return all_cycles(read_numbers(like, numbers), angles, pressures, signals, samples, timing, reported, done)

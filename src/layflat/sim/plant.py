@@ -10,14 +10,14 @@ from layflat.description import units as u
 from layflat.errors import DivergedError, InputError
 from layflat.lanes import leaves, write_numbers
 from layflat.machine import Machine, load, parameters
-from layflat.machine.signal_ranges import check_signal
-from layflat.motion.signal_values import SignalKind, read_number, read_row
+from layflat.motion.scenario import MAX_DURATION, SIGNALS, Scenario
+from layflat.motion.signal_values import Angles, Pair, SignalKind, Value, check_whole, read_number, read_row
 from layflat.physics.driven import AIR, Plant
 from layflat.physics.joint import Surroundings
 from layflat.physics.noise import noise_samples
 from layflat.physics.step import STEP
 from layflat.sim.run import start_angles, timing_of
-from layflat.sim.scenario import MAX_DURATION, Angles, Pair, Scenario, Value, check_whole, start_pressures
+from layflat.sim.signals import start_pressures
 from layflat.sim.stepping import Setting, kept_at_rest, stepping
 
 
@@ -60,8 +60,7 @@ class SteppedPlant(Plant):
         self._steps, self._h = timing.steps, cycle / timing.steps
         around = parameters.surroundings(machine)
         if payload is not None:
-            mass = check_signal(machine, "payload", read_number(payload, u.MASS, "payload"))
-            around = around._replace(payload=float(mass))
+            around = around._replace(payload=_payload(machine, payload))
         self._machine = Setting(parameters.arm(machine), parameters.joints(machine), cycle, around)
         self._setting = np.array(list(leaves(self._machine)))
         super().__init__(self._machine.joints, self._setting[-len(Surroundings._fields) :], self._h)
@@ -87,7 +86,7 @@ class SteppedPlant(Plant):
 
     @payload.setter
     def payload(self, mass: Value) -> None:
-        self._around[AIR.payload] = check_signal(self._described, "payload", read_number(mass, u.MASS, "payload"))
+        self._around[AIR.payload] = _payload(self._described, mass)
 
     def drive(self, voltages: Array) -> None:
         """Give the valves' drivers voltages (V, (joints,)), which hold until the next.
@@ -146,3 +145,8 @@ class SteppedPlant(Plant):
         joints = tuple(joint._replace(brake_torque=joint.brake_torque + grip) for joint, grip in gripped)
         around = Surroundings(*self._around)
         write_numbers(self._setting, self._machine._replace(joints=joints, around=around))
+
+
+def _payload(machine: Machine, mass: Value) -> float:
+    """Return a payload, kg; raise InputError if it is not plausible."""
+    return float(SIGNALS["payload"].check(machine, read_number(mass, u.MASS, "payload"), "payload"))

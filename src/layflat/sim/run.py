@@ -19,21 +19,15 @@ from layflat.jit.outside import blame_outside
 from layflat.lanes import Like, leaves
 from layflat.machine import Machine, load, parameters
 from layflat.memory import check_memory
-from layflat.motion.signal_values import read_number
+from layflat.motion.scenario import Scenario, check_scenario
+from layflat.motion.signal_rows import Signal
+from layflat.motion.signal_values import Value, check_whole, checked_options, read_number
+from layflat.physics.noise import sensor_noise
 from layflat.physics.step import STEP
 from layflat.sim.cause import find_cause
-from layflat.sim.kernel import Case, Sample, Signals, Timing, all_cycles, run_cycles
-from layflat.sim.scenario import (
-    Scenario,
-    Signal,
-    Value,
-    check_scenario,
-    check_whole,
-    checked_options,
-    start_pressures,
-    start_row,
-)
-from layflat.sim.shapes import signals
+from layflat.sim.cycle import Signals
+from layflat.sim.kernel import Case, Sample, Timing, all_cycles, run_cycles
+from layflat.sim.signals import signals, start_pressures, start_row
 
 if TYPE_CHECKING:
     import xarray
@@ -136,13 +130,14 @@ class Prepared:
     angles: Array
     pressures: Array
     signals: Signals
+    samples: Array  # standard normal, of the sensors, (cycles + 1, joints, 2)
     timing: Timing
     done: Array = field(default_factory=lambda: np.zeros(1))  # control cycles that a run in progress has done
 
     @property
     def fraction_done(self) -> float:
         """Fraction of the control cycles that a run in progress has done."""
-        return float(self.done[0]) / len(self.signals.demand)
+        return float(self.done[0]) / len(self.signals.by_joint)
 
     @cached_property
     def _numbers(self) -> tuple[Like, Array]:
@@ -155,7 +150,7 @@ class Prepared:
             (instants, joints, columns of `Sample`), (instants, joints, signals of the control law), and the joint.
         """
         law = CONTROL_LAWS.of(self.case.settings)
-        rest = self.angles, self.pressures, self.signals, self.timing, len(law.signals), self.done
+        rest = self.angles, self.pressures, self.signals, self.samples, self.timing, len(law.signals), self.done
         if law.compiled:
             rows, report, valid, diverged = run_cycles(*self._numbers, *rest)
         else:
@@ -198,9 +193,10 @@ def prepare(
             parameters.control(driver, closed_loop=scenario.closed_loop),
             parameters.surroundings(machine),
         ),
-        start_angles(scenario, machine, acting.demand),
+        start_angles(scenario, machine, acting.named("demand")),
         start_pressures(scenario, machine),
         acting,
+        sensor_noise(scenario.seed if scenario.noise else None, len(acting.by_joint) + 1, len(machine.joints)),
         timing,
     )
 

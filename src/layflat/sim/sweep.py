@@ -15,8 +15,7 @@ from layflat.description import units as u
 from layflat.description.wrong import shown
 from layflat.errors import InputError
 from layflat.machine import Machine, load, parameters
-from layflat.motion.signal_values import Value, read_number
-from layflat.sim.scenario import check_whole
+from layflat.motion.signal_values import Value, check_whole, read_number
 from layflat.sim.slow import sweep_joint
 
 MAX_POINTS = 1_000_000  # of a sweep, each way

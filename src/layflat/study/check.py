@@ -10,14 +10,14 @@ from layflat.arrays import Array
 from layflat.description.change import changed_all
 from layflat.errors import InputError
 from layflat.machine import Machine
-from layflat.sim import Scenario
+from layflat.motion.scenario import SIGNALS, Scenario
 from layflat.sim.ensemble.cases import cases
 from layflat.sim.run import timing_of
 from layflat.study.description import ScenarioTable, kind
 
 Samples = Mapping[str, Array]
 
-SAME_THING = {"scenario.payload": "arm.payload", "scenario.supply": "supply.pressure_gauge"}
+SAME_THING = {f"scenario.{name}": row.path for name, row in SIGNALS.items() if row.path}
 """Settings of a scenario that stand in for a number of the machine."""
 
 

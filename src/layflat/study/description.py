@@ -4,7 +4,15 @@ from dataclasses import dataclass
 from typing import Annotated, Any, Literal
 
 from annotated_types import Ge
-from pydantic import ConfigDict, Field, GetCoreSchemaHandler, TypeAdapter, ValidationError, field_validator
+from pydantic import (
+    ConfigDict,
+    Field,
+    GetCoreSchemaHandler,
+    TypeAdapter,
+    ValidationError,
+    create_model,
+    field_validator,
+)
 from pydantic_core import core_schema
 
 from layflat.description import Part
@@ -16,11 +24,7 @@ from layflat.description.names import Name
 from layflat.description.wrong import wrong
 from layflat.errors import InputError
 from layflat.machine import Machine
-
-SHARED: dict[str, Any] = {"payload": u.Mass, "supply": u.Gauge}  # settings of a scenario that all joints share
-
-BY_JOINT: dict[str, Any] = {"brake": Annotated[float, Ge(0)], "load": Annotated[float, u.TORQUE], "drift": u.Voltage}
-"""Settings of a scenario for all joints, or with a joint's name behind for this one."""
+from layflat.motion.scenario import SIGNALS, Scenario
 
 ONE_FOR_ALL = "controller.cycle"  # a number of the machine that is the same in all runs: the time between records
 
@@ -79,8 +83,11 @@ FACTOR = Kind(Annotated[float, Ge(0)])  # of what is given relative to what the 
 def kind(machine: Machine, path: str, where: str) -> Kind:
     """Return the kind of a path that varies (InputError: naming `where`: nothing of this name can vary)."""
     ends = ("", *(f".{name}" for name in machine.joints))
-    settings = {f"scenario.{key}": annotation for key, annotation in SHARED.items()}
-    settings |= {f"scenario.{key}{end}": annotation for key, annotation in BY_JOINT.items() for end in ends}
+    settings = {
+        f"scenario.{name}{end}": row.annotation
+        for name, row in SIGNALS.items() if row.varies
+        for end in (ends if row.by_joint else ends[:1])
+    }  # fmt: skip
     known = [key for key in paths(machine) if key != ONE_FOR_ALL]
     if path in settings or path in known:
         return Kind(settings[path] if path in settings else annotation_at(machine, path))
@@ -148,32 +155,23 @@ def _number(value: object, kind: u.Quantity | None) -> float:
 
 MOST_SEED = 10**15  # the seeds of an ensemble are floating-point numbers, which hold whole numbers up to 9e15
 
-Angles = Annotated[Any, Signal(u.ANGLE)]
-Places = Annotated[Any, Signal(u.LENGTH)]
-Numbers = Annotated[Any, Signal(None)]
-Torques = Annotated[Any, Signal(u.TORQUE)]
-Voltages = Annotated[Any, Signal(u.VOLTAGE)]
-Pressure = Annotated[Any, Signal(u.PRESSURE, by_joint=False)]
-Mass = Annotated[Any, Signal(u.MASS, by_joint=False)]
+Whole = Annotated[int, Field(ge=0, le=MOST_SEED)]
+_ROWS: dict[str, Any] = {
+    name: (Annotated[Any, Signal(row.quantity, row.by_joint)], getattr(Scenario, name)) for name, row in SIGNALS.items()
+}
+_Signals = create_model("_Signals", __base__=Part, **_ROWS)
 
 
-class ScenarioTable(Part):
-    """What happens in a run: the keys of `layflat.sim.Scenario`, and a name for the table's column `scenario`."""
+class ScenarioTable(_Signals):
+    """What happens in a run: the keys of `Scenario`, and a name for the column `scenario` of the results."""
 
     name: str | None = None
-    demand: Angles = 0.0
-    tip: Places = None
+    tip: Annotated[Any, Signal(u.LENGTH)] = None
     duration: u.Time = 2.0
-    start: Angles = None
-    opening: Numbers = None
-    brake: Numbers = 1.0
-    load: Torques = 0.0
-    drift: Voltages = 0.0
-    supply: Pressure = None
-    payload: Mass = None
+    start: Annotated[Any, Signal(u.ANGLE)] = None
     pressures: tuple[u.PositivePressure, u.PositivePressure] | None = None
     noise: Annotated[bool, Field(strict=True)] = True
-    seed: Annotated[int, Field(ge=0, le=MOST_SEED)] = 0
+    seed: Whole = 0
 
 
 class Range(Part):
@@ -221,7 +219,7 @@ class StudyFile(Part):
     machine: str
     runs: Annotated[int, Field(ge=1)] | None = None
     sampling: Annotated[Literal["grid", "sobol", "lhs", "saltelli"], Field(default_factory=_sampling)]
-    seed: Annotated[int, Field(ge=0, le=MOST_SEED)] = 0
+    seed: Whole = 0
     noise_seeds: Annotated[int, Field(ge=1)] = 1
     metrics: tuple[str, ...] | None = None
     step: u.Time | None = None

@@ -10,7 +10,8 @@ from pydantic import ValidationError
 from layflat.description.library import Library
 from layflat.errors import InputError
 from layflat.machine import Machine
-from layflat.sim import STEP, Scenario
+from layflat.motion.scenario import SIGNALS, Scenario
+from layflat.sim import STEP
 from layflat.sim.ensemble.cases import cases
 from layflat.sim.ensemble.parallel import LONGEST_SINGLE, TIP_BAND
 from layflat.sim.metrics import BAND
@@ -187,7 +188,8 @@ def _scenario(table: ScenarioTable, file: StudyFile, where: str) -> Scenario:
     """Return a scenario, in which what varies takes the place of a constant (InputError: naming the key)."""
     varied = {*file.vary, *(path for one in file.vary.values() for path in one.also)}
     given = {key: getattr(table, key) for key in table.model_fields_set - {"name"}}
-    hidden = [key for key in ("payload", "supply") if f"scenario.{key}" in varied and isinstance(given.get(key), float)]
+    replaced = [name for name, row in SIGNALS.items() if row.varies == "replaces"]
+    hidden = [key for key in replaced if f"scenario.{key}" in varied and isinstance(given.get(key), float)]
     with inside(where, set(ScenarioTable.model_fields)):
         return Scenario(**{key: value for key, value in given.items() if key not in hidden})
 

@@ -22,7 +22,7 @@ from layflat.errors import MachineError
 from layflat.machine import Machine
 from layflat.motion.dynamics import room_at_rest
 from layflat.motion.limits import abilities
-from layflat.sim import Scenario
+from layflat.motion.scenario import Scenario
 from layflat.sim.ensemble import ensemble
 from layflat.sim.ensemble.parallel import TIP_BAND
 from layflat.sim.metrics import BAND

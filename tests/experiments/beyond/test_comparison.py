@@ -13,7 +13,7 @@ from layflat.experiments.beyond.comparison import TRACKING, Comparison, Effort, 
 from layflat.experiments.beyond.moves import POSTURES, sequences, steps
 from layflat.experiments.beyond.report import numbers, write_numbers, write_page
 from layflat.machine import load
-from layflat.sim.shapes import shapes
+from layflat.sim.signals import expand
 
 pytestmark = pytest.mark.compiled
 
@@ -35,7 +35,7 @@ def test_every_law_meets_the_same_moves_inside_the_strokes() -> None:
     for (before, after), scenario in zip(steps(arm), sequences(arm, 3), strict=True):
         moved = np.degrees(np.abs(after - before))
         assert set(moved.round(6)) <= {0.0, 40.0}
-        rows = shapes(scenario, arm, arm.cycle).demand
+        rows = expand(scenario, arm, arm.cycle).named("demand")
         assert np.abs(rows).max() <= np.radians(55.0) + 1e-9
 
 

@@ -14,10 +14,10 @@ from pydantic import ValidationError
 from layflat.lanes import mapped
 from layflat.machine import Machine, changed, load
 from layflat.machine.parameters import hose
+from layflat.motion.scenario import Scenario
 from layflat.physics.hysteresis import HYSTERESIS, at_rest, loaded, spectrum, stored, torques, turned
 from layflat.sim import rollout
 from layflat.sim.ensemble.parallel import traced
-from layflat.sim.scenario import Scenario
 
 Floats = NDArray[np.float64]
 LIMIT, P_G = 10.0, 3e5

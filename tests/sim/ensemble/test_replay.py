@@ -8,10 +8,10 @@ import pytest
 
 from layflat.errors import InputError
 from layflat.machine import changed, load
+from layflat.motion.signal_rows import Steps
 from layflat.sim import Scenario, rollout
 from layflat.sim.ensemble import ensemble
 from layflat.sim.ensemble.parallel import traced
-from layflat.sim.scenario import Steps
 
 ARM = load("paper-arm")
 STEPS: Steps = [("0 s", "0 deg"), ("0.2 s", {"large": "30 deg", "small": "-20 deg"})]

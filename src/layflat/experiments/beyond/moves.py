@@ -7,7 +7,7 @@ import numpy as np
 
 from layflat.arrays import Array
 from layflat.machine import Machine
-from layflat.sim import Scenario
+from layflat.motion.scenario import Scenario
 
 POSTURES = 16
 STEP = radians(40.0)

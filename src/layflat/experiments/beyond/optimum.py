@@ -19,11 +19,12 @@ from layflat.experiments.beyond.search import LATE, TAIL, Trial, excess, least_c
 from layflat.experiments.beyond.shooting import REST, Shooting, settled
 from layflat.machine import Machine, changed
 from layflat.machine.exchanged import with_tracking
-from layflat.sim import Scenario, rollout
+from layflat.motion.scenario import Scenario
+from layflat.motion.signal_values import Angles, Value
+from layflat.sim import rollout
 from layflat.sim.ensemble.parallel import TIP_BAND
 from layflat.sim.metrics import tip_settling
 from layflat.sim.run import start_angles
-from layflat.sim.scenario import Angles, Value
 
 SAMPLES = 1024  # of switching openings, of which the best counts; a power of two
 GENTLEST = 0.3  # opening

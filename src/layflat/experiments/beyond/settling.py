@@ -14,7 +14,8 @@ from layflat.experiments.beyond.moves import POSTURES, REST, sequences, steps
 from layflat.machine import Machine
 from layflat.motion.optimal import time_optimal
 from layflat.motion.path import JointLine
-from layflat.sim import Scenario, rollout
+from layflat.motion.scenario import Scenario
+from layflat.sim import rollout
 from layflat.sim.ensemble import ensemble
 from layflat.sim.repeats import learnt_error_ratio
 from layflat.tune.robust import plants, robust_set

@@ -9,8 +9,8 @@ import numpy as np
 from layflat.arrays import Array
 from layflat.machine import Machine
 from layflat.motion.kinematics import tip_position
+from layflat.motion.scenario import Scenario
 from layflat.physics.step import STEP
-from layflat.sim import Scenario
 from layflat.sim.ensemble.parallel import traced
 
 REST = 4  # control cycles at rest before the step: a period of the dither

@@ -4,6 +4,8 @@ from dataclasses import dataclass
 from math import radians
 
 from layflat.description import units as u
+from layflat.motion.scenario import SIGNALS as ACTING
+from layflat.motion.scenario import SignalRow
 
 ROLES = {
     "angle": (
@@ -119,6 +121,12 @@ class Signal:
         return ("%", 0.01) if self.kind is None else SHOWN.get(self.unit, (self.unit, 1.0))
 
 
+def _acting(name: str, row: SignalRow) -> Signal:
+    """Return a signal that acts on a machine, as a log has it."""
+    held = row.logged == "held"
+    return Signal(name, row.quantity, row.recorded[1], row.by_joint, held, absolute=row.gauge)
+
+
 SIGNALS = {
     signal.name: signal
     for signal in (
@@ -127,14 +135,9 @@ SIGNALS = {
         Signal("pressure_b", u.PRESSURE, "absolute pressure in hose B", absolute=True),
         Signal("measured_pressure", u.PRESSURE, "differential pressure, hose A less hose B"),
         Signal("torque", u.TORQUE, "torque at the joint"),
-        Signal("voltage", u.VOLTAGE, "control voltage", held=True),
-        Signal("demand", u.ANGLE, "angle asked for", held=True),
+        *(_acting(name, row) for name, row in ACTING.items() if row.logged),
         Signal("setpoint_a", u.PRESSURE, "absolute pressure asked for in hose A", held=True, absolute=True),
         Signal("setpoint_b", u.PRESSURE, "absolute pressure asked for in hose B", held=True, absolute=True),
-        Signal("brake", None, "share of the brake's torque", held=True),
-        Signal("dither", None, "share of the valve's dither", held=True),
-        Signal("supply", u.PRESSURE, "absolute supply pressure", by_joint=False, absolute=True),
-        Signal("payload", u.MASS, "payload", by_joint=False, held=True),
         Signal("position", u.LENGTH, "position of what moves in a line", by_joint=False),
         Signal("force", FORCE, "force on what moves in a line", by_joint=False),
         Signal("pressure", u.PRESSURE, "absolute pressure of a chamber", by_joint=False, absolute=True),

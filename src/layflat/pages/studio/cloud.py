@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from layflat.arrays import Array
 from layflat.errors import InputError, MachineError
 from layflat.machine.model import Machine
+from layflat.motion.scenario import Scenario
 from layflat.pages.studio.results import Quantity
 from layflat.physics.step import COARSE, STEP
-from layflat.sim import Scenario
 from layflat.sim.ensemble import ensemble
 from layflat.sim.metrics import BAND
 

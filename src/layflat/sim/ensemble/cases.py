@@ -2,7 +2,8 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, partial
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -14,17 +15,18 @@ from layflat.description.change import changed_all, paths, value_at
 from layflat.errors import InputError
 from layflat.lanes import leaves, mapped
 from layflat.machine import Machine, parameters
+from layflat.motion.scenario import SIGNALS, Scenario, varying
+from layflat.motion.signal_values import check_whole
+from layflat.sim.cycle import Acting, Around, Signals
 from layflat.sim.ensemble.results import Moves, Plan, Runs
 from layflat.sim.ensemble.seeds import CALM, Make, Seeds, noise_of
 from layflat.sim.ensemble.varied import check_values, read_values
 from layflat.sim.kernel import Case
 from layflat.sim.metrics import move_windows
 from layflat.sim.run import driver_of, start_angles
-from layflat.sim.scenario import Scenario, check_whole, start_pressures
-from layflat.sim.shapes import Shapes, shapes
+from layflat.sim.signals import expand, start_pressures
 
-ON_TOP = {"brake": 1.0, "load": 0.0, "drift": 0.0, "lead": 0.0, "pressure_lead": 0.0, "spring": 0.0, "damper": 0.0}
-"""What may come on top of a scenario, and the value that changes nothing; in the order of `Runs.usual`."""
+LEADS = ("lead", "pressure_lead", "spring", "damper")  # what may draw joints to a log, in the order of `cycle.Lead`
 
 MAX_RUNS = 10**9
 
@@ -84,14 +86,20 @@ class Cases:
         return first_of(self.case)
 
     @cached_property
-    def _shapes(self) -> list[Shapes]:
+    def _expanded(self) -> list[Signals]:
         """What happens in each scenario."""
-        return [shapes(one, self.base, self.cycle, plausible=self.plausible) for one in self.scenarios]
+        return [expand(one, self.base, self.cycle, plausible=self.plausible) for one in self.scenarios]
+
+    @cached_property
+    def _demands(self) -> list[Array]:
+        return [each.named("demand") for each in self._expanded]
 
     @cached_property
     def moves(self) -> list[list[tuple[int, int]]]:
         """First and last record of every move of every scenario."""
-        return [move_windows(np.concatenate([each.demand, each.demand[-1:]])) for each in self._shapes]
+        return [
+            move_windows(np.concatenate([each.named("demand"), each.named("demand")[-1:]])) for each in self._expanded
+        ]
 
     @cached_property
     def most_moves(self) -> int:
@@ -104,25 +112,28 @@ class Cases:
 
     def runs(self, rows: NDArray[np.int64], make: Make = noise_of) -> Runs:
         """What differs between these runs, with noise that is made so; their scenarios are numbered within `plan`."""
-        names, n = list(self.base.joints), len(self.base.joints)
         own = self.which[rows]
-        usual = np.empty((n, len(ON_TOP), len(rows)))
-        for j, name in enumerate(names):
-            for i, (key, nothing) in enumerate(ON_TOP.items()):
-                usual[j, i] = self.at(rows, f"scenario.{key}.{name}", self.vary.get(f"scenario.{key}", nothing))
-        shared = [
-            self.at(rows, "scenario.supply", self.machine.supply.pressure_gauge),
-            self.at(rows, "scenario.payload", self.machine.arm.payload),
-        ]
+        around = {name: value_at(self.machine, SIGNALS[name].path) for name in Around._fields}
+        number = partial(np.asarray, dtype=self.number)
         return Runs(
-            columns(self.numbers, rows).astype(self.number, copy=False),
+            number(columns(self.numbers, rows)),
             np.searchsorted(np.unique(own), own),
-            self._angles(rows, own).astype(self.number, copy=False),
-            self._pressures(rows, own).astype(self.number, copy=False),
-            usual.astype(self.number, copy=False),
-            np.stack(shared).astype(self.number, copy=False),
-            make(self.seeds(rows), (self.cycles, n), self.number),
+            number(self._angles(rows, own)),
+            number(self._pressures(rows, own)),
+            number(self._each(rows, Acting._fields, varying("factor"), 1.0)),
+            number(self._each(rows, Acting._fields, varying("adds"), 0.0)),
+            number(self._each(rows, LEADS, LEADS, 0.0)),
+            number(np.stack([self.at(rows, f"scenario.{name}", value) for name, value in around.items()])),
+            make(self.seeds(rows), (self.cycles, len(self.base.joints)), self.number),
         )
+
+    def _each(self, rows: NDArray[np.int64], names: Sequence[str], vary: Sequence[str], nothing: float) -> Array:
+        """What `names` have in some runs, (joints, names, runs): `nothing` changes nothing; some of them `vary`."""
+        found = np.full((len(self.base.joints), len(names), len(rows)), nothing)
+        for (j, joint), name in product(enumerate(self.base.joints), vary):
+            usual = self.vary.get(f"scenario.{name}", nothing)
+            found[j, names.index(name)] = self.at(rows, f"scenario.{name}.{joint}", usual)
+        return found
 
     def plan(self, rows: NDArray[np.int64], band: float, tip_band: float) -> tuple[Plan, Moves]:
         """Scenarios of some runs, and their moves."""
@@ -135,21 +146,22 @@ class Cases:
         return plan, Moves(ends, goals, band, tip_band)
 
     def _planned(self, distinct: Sequence[int]) -> tuple[Plan, Array, Array]:
-        each = [self._shapes[s] for s in distinct]
-        by_joint = np.array([e.by_joint for e in each])
-        shared = np.array([np.stack([e.supply, e.payload], axis=-1) for e in each])
+        each = [self._expanded[s] for s in distinct]
+        by_joint, shared = (np.array(of) for of in zip(*each, strict=True))
         plan = Plan(by_joint, shared, _changes(by_joint) | _changes(shared))
         ends = np.full((len(each), self.most_moves, 2), -1)
         goals = np.zeros((len(each), self.most_moves, len(self.base.joints)))
         for i, s in enumerate(distinct):
             for m, (first, last) in enumerate(self.moves[s]):
                 ends[i, m] = first, last
-                goals[i, m] = each[i].demand[min(last, self.cycles - 1)]
+                goals[i, m] = self._demands[s][min(last, self.cycles - 1)]
         return plan, ends, goals
 
     @cached_property
     def _starts(self) -> list[Array]:
-        return [start_angles(s, self.base, e.demand) for s, e in zip(self.scenarios, self._shapes, strict=True)]
+        return [
+            start_angles(s, self.base, e.named("demand")) for s, e in zip(self.scenarios, self._expanded, strict=True)
+        ]
 
     def _angles(self, rows: NDArray[np.int64], own: NDArray[np.int64]) -> Array:
         """Angles at the start, (joints, runs)."""
@@ -253,9 +265,10 @@ def _varied(machine: Machine, own: Mapping[str, Array], *, together: bool) -> Ma
 
 def _settings(machine: Machine) -> set[str]:
     """Keys of `vary` that are no paths of the machine."""
-    on_top = {f"scenario.{key}{suffix}" for key in ON_TOP for suffix in ("", *(f".{name}" for name in machine.joints))}
+    on_top = {f"scenario.{key}" for key in (*varying("factor"), *varying("adds"), *LEADS)}
+    on_top |= {f"{key}.{name}" for key in on_top for name in machine.joints}
     begun = {f"start.{key}.{name}" for key in STARTS for name in machine.joints}
-    return on_top | begun | {"scenario", "seed", "scenario.supply", "scenario.payload"}
+    return on_top | begun | {"scenario", "seed", *(f"scenario.{name}" for name in Around._fields)}
 
 
 def columns(numbers: Sequence[Any], rows: NDArray[np.int64]) -> Array:

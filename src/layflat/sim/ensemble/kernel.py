@@ -1,16 +1,26 @@
 """The compiled time loop of many runs side by side: the laws of `kernel.py`, a run per lane, and metrics as it goes."""
 
-from typing import NamedTuple
-
 from layflat.control import wake
 from layflat.jit import composition, kernel, law
 from layflat.lanes import each, gather, in_lanes, read_lanes, select, slots, width
 from layflat.physics.adjustable import FULL
 from layflat.physics.delay import NOTHING_ASKED
-from layflat.physics.joint import AirTaken, Drive, JointState, Surroundings
+from layflat.physics.joint import AirTaken, Drive, JointState
 from layflat.physics.plant import advance, at_rest, together
 from layflat.physics.valves import start_wave
-from layflat.sim.cycle import NOT_LED, Acting, Lead, Loop, Noise, Wanted, control_cycle, is_number, sense_all
+from layflat.sim.cycle import (
+    NOT_LED,
+    NOTHING,
+    NOTHING_AROUND,
+    Acting,
+    Around,
+    Loop,
+    Noise,
+    control_cycle,
+    is_number,
+    sense_all,
+    surroundings,
+)
 from layflat.sim.ensemble.watch import (
     NO_COURSE,
     NO_TRACK,
@@ -22,36 +32,9 @@ from layflat.sim.ensemble.watch import (
     trace,
 )
 
-
-class Given(NamedTuple):
-    """What a scenario gives of a joint in a control cycle: see `Plan.shapes`."""
-
-    demand: Wanted
-    opening: float
-    voltage: float
-    brake: float
-    dither: float
-    load: float
-    drift: float
-
-
-class Defaults(NamedTuple):
-    """What a run adds to its scenario: a factor of the brake, what comes on top of load and drift, and a lead."""
-
-    brake: float
-    load: float
-    drift: float
-    lead: Lead
-
-
-SHAPES = 10  # numbers of a joint in `Plan.shapes`
-NOTHING = Given(Wanted(0.0, 0.0, 0.0, 0.0), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+ITEMS: tuple[float, ...] = tuple(NOTHING)  # `each` takes items of plain tuples alone
+ITEMS_AROUND: tuple[float, ...] = tuple(NOTHING_AROUND)
 CALM = Noise(0.0, 0.0)
-
-
-@composition
-def _usual(runs, first, j, zero):
-    return read_lanes(Defaults(0.0, 0.0, 0.0, NOT_LED), runs.usual[j, :, first:], zero)
 
 
 @composition
@@ -63,23 +46,20 @@ def _changes(runs, plan, first, k, zero):
     return found > 0
 
 
+@law
+def _on_top(given, factor, added):
+    return given * factor + added
+
+
 @composition
-def _acting(scratch, runs, plan, usual, joint, first, j, k):
+def _acting(scratch, runs, plan, first, j, k, zero):
     # Gathered number by number: views of arrays would cost more than all the rest.
-    for lane in range(width(usual.load)):
-        for i in range(SHAPES):
-            scratch[i, lane] = plan.shapes[runs.scenario[first + lane], k, j, i]
-    given = read_lanes(NOTHING, scratch, usual.load)
-    return Acting(
-        given.demand,
-        given.opening,
-        given.voltage,
-        usual.lead,
-        given.brake * usual.brake * joint.brake_torque,
-        given.dither,
-        given.load + usual.load,
-        given.drift + usual.drift,
-    )
+    for lane in range(width(zero)):
+        for i in range(plan.by_joint.shape[3]):
+            scratch[i, lane] = plan.by_joint[runs.scenario[first + lane], k, j, i]
+    given = read_lanes(ITEMS, scratch, zero)
+    factors = read_lanes(ITEMS, runs.factors[j, :, first:], zero)
+    return Acting(*each(_on_top, given, factors, read_lanes(ITEMS, runs.added[j, :, first:], zero)))
 
 
 @composition
@@ -87,17 +67,19 @@ def _noise(runs, first, j, k, zero):
     return read_lanes(CALM, runs.noise[k % len(runs.noise), j, :, first:], zero)
 
 
+@law
+def _given_or_usual(given, usual):
+    return select(is_number(given), given, usual)
+
+
 @composition
 def _surroundings(scratch, air, runs, plan, first, k):
-    p_a = air.ambient_pressure
-    for lane in range(width(p_a)):
-        for i in range(2):
+    zero = 0.0 * air.ambient_pressure
+    for lane in range(width(zero)):
+        for i in range(plan.shared.shape[2]):
             scratch[i, lane] = plan.shared[runs.scenario[first + lane], k, i]
-    given_gauge, given_payload = read_lanes((0.0, 0.0), scratch, p_a)
-    usual_gauge, usual_payload = read_lanes((0.0, 0.0), runs.usual_shared[:, first:], p_a)
-    gauge = select(is_number(given_gauge), given_gauge, usual_gauge)
-    payload = select(is_number(given_payload), given_payload, usual_payload)
-    return Surroundings(gauge + p_a, air.supply_temperature, p_a, air.ambient_temperature, payload)
+    given, usual = read_lanes(ITEMS_AROUND, scratch, zero), read_lanes(ITEMS_AROUND, runs.shared[:, first:], zero)
+    return surroundings(air, Around(*each(_given_or_usual, given, usual)))
 
 
 @law
@@ -125,15 +107,15 @@ def run_lanes(case, first, runs, plan, moves, timing, results, watch):
     arm, like, settings, air = read_lanes(case, runs.parameters[:, first:])
     joints = slots(like)
     joined = together(arm, joints)
-    cycles, n = plan.shapes.shape[1], plan.shapes.shape[2]
+    cycles, n = plan.by_joint.shape[1], plan.by_joint.shape[2]
     h, zero = timing.cycle / timing.steps, 0.0 * air.ambient_pressure
     around = _surroundings(watch.scratch, air, runs, plan, first, 0)
     states = slots(_at_rest(arm, like, runs, first, around))
-    idle = Acting(Wanted(zero, zero, zero, zero), zero, zero, in_lanes(NOT_LED, zero), zero, zero, zero, zero)
-    acting, usual = slots(like, idle), slots(like, _usual(runs, first, 0, zero))
+    acting, leads = slots(like, in_lanes(NOTHING, zero)), slots(like, in_lanes(NOT_LED, zero))
     noise = slots(like, in_lanes(CALM, zero))
     loop = Loop(
         acting,
+        leads,
         noise,
         slots(like, Drive(zero, zero, zero, zero)),
         slots(like, in_lanes(NOTHING_ASKED, zero)),
@@ -143,8 +125,8 @@ def run_lanes(case, first, runs, plan, moves, timing, results, watch):
     )
     course, tracks = slots((in_lanes(NO_COURSE, zero),)), slots(like, in_lanes(NO_TRACK, zero))
     begin_moves(watch, moves, runs.scenario, arm, like, course, tracks, first)
-    for j in range(1, n):
-        usual[j] = _usual(runs, first, j, zero)
+    for j in range(n):
+        leads[j] = read_lanes(NOT_LED, runs.leads[j, :, first:], zero)
     memory = in_lanes(wake(settings, sense_all(joints, like, states, noise)), zero)
     for k in range(cycles + 1):
         note(watch, results, moves, runs.scenario, arm, like, states, course, tracks, first, k, timing.cycle)
@@ -153,7 +135,7 @@ def run_lanes(case, first, runs, plan, moves, timing, results, watch):
         if _changes(runs, plan, first, k, zero):
             around = _surroundings(watch.scratch, air, runs, plan, first, k)
             for j in range(n):
-                acting[j] = _acting(watch.scratch, runs, plan, usual[j], joints[j], first, j, k)
+                acting[j] = _acting(watch.scratch, runs, plan, first, j, k, zero)
         for j in range(n):
             noise[j] = _noise(runs, first, j, k, zero)
         _, memory, _ = control_cycle(

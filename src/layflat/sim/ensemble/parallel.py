@@ -22,7 +22,8 @@ from layflat.errors import InputError
 from layflat.lanes import WIDEST, Like, host_width
 from layflat.machine import Machine, load
 from layflat.memory import check_memory
-from layflat.motion.signal_values import read_number
+from layflat.motion.scenario import Scenario, check_scenario
+from layflat.motion.signal_values import Value, check_whole, checked_options, read_number
 from layflat.physics.step import STEP
 from layflat.sim.ensemble.block import block_of, keep, room_for_results
 from layflat.sim.ensemble.cases import Cases, cases
@@ -32,7 +33,6 @@ from layflat.sim.ensemble.watch import new_watch
 from layflat.sim.kernel import Timing
 from layflat.sim.metrics import BAND
 from layflat.sim.run import timing_of
-from layflat.sim.scenario import Scenario, Value, check_scenario, check_whole, checked_options
 from layflat.sim.tally import Tally
 
 if TYPE_CHECKING:

@@ -8,10 +8,8 @@ import numpy as np
 class Plan(NamedTuple):
     """Scenarios over control cycles; not a number: as usual in the run."""
 
-    shapes: (
-        np.ndarray
-    )  # demand, its rates and stiffness, opening, voltage, brake, dither, load, drift: (scenarios, cycles, joints, 10)
-    shared: np.ndarray  # gauge supply pressure and payload: (scenarios, cycles, 2)
+    by_joint: np.ndarray  # items of `Acting`: (scenarios, cycles, joints, signals)
+    shared: np.ndarray  # items of `Around`: (scenarios, cycles, signals)
     changes: np.ndarray  # whether any of these is other than in the cycle before: (scenarios, cycles)
 
 
@@ -22,8 +20,10 @@ class Runs(NamedTuple):
     scenario: np.ndarray  # which scenario, (runs,)
     angles: np.ndarray  # at the start, rad, (joints, runs)
     pressures: np.ndarray  # at the start, Pa, (joints, 2, runs)
-    usual: np.ndarray  # the numbers of `Defaults`: (joints, 4, runs)
-    usual_shared: np.ndarray  # gauge supply pressure and payload where the scenario gives none: (2, runs)
+    factors: np.ndarray  # of the items of `Acting`: (joints, signals, runs)
+    added: np.ndarray  # to these products: (joints, signals, runs)
+    leads: np.ndarray  # the numbers of `Lead`: (joints, 4, runs)
+    shared: np.ndarray  # items of `Around` where the scenario gives none: (signals, runs)
     noise: np.ndarray  # standard normal samples, (cycles, joints, 2, runs); one cycle of zeros for none
 
 

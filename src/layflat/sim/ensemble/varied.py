@@ -11,16 +11,13 @@ from layflat.description.change import annotation_at, quantity_of
 from layflat.description.wrong import shown
 from layflat.errors import InputError
 from layflat.machine import Machine, parameters
-from layflat.machine.signal_ranges import check_signal
+from layflat.motion.plausible import HOSE_PRESSURE
+from layflat.motion.scenario import SIGNALS, SignalRow
 from layflat.motion.signal_values import read_number
 
 MAX_SEED = 2**53  # up to here floating-point numbers are all whole numbers
 
-QUANTITIES: dict[str, u.Quantity | None] = {
-    "scenario.payload": u.MASS,
-    "scenario.supply": u.PRESSURE,
-    "scenario.load": u.TORQUE,
-    "scenario.drift": u.VOLTAGE,
+BESIDE: dict[str, u.Quantity | None] = {
     "scenario.lead": u.ERROR_GAIN,
     "scenario.pressure_lead": u.PRESSURE_GAIN,
     "scenario.spring": u.STIFFNESS,
@@ -29,12 +26,7 @@ QUANTITIES: dict[str, u.Quantity | None] = {
     "start.pressure_a": u.PRESSURE,
     "start.pressure_b": u.PRESSURE,
 }
-"""Kinds of values that are no numbers of a machine; others are numbers without unit."""
-
-CHECKED = {f"scenario.{name}": name for name in ("payload", "supply", "load", "drift")} | {
-    "start.pressure_a": "pressures", "start.pressure_b": "pressures",
-}  # fmt: skip
-"""Signals whose plausible values hold for these."""
+"""Kinds of values that are neither signals nor numbers of a machine."""
 
 
 def read_values(machine: Machine, key: str, values: Any) -> Array:
@@ -72,18 +64,28 @@ def read_values(machine: Machine, key: str, values: Any) -> Array:
 def check_values(machine: Machine, key: str, values: Array) -> None:
     """Raise InputError if values (SI) that are no numbers of a machine are not plausible for it."""
     where, joint = f"vary: {key}", key.rpartition(".")[2]
-    signal = next((name for start, name in CHECKED.items() if key == start or key.startswith(f"{start}.")), None)
-    if signal is not None:
-        check_signal(machine, signal, values, where)
+    row = _signal(key)
+    if row is not None and row.varies != "factor":
+        row.check(machine, values, where)
+    elif row is not None and (values < 0.0).any():
+        raise InputError(f"{values.min():g} is out of range", where=where, right="give factors of zero or more")
+    if key.startswith("start.pressure_"):
+        HOSE_PRESSURE.check(values, where)
     if key.startswith("start.angle.") and joint in machine.joints:
         parameters.check_inside_stroke(machine, joint, float(values[np.argmax(np.abs(values))]), where)
-    if (key == "scenario.brake" or key.startswith("scenario.brake.")) and (values < 0.0).any():
-        raise InputError(f"{values.min():g} is out of range", where=where, right="give factors of zero or more")
+
+
+def _signal(key: str) -> SignalRow | None:
+    """Return the row of a signal that varies, of all joints or of one; None of anything else."""
+    start, _, rest = key.partition(".")
+    return SIGNALS.get(rest.partition(".")[0]) if start == "scenario" else None
 
 
 def _quantity(machine: Machine, key: str) -> u.Quantity | None:
     """Return the kind of what varies; None of numbers without unit, and of what there is not."""
-    for start, quantity in QUANTITIES.items():
+    if (row := _signal(key)) is not None:
+        return row.quantity
+    for start, quantity in BESIDE.items():
         if key == start or key.startswith(f"{start}."):
             return quantity
     with suppress(InputError, KeyError, AttributeError, IndexError, ValueError):

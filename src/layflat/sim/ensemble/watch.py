@@ -10,10 +10,11 @@ from layflat.lanes import gather, read_lanes, select, slots, width, write_lanes
 from layflat.physics.arms import tip_in_space
 from layflat.physics.joint import is_sound
 from layflat.physics.valves import net_opening
+from layflat.sim.cycle import Acting
 from layflat.sim.ensemble.results import Runs, Totals, Traced
 from layflat.sim.tally import COLUMNS, EMPTY, Tally, counted, emptied
 
-ROOM = 16  # numbers of a run that are gathered at a time, at most
+ROOM = max(16, len(Acting._fields))  # numbers of a run that are gathered at a time, at most
 
 
 class Watch(NamedTuple):

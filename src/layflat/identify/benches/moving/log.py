@@ -14,9 +14,9 @@ from layflat.identify.model import FITTED, Flags, Output
 from layflat.identify.unknown import Unknown
 from layflat.machine import Machine, parameters
 from layflat.machine.model import AngleSensor, PressureSensor
+from layflat.motion.scenario import Scenario
 from layflat.physics.joint import FILLED
 from layflat.sim.ensemble.parallel import traced
-from layflat.sim.scenario import Scenario
 
 SHORTEST = 3.0  # of what is left of a log, s
 
