@@ -85,7 +85,7 @@ def filled(line: Any, valve: Any, around: Any, opens: Any, vents: Any, h: float,
         T = p * 3e-4 / (m * 287.05)
         air = LineAir(y[i, 0], y[i, 1])
         flow, heat, taken, air = exchange(
-            line, air, valve, opens[i], vents[i], p, p_0, stiffness, T, 1.0 / T, 0.0, around, h
+            line, air, valve, (opens[i], vents[i]), p, p_0, stiffness, T, 1.0 / T, 0.0, around, h
         )
         y[i + 1, 0], y[i + 1, 1] = air.energy, air.mass
         y[i + 1, 2], y[i + 1, 3], y[i + 1, 4] = y[i, 2] + h * heat, y[i, 3] + h * flow, y[i, 4] + h * taken

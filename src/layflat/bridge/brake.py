@@ -82,12 +82,14 @@ def begin(values, entries, damping, tree, at, h, B, applied, W, J, others):  # t
 
 
 @kernel
-def answer(like, W, tree, at, h, B, S, others, qvel, smooth, constraint, applied, J, after):  # type: ignore[no-untyped-def]
+def answer(like, W, tree, at, h, limits, qvel, smooth, constraint, applied, own):  # type: ignore[no-untyped-def]
     """Let the brakes answer to forces on all degrees of freedom, which hold with the impulses J.
 
     The new J are applied, and the velocities after them written; returns whether they are close to the old ones.
-    `like` is that of `rub`.
+    `like` is that of `rub`; B and S are the rows of `limits` (2, n), and J, the velocities after it and what others
+    apply those of `own` (3, n).
     """
+    J, after, others = own[0], own[1], own[2]
     n, before = len(at), J.copy()
     A, free, u = np.empty((n, n)), np.empty(n), np.empty(n)
     for i, row in enumerate(at):
@@ -97,10 +99,10 @@ def answer(like, W, tree, at, h, B, S, others, qvel, smooth, constraint, applied
         for j, column in enumerate(at):
             A[i, j] = W[row, column]
             free[i] -= A[i, j] * J[j]
-    rub(like, A, u, free, B, S, J, after)
+    rub(like, A, u, free, limits[0], limits[1], J, after)
     for i, row in enumerate(at):
         applied[tree[row]] = others[i] + J[i] / h
-    return np.max(np.abs(J - before)) <= CLOSE * np.max(B)
+    return np.max(np.abs(J - before)) <= CLOSE * np.max(limits[0])
 
 
 class Brakes:
@@ -125,31 +127,28 @@ class Brakes:
         self._entries = np.array([(i, np.searchsorted(tree, model.M_colind[k]), k) for i, row in rows for k in row])
         n, m = len(dofs), len(tree)
         self._like = tuples_for(n)
-        self._impulses, self._after, self._others = np.zeros(n), np.zeros(n), np.zeros(n)
+        self._own = np.zeros((3, n))
         self._inverse, self._unconstrained = np.eye(m), np.zeros(model.nv)
         self._undamped = self._mj.mjtDisableBit.mjDSBL_EULERDAMP.value
         self._compile()
 
-    def apply(self, data: Any, sliding: Array, held: Array) -> tuple[Array, Array]:
+    def apply(self, data: Any, torques: Array) -> Array:
         """Add the brakes' torques to `data.qfrc_applied`; all else that acts in this step is there already.
 
         Args:
             data: MjData between `mj_step1` and `mj_step2`.
-            sliding: torques at which the joints slide, N m, (n,).
-            held: torques up to which joints are held that come to rest, N m, (n,).
+            torques: at which the joints slide, and up to which they are held where they come to rest, N m, (2, n).
 
         Returns:
-            Impulses (N m s, (n,)), and the velocities that they leave (rad/s, (n,)), exactly 0.0 where they hold. Both
-            until the next call.
+            Impulses (N m s), and the velocities that they leave (rad/s), exactly 0.0 where they hold, (2, n), until the
+            next call.
         """
         mj, model, h = self._mj, self._model, self._model.opt.timestep
         mj.mj_fwdActuation(model, data)
-        tree, at, W, J, after, others = (
-            self._tree, self._at, self._inverse, self._impulses, self._after, self._others
-        )  # fmt: skip
-        applied, B, S = data.qfrc_applied, h * sliding, h * held
+        tree, at, W, own = self._tree, self._at, self._inverse, self._own
+        applied, limits = data.qfrc_applied, h * torques
         damping = (0.0 if model.opt.disableflags & self._undamped else h) * model.dof_damping[tree]
-        begin(data.M, self._entries, damping, tree, at, h, np.maximum(B, S), applied, W, J, others)
+        begin(data.M, self._entries, damping, tree, at, h, limits.max(axis=0), applied, W, own[0], own[2])
         coupled = self._coupled(data)
         qvel, smooth = data.qvel, data.qfrc_smooth
         constraint = data.qfrc_constraint if coupled else self._unconstrained
@@ -157,13 +156,13 @@ class Brakes:
             mj.mj_fwdAcceleration(model, data)
             if coupled:
                 mj.mj_fwdConstraint(model, data)
-            if answer(self._like, W, tree, at, h, B, S, others, qvel, smooth, constraint, applied, J, after):
+            if answer(self._like, W, tree, at, h, limits, qvel, smooth, constraint, applied, own):
                 break
-        return J, after
+        return own[:2]
 
     def forget(self) -> None:
         """Begin the next step without what was found in the last."""
-        self._impulses[:] = 0.0
+        self._own[0] = 0.0
 
     def _coupled(self, data: Any) -> bool:
         """Whether a constraint touches the trees; MuJoCo tells where it looks for islands."""
@@ -173,9 +172,7 @@ class Brakes:
 
     def _compile(self) -> None:
         """Now, not while a clock runs."""
-        tree, at, W, J, after, others = (
-            self._tree, self._at, self._inverse, self._impulses, self._after, self._others
-        )  # fmt: skip
+        tree, at, W, own = self._tree, self._at, self._inverse, self._own
         values, nothing = np.zeros(1 + self._entries[:, 2].max()), np.zeros(self._model.nv)
-        begin(values, self._entries, np.ones(len(tree)), tree, at, 1.0, J.copy(), nothing, W, J, others)
-        answer(self._like, W, tree, at, 1.0, J.copy(), J.copy(), others, nothing, nothing, nothing, nothing, J, after)
+        begin(values, self._entries, np.ones(len(tree)), tree, at, 1.0, own[0].copy(), nothing, W, own[0], own[2])
+        answer(self._like, W, tree, at, 1.0, own[:2].copy(), nothing, nothing, nothing, nothing, own)

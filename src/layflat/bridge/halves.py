@@ -43,21 +43,22 @@ class Span(NamedTuple):
 class Kernels(NamedTuple):
     """Compiled for a kind of joint. The first arguments are rows of numbers: of `Joint`, and of `Carry`.
 
-    MuJoCo's arrays are handed over whole, with the places and degrees of freedom of the joints in them.
+    MuJoCo's arrays are handed over whole, with the places and degrees of freedom of the joints in them (`at`,
+    (2, n)).
     """
 
     command: Callable[..., None]
     """`command(joints, kept, voltages, cycle)`: the valves' drivers take voltages for a control cycle (s)."""
     push: Callable[..., None]
-    """`push(joints, kept, around, span, places, dofs, qpos, qvel, applied, loads, brakes, q, v, torques, limits)`:
-    write angles (rad), velocities (rad/s) and torques (N m) at the kick, and the torques of friction when sliding and
-    when held (N m, (2, n)) with the torques of the brakes; add the torques and outer loads (N m) to what is applied.
+    """`push(joints, kept, around, span, at, qpos, qvel, applied, loads, brakes, kick)`: write into the rows of `kick`
+    (5, n) angles (rad), velocities (rad/s) and torques (N m) at the kick, and the torques of friction when sliding and
+    when held (N m) with the torques of the brakes; add the torques and outer loads (N m) to what is applied.
     The velocities in `qvel` become those that Coriolis forces are to be taken at. No joint moves on yet."""
     settle: Callable[..., int]
-    """`settle(joints, kept, around, span, places, dofs, qpos, qvel, q, v, after, impulses, loads, holes, seen)`: stop
-    the joints of which the brakes left the velocity 0.0 (`after`) where they were, and move on through the step; the
-    brakes' impulses (N m s) and outer loads are booked, hoses lose air through holes. Writes rows of `Outputs`; returns
-    the joint that diverged (-1: none)."""
+    """`settle(joints, kept, around, span, at, qpos, qvel, kick, braked, loads, holes, seen)`: stop the joints of which
+    the brakes left the velocity 0.0 where they were, and move on through the step; the brakes' impulses (N m s, with
+    the velocities in `braked`, (2, n)) and outer loads are booked, hoses lose air through holes. Writes rows of
+    `Outputs`; returns the joint that diverged (-1: none)."""
     sample: Callable[..., None]
     """`sample(joints, seen, noise, out)`: what the sensors say, angles and differential pressures, (2, n)."""
 
@@ -140,19 +141,21 @@ def _compiled(joint_like, kept_like):
             write_numbers(kept[j], Carry(before.state, line, opening))
 
     @kernel
-    def push(joints, kept, around, span, places, dofs, qpos, qvel, applied, loads, brakes, q, v, torques, limits):
+    def push(joints, kept, around, span, at, qpos, qvel, applied, loads, brakes, kick):
+        places, dofs, q, v, torques = at[0], at[1], kick[0], kick[1], kick[2]
         air, cut = read_numbers(around_like, around), read_numbers(span_like, span)
         for j in range(len(joints)):
             joint, before = read_numbers(joint_like, joints[j]), read_numbers(kept_like, kept[j])
             q[j], v[j] = qpos[places[j]], qvel[dofs[j]]
             _, _, mid = _to_kick(joint, before, air, cut, q[j], v[j])
             torques[j] = mid.torque
-            limits[0, j], limits[1, j] = levels(joint.friction, brakes[j], v[j], mid.velocity, mid.pull)
+            kick[3, j], kick[4, j] = levels(joint.friction, brakes[j], v[j], mid.velocity, mid.pull)
             applied[dofs[j]] += mid.torque + loads[j]
             qvel[dofs[j]] = v[j] + 0.5 * before.state.motion.velocity_change
 
     @kernel
-    def settle(joints, kept, around, span, places, dofs, qpos, qvel, q, v, after, impulses, loads, holes, seen):
+    def settle(joints, kept, around, span, at, qpos, qvel, kick, braked, loads, holes, seen):
+        places, dofs, q, v, impulses, after = at[0], at[1], kick[0], kick[1], braked[0], braked[1]
         air, cut = read_numbers(around_like, around), read_numbers(span_like, span)
         diverged = -1
         for j in range(len(joints)):

@@ -63,16 +63,15 @@ class PneumaticJoints(DrivenJoints):
         n, air = len(driven), parameters.surroundings(machine)
         super().__init__(healthy, np.array(air, dtype=np.float64), model.opt.timestep)
         ids = [_hinge(self._mj, model, name) for name in driven]
-        self._qpos, self._dofs = model.jnt_qposadr[ids], model.jnt_dofadr[ids]
+        self._at = np.array([model.jnt_qposadr[ids], model.jnt_dofadr[ids]])
         self._span = _span(self._mj, model, self._cycle)
         filled = FILLED * air.supply_pressure
         self._pressures = (filled, filled) if pressures is None else pressures
-        self._brakes = Brakes(model, self._dofs)
+        self._brakes = Brakes(model, self._at[1])
         self.brakes = np.array([joint.brake_torque for joint in self._healthy])
-        self._q, self._v, self._torques, self._extrapolated = np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(model.nv)
-        self._limits = np.zeros((2, n))
+        self._kick, self._extrapolated = np.zeros((5, n)), np.zeros(model.nv)
         self._due = 0.0
-        self._rest(model.qpos0[self._qpos])
+        self._rest(model.qpos0[self._at[0]])
         self._like: Carry = self._at_rest(0, 0.0)
         self._laws = np.array([list(leaves(joint)) for joint in self._healthy])
         self._kernels = halves_of(self._healthy[0], self._like)
@@ -82,7 +81,7 @@ class PneumaticJoints(DrivenJoints):
     @property
     def torques(self) -> Array:
         """Torques of air, losses, stops and bearings in the last step, without the brakes', N m, (n,)."""
-        return self._torques.copy()
+        return np.copy(self._kick[2])
 
     @property
     def ledgers(self) -> list[Ledger]:
@@ -91,7 +90,7 @@ class PneumaticJoints(DrivenJoints):
 
     def reset(self, data: Any) -> None:
         """Begin anew at the angles in an MjData: hoses at rest, filled as at first; the first step does so."""
-        self._rest(data.qpos[self._qpos])
+        self._rest(data.qpos[self._at[0]])
         self._brakes.forget()
         self._fresh = False
 
@@ -114,17 +113,17 @@ class PneumaticJoints(DrivenJoints):
         mj, model, time = self._mj, self._model, data.time
         self._command(time)
         mj.mj_step1(model, data)
-        self._span[0], given, q, v = time, data.qfrc_applied.copy(), self._q, self._v
-        laws = self._laws, self._kept, self._around, self._span, self._qpos, self._dofs, data.qpos, data.qvel
-        self._kernels.push(*laws, data.qfrc_applied, self.load, self.brakes, q, v, self._torques, self._limits)
+        self._span[0], given, kick = time, data.qfrc_applied.copy(), self._kick
+        laws = self._laws, self._kept, self._around, self._span, self._at, data.qpos, data.qvel
+        self._kernels.push(*laws, data.qfrc_applied, self.load, self.brakes, kick)
         self._extrapolate(data)
-        impulses, after = self._brakes.apply(data, *self._limits)
+        braked = self._brakes.apply(data, kick[3:])
         mj.mj_step2(model, data)
         data.qfrc_applied[:] = given
-        diverged = self._kernels.settle(*laws, q, v, after, impulses, self.load, self._holes, self._seen)
+        diverged = self._kernels.settle(*laws, kick, braked, self.load, self._holes, self._seen)
         # MuJoCo starts again at time zero where its accelerations leave all meaning.
         if diverged >= 0 or data.time <= time:
-            raise DivergedError(time, self.hinges[diverged if diverged >= 0 else int(np.argmax(np.abs(v)))])
+            raise DivergedError(time, self.hinges[diverged if diverged >= 0 else int(np.argmax(np.abs(kick[1])))])
 
     def sense(self, noise: Array) -> tuple[Array, Array]:
         """Angles (rad) and differential pressures (Pa) as the converters report them, (n,).
@@ -145,7 +144,7 @@ class PneumaticJoints(DrivenJoints):
         mj, model = self._mj, self._model
         mj.mj_comVel(model, data)
         mj.mj_rne(model, data, 0, self._extrapolated)
-        extrapolate(self._dofs, self._v, data.qfrc_bias, self._extrapolated, data.qfrc_applied, data.qvel)
+        extrapolate(self._at[1], self._kick[1], data.qfrc_bias, self._extrapolated, data.qfrc_applied, data.qvel)
         mj.mj_comVel(model, data)
 
     def _write_joints(self) -> None:
@@ -174,14 +173,12 @@ class PneumaticJoints(DrivenJoints):
     def _compile(self) -> None:
         """Now, not while a clock runs."""
         n = len(self.hinges)
-        kept, seen, places, nothing = self._kept.copy(), self._seen.copy(), np.zeros_like(self._qpos), np.zeros(n)
-        laws = self._laws, kept, self._around, self._span, places, places, np.zeros(n), np.zeros(n)
+        kept, seen, at, nothing = self._kept.copy(), self._seen.copy(), np.zeros_like(self._at), np.zeros(n)
+        laws, kick = (self._laws, kept, self._around, self._span, at, np.zeros(n), np.zeros(n)), np.zeros((5, n))
         self._kernels.command(self._laws, kept, self._voltages, self._cycle)
-        self._kernels.push(
-            *laws, np.zeros(n), nothing, nothing, np.zeros(n), np.zeros(n), np.zeros(n), np.zeros((2, n))
-        )
-        extrapolate(places, nothing, nothing, nothing, np.zeros(n), np.zeros(n))
-        self._kernels.settle(*laws, nothing, nothing, nothing, nothing, nothing, self._holes, seen)
+        self._kernels.push(*laws, np.zeros(n), nothing, nothing, kick)
+        extrapolate(at[1], nothing, nothing, nothing, np.zeros(n), np.zeros(n))
+        self._kernels.settle(*laws, kick, kick[:2], nothing, self._holes, seen)
         self.sense(np.zeros((n, 2)))
 
 

@@ -170,9 +170,9 @@ def _stage(line, air, valve, C_in, C_out, p_h, k_h, T_h, wall_h, around, h):
 
 
 @law
-def _through_line(line, air, valve, C_in, C_out, p, p_0, stiffness, T, roots, wall, around, h):  # noqa: ARG001
+def _through_line(line, air, valve, paths, p, p_0, stiffness, T, roots, wall, around, h):  # noqa: ARG001
     # A whole stage, then two half ones: a loop, or the stage would be compiled three times.
-    begun, p_h, step, flows_count, air_counts = air, p_0, h, -1.0, -1.0
+    (C_in, C_out), begun, p_h, step, flows_count, air_counts = paths, air, p_0, h, -1.0, -1.0
     zero = 0.0 * p_0
     energy, mass, taken, left, kept = zero, zero, zero, zero, zero
     for i in range(3):
@@ -188,10 +188,10 @@ def _through_line(line, air, valve, C_in, C_out, p, p_0, stiffness, T, roots, wa
 
 
 @law
-def _straight(line, air, valve, C_in, C_out, p, p_0, stiffness, T, roots, wall, around, h):  # noqa: ARG001
+def _straight(line, air, valve, paths, p, p_0, stiffness, T, roots, wall, around, h):  # noqa: ARG001
     supply = root_temperature(around.supply_temperature)
     flow, heat, taken = chamber_flow(
-        valve, C_in, C_out, p, roots, around.supply_pressure, supply, around.ambient_pressure
+        valve, paths[0], paths[1], p, roots, around.supply_pressure, supply, around.ambient_pressure
     )
     return flow, heat, taken, air
 
@@ -199,8 +199,8 @@ def _straight(line, air, valve, C_in, C_out, p, p_0, stiffness, T, roots, wall, 
 exchange: Any = by_kind({NoLine: _straight, Line: _through_line})
 """Air between a valve and a hose in a step of h seconds.
 
-`exchange(line, air, valve, C_in, C_out, p, p_0, stiffness, T, roots, wall, around, h)` takes the line and its air; the
-valve with the conductances of its paths to supply and exhaust; of the hose, its pressure in the middle of the step and
+`exchange(line, air, valve, paths, p, p_0, stiffness, T, roots, wall, around, h)` takes the line and its air; the valve
+with the conductances of its paths, to supply and to exhaust; of the hose, its pressure in the middle of the step and
 at its beginning (Pa), the rise of pressure per energy (Pa/J), temperature and its roots, heat flow from the wall (W).
 It yields the mean mass flow (kg/s) and enthalpy flow (W) into the hose, the mean mass flow taken from the supply
 (kg/s), and the air of the line after the step.

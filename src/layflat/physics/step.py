@@ -80,7 +80,7 @@ def _exchange_gas(hose, state, travel, turn, valve, C_in, C_out, around, h):
     T, roots = temperature_and_roots(hose.chamber, p, m, volume, p_a)
     wall = wall_heat(hose.chamber, T, around.ambient_temperature)
     flow, heat, taken, line = exchange(
-        hose.line, state.line, valve, C_in, C_out, p, p_0, stiffness, T, roots, wall, around, h
+        hose.line, state.line, valve, (C_in, C_out), p, p_0, stiffness, T, roots, wall, around, h
     )
     heat = heat + wall
     stored = state.energy - p_0 * swell + h * heat

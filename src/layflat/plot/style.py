@@ -49,23 +49,24 @@ BETWEEN = (0.78, 0.16)  # space between axes, beside and above each other, inche
 @contextmanager
 def figure(
     rows: int = 1, columns: int = 1, *, width: float = 6.4, height: float = 3.6,
-    above: float = 0.0, below: float = 0.0, beside: float = 0.0, between: float = BETWEEN[0],
-    apart: float = BETWEEN[1],
+    above: float = 0.0, below: float = 0.0, beside: float = 0.0,
+    between: float | tuple[float, float] = BETWEEN,
 ) -> Iterator[tuple[Figure, list[Axes]]]:  # fmt: skip
     """Give a figure in the house style, with its axes in reading order; sizes in inches.
 
     Where asked there is more room `above` the axes, for a scale of colours, `below` them, for notes, and on the left
-    `beside` them and `between` them, for names; `apart` is how far they are above each other. What is across is shared
-    by axes above each other. The margins are fixed: a layout that is solved for would draw everything twice.
+    `beside` them, for names; `between` says how far they are beside, or beside and above each other. What is across is
+    shared by axes above each other. The margins are fixed: a layout that is solved for would draw everything twice.
     """
+    aside, over = between if isinstance(between, tuple) else (between, BETWEEN[1])
     top, left = TOP + above, LEFT + beside
-    wide = (width - left - RIGHT - (columns - 1) * between) / columns
-    high = (height - BOTTOM - below - top - (rows - 1) * apart) / rows
+    wide = (width - left - RIGHT - (columns - 1) * aside) / columns
+    high = (height - BOTTOM - below - top - (rows - 1) * over) / rows
     with mpl.rc_context(RC):
         made = Figure(figsize=(width, height))
         made.subplots_adjust(
-            left=left / width, right=1.0 - RIGHT / width, wspace=between / wide,
-            bottom=(BOTTOM + below) / height, top=1.0 - top / height, hspace=apart / high,
+            left=left / width, right=1.0 - RIGHT / width, wspace=aside / wide,
+            bottom=(BOTTOM + below) / height, top=1.0 - top / height, hspace=over / high,
         )  # fmt: skip
         axes = made.subplots(rows, columns, sharex="col", squeeze=False)
         yield made, list(axes.ravel())

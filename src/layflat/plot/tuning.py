@@ -20,8 +20,9 @@ def responses(runs: Mapping[str, xarray.Dataset], *, band: float, since: float) 
     joints = [str(name) for name in next(iter(runs.values()))["joint"].to_numpy()]
     columns = min(len(joints), COLUMNS)
     rows = ceil(len(joints) / columns)
-    size = {"width": 4.2 * columns + 1.0, "height": 4.2 * rows + 0.6, "apart": BETWEEN[1] if rows == 1 else HEAD}
-    with figure(2 * rows, columns, **size, above=HEAD) as (made, all_axes):
+    width, height = 4.2 * columns + 1.0, 4.2 * rows + 0.6
+    between = BETWEEN[0], BETWEEN[1] if rows == 1 else HEAD
+    with figure(2 * rows, columns, width=width, height=height, between=between, above=HEAD) as (made, all_axes):
         for place, joint in enumerate(joints):
             first = place + place // columns * columns
             angle, error = all_axes[first], all_axes[first + columns]
