@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from layflat.control import CONTROL_LAWS, FULL, Command, ControlKind, Demand, Sensed
-from layflat.control.plain import CycleClock, PlainStep
+from layflat.control.checks import CycleClock, PlainStep
 from layflat.description.change import value_at
 from layflat.errors import KindError, LayflatError
 from layflat.jit import cache

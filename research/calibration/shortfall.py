@@ -9,7 +9,7 @@ from math import log, radians
 import numpy as np
 
 from layflat.arrays import Array
-from layflat.experiments.limits import SWING, WINDOWS
+from layflat.experiments.axis_one import SWING, WINDOWS
 from layflat.experiments.two_axis import END, FINAL_BAND, FIRST, HALF, SECOND
 from layflat.sim.metrics import BAND
 from research.calibration.steps import REST, WATCHED, Carried, Compared, Loaded

@@ -8,8 +8,8 @@ from math import radians
 import numpy as np
 
 from layflat.arrays import Array
+from layflat.experiments.axis_one import AT, RATIOS, STEP, SWING
 from layflat.experiments.bench import INERTIA_PER_TORQUE, Bench, maximum_torque, payload_for_inertia
-from layflat.experiments.limits import AT, RATIOS, STEP, SWING
 from layflat.jit import kernel
 from layflat.machine import Machine
 from layflat.motion.scenario import Scenario

@@ -17,7 +17,7 @@ from scipy.stats import spearmanr
 from layflat.arrays import Array
 from layflat.machine import load
 from layflat.machine.cloud import PAPER
-from layflat.machine.members import members
+from layflat.machine.exchanged import members
 from layflat.plot.style import LINES, QUIET, figure, save
 from research.calibration.unknowns import Unknown, to_shares, to_values, values_of
 from research.cloud.open import GROUPS, built_in

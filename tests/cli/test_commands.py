@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from layflat.machine.members import members
+from layflat.machine.exchanged import members
 from layflat.physics.step import STEP
 from layflat.sim.dataset import open_run
 from tests.cli.commands import LAYFLAT, layflat, refused
@@ -303,7 +303,7 @@ def test_design_and_size_write_drawings(tmp_path: Path) -> None:
 
 
 def test_reproduce_leaves_with_1_when_a_claim_does_not_agree(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("layflat.experiments.limits.SEEDS", 1)
+    monkeypatch.setattr("layflat.experiments.axis_one.SEEDS", 1)
     text = 'extends = "paper-arm"\nname = "weak"\n[joint.small.hose]\nwidth = "100 mm"\n'
     (tmp_path / "weak.toml").write_text(text, encoding="utf-8")
     done = layflat("reproduce", "--machine", "weak.toml", "--out", "out", cwd=tmp_path)

@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 from layflat.control import CONTROL_LAWS, FULL, Command, Demand, Sensed
-from layflat.control.checks import guard_step
-from layflat.control.plain import find_flaw
+from layflat.control.checks import find_flaw, guard_step
 from layflat.errors import KindError
 from layflat.jit import law
 from layflat.lanes import Lanes
@@ -108,7 +107,7 @@ def test_laws_of_the_package_run_as_they_are() -> None:
 
 
 def test_a_plain_law_s_shares_are_checked() -> None:
-    from layflat.control.plain import CycleClock, PlainStep
+    from layflat.control.checks import CycleClock, PlainStep
 
     step = PlainStep("tried", step_with((5.0, 0.0, 0.0, 2.0)), Report, CycleClock())
     with pytest.raises(KindError, match="brake of an item of `shares` is 2, not a share from 0 to 1"):

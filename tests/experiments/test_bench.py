@@ -2,8 +2,8 @@ import pytest
 
 from layflat.errors import MachineError
 from layflat.experiments import bench
+from layflat.experiments.axis_one import limit_within
 from layflat.experiments.bench import RIGS, alone, maximum_torque, payload_for_inertia
-from layflat.experiments.limits import limit_within
 from layflat.machine import changed, load
 
 

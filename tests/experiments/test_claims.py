@@ -10,12 +10,11 @@ import pytest
 import xarray
 
 from layflat.errors import DivergedError, InputError, MachineError
-from layflat.experiments.axis_one import AxisOne
+from layflat.experiments.axis_one import AT, DURATION, WINDOWS, AxisOne, Carried, is_sustained
 from layflat.experiments.bench import bench
 from layflat.experiments.claim import Claim, Evaluated, Experiment, Quantity, Rule
 from layflat.experiments.controller import Controller
 from layflat.experiments.dither import Dither, ValveSweep, amplitude_at, followed, frequency_response
-from layflat.experiments.limits import AT, DURATION, WINDOWS, Carried, is_sustained
 from layflat.experiments.open_loop import OpenLoop
 from layflat.experiments.reproduction import disagreeing
 from layflat.experiments.statics import MEASURED, PRINTED_MEAN, Statics

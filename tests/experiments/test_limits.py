@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from layflat.experiments.axis_one import stepped, watched
 from layflat.experiments.bench import bench
-from layflat.experiments.limits import stepped, watched
 from layflat.sim.run import rollout
 
 

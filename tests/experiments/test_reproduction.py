@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from layflat.experiments import Bench, Reproduction, bench, limits, reproduce
+from layflat.experiments import Bench, Reproduction, axis_one, bench, reproduce
 from layflat.experiments.claim import Claim
 from layflat.experiments.report import perform
 from layflat.experiments.reproduction import ORDER, STOPPED
@@ -24,7 +24,7 @@ LARGE = {"mean-torque", "large-joint-torque", "constant-torque"}
 @pytest.fixture
 def _one_seed(monkeypatch: pytest.MonkeyPatch) -> None:
     """Limits of inertia are sought with one seed of the noise instead of five."""
-    monkeypatch.setattr(limits, "SEEDS", 1)
+    monkeypatch.setattr(axis_one, "SEEDS", 1)
 
 
 def failed(on: Bench) -> set[str]:

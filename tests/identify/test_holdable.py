@@ -14,7 +14,7 @@ from layflat.description.change import annotation_at, changed_all, paths, quanti
 from layflat.errors import InputError
 from layflat.identify.benches.loader import build_bench, described_tables, load_bench, load_described
 from layflat.identify.holdable import file_text, file_texts, holds_another
-from layflat.machine.derived import at_path
+from layflat.machine.listing import at_path
 from layflat.machine.loader import BENCHES
 
 MACHINES = ("paper-small-joint", "picking-arm")

@@ -9,7 +9,7 @@ import pytest
 from layflat.description.provenance import Provenance
 from layflat.errors import InputError, OutputError
 from layflat.machine import load
-from layflat.machine.derived import at_path, derived_path, with_value, write_derived
+from layflat.machine.listing import at_path, derived_path, with_value, write_derived
 
 SMALL = "paper-small-joint"
 SOURCE = Provenance("identified", "95 %: 1 to 2; from a log")

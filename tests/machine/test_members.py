@@ -7,7 +7,7 @@ from layflat.description.change import value_at
 from layflat.errors import MachineError
 from layflat.machine import load
 from layflat.machine.cloud import cloud
-from layflat.machine.members import differing, members
+from layflat.machine.exchanged import differing, members
 
 
 def test_members_are_machines_by_their_names() -> None:

@@ -2,7 +2,7 @@
 
 from layflat.rig.named import blank, leaf_names
 from layflat.rig.record import RIG_SIGNALS, SHARED, Layout
-from layflat.rig.safety.cycle import Known
+from layflat.rig.safety.cycle_numbers import Known
 
 
 def test_the_compiled_cycle_writes_signals_in_the_order_of_the_layout() -> None:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from layflat.errors import InputError
-from layflat.machine.members import differing, members
+from layflat.machine.exchanged import differing, members
 from layflat.sim.ensemble import ensemble
 from layflat.study import read, run, table
 from tests.study.studies import SMALL, written

@@ -89,7 +89,7 @@ def pack(
     """
     from layflat.cell import load  # noqa: PLC0415
     from layflat.files import check_folder  # noqa: PLC0415
-    from layflat.machine.members import members  # noqa: PLC0415
+    from layflat.machine.exchanged import members  # noqa: PLC0415
 
     _check(film, study, seeds, over)
     _check_page(watch, study, page)

@@ -74,7 +74,7 @@ def reproduce(
 def _over_cloud(machine: str, found: "Reproduction", out: Path) -> None:
     """Repeat the experiments with every member of a cloud, and show what each number spreads over."""
     from layflat.experiments.spread import over, spread_table, spreads, write_spreads  # noqa: PLC0415
-    from layflat.machine.members import members  # noqa: PLC0415
+    from layflat.machine.exchanged import members  # noqa: PLC0415
 
     names, claims = members(machine), []
     try:

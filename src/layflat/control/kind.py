@@ -7,9 +7,8 @@ from typing import Any
 from pydantic import BaseModel
 
 from layflat.control import checks
-from layflat.control.checks import guard_step
+from layflat.control.checks import CycleClock, PlainStep, PlainWake, guard_step
 from layflat.control.contract import Command
-from layflat.control.plain import CycleClock, PlainStep, PlainWake
 from layflat.description import units as u
 from layflat.errors import KindError
 from layflat.jit import Law, law

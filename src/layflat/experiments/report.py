@@ -12,10 +12,9 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from layflat._version import __version__
-from layflat.experiments.axis_one import TWICE
+from layflat.experiments.axis_one import AT, DURATION, TWICE, WINDOWS
 from layflat.experiments.bench import bench
 from layflat.experiments.claim import Claim, texts_of
-from layflat.experiments.limits import AT, DURATION, WINDOWS
 from layflat.experiments.open_loop import RIG_PRESSURE
 from layflat.experiments.questions import Answer
 from layflat.experiments.reproduction import Reproduction

@@ -22,8 +22,8 @@ from layflat.identify.fit.selection import fit_selected
 from layflat.identify.identified_file import Written, identified_path, write_identified, written_values
 from layflat.identify.kinds import Candidate, compared
 from layflat.identify.logs import check, read_log, read_table, refuse
-from layflat.identify.logs.checks.alive import NOTHING_MOVES
 from layflat.identify.logs.checks.channels import Issue, checked_log, ordered, several
+from layflat.identify.logs.checks.presence import NOTHING_MOVES
 from layflat.identify.model import Model
 from layflat.machine import Machine
 

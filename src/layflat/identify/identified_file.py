@@ -14,8 +14,7 @@ from layflat.identify.benches.loader import described_tables, load_bench
 from layflat.identify.fit import Estimate, Fit
 from layflat.identify.holdable import file_texts, holds_another, si_unit
 from layflat.machine import Machine
-from layflat.machine.derived import at_path, derived_path, with_value, write_derived, write_loadable
-from layflat.machine.listing import to_toml
+from layflat.machine.listing import at_path, derived_path, to_toml, with_value, write_derived, write_loadable
 
 SUFFIX = "identified"
 

@@ -17,8 +17,7 @@ many. `slots` are lists without a heap, `gather` makes a tuple of what they hold
 All of it compiles for CUDA devices too. A thread there has one lane, so that what `read_lanes` gives are plain numbers;
 what is joined lies side by side all the same. numba-cuda takes over whatever is registered from outside numba.
 
-What stands here is plain Python: what each operation means. `compiled` teaches the compiler the same when it is first
-needed.
+All of this is plain Python, the meaning of each operation. `compiled` teaches it to the compiler when first needed.
 """
 
 import operator

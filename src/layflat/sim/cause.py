@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from layflat.control import CONTROL_LAWS, Demand, Sensed
-from layflat.control.plain import find_flaw
+from layflat.control.checks import find_flaw
 from layflat.kind_checks import place_of
 from layflat.machine import Machine
 from layflat.sim.cycle import DEMANDS, Signals

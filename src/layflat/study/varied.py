@@ -14,8 +14,8 @@ from layflat.description.provenance import split
 from layflat.description.tables import laid_over, leaves
 from layflat.errors import InputError
 from layflat.machine import Machine, load
+from layflat.machine.exchanged import differing
 from layflat.machine.loader import tables
-from layflat.machine.members import differing
 from layflat.machine.model import build
 from layflat.study.description import FACTOR, NUMBER, Kind, Range, StudyFile, VariantTable, kind, refuse
 

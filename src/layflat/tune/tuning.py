@@ -12,8 +12,8 @@ from layflat.errors import InputError
 from layflat.extras import require
 from layflat.files import check_folder
 from layflat.machine import Machine, load
-from layflat.machine.derived import derived_path, write_derived
-from layflat.machine.members import differing
+from layflat.machine.exchanged import differing
+from layflat.machine.listing import derived_path, write_derived
 from layflat.sim.ensemble.parallel import check_device
 from layflat.tune.conditions import Conditions, Spread, check_carried
 from layflat.tune.knobs import Knob, Part, Tunable, neutral_values, values_of

@@ -5,13 +5,13 @@ import pytest
 
 from layflat.errors import InputError
 from layflat.experiments.beyond import Optimum, settling_bound
-from layflat.experiments.beyond.floor import mass_matrix, settling_floor
 from layflat.experiments.beyond.optimum import tracked
 from layflat.experiments.beyond.shooting import Shooting
 from layflat.machine import Machine, changed, load, parameters
 from layflat.sim import rollout
 from layflat.sim.ensemble.parallel import TIP_BAND
 from layflat.sim.metrics import tip_settling
+from research.settling_floor import mass_matrix, settling_floor
 
 JOINT = load("paper-small-joint-fast")
 START, END = radians(-20), radians(20)

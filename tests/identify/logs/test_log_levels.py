@@ -11,7 +11,7 @@ import pytest
 from layflat.errors import InputError
 from layflat.identify.logs import check, read_log
 from layflat.identify.logs.checks.channels import Issue
-from layflat.identify.logs.checks.lags import lag_of
+from layflat.identify.logs.checks.signs import lag_of
 from layflat.identify.logs.grid import clock_of, grid_over
 from layflat.identify.logs.mapping import mapping_of
 from layflat.machine import load

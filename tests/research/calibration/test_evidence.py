@@ -7,11 +7,10 @@ import pytest
 
 from layflat.description.change import value_at
 from layflat.experiments import bench
-from layflat.experiments.axis_one import AxisOne
+from layflat.experiments.axis_one import AT, STEP, AxisOne, stepped
 from layflat.experiments.bench import INERTIA_PER_TORQUE, maximum_torque, payload_for_inertia
 from layflat.experiments.controller import Controller
 from layflat.experiments.dither import Dither, ripple
-from layflat.experiments.limits import AT, STEP, stepped
 from layflat.experiments.open_loop import SMALL_SWEEP, OpenLoop
 from layflat.experiments.two_axis import HALF, TwoAxis
 from layflat.machine import changed

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from layflat.experiments.limits import STEP
+from layflat.experiments.axis_one import STEP
 from layflat.experiments.two_axis import END, FIRST, HALF, SECOND
 from layflat.sim.metrics import BAND
 from research.calibration import shortfall as s

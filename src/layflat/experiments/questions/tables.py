@@ -6,8 +6,8 @@ import numpy as np
 import pandas
 
 from layflat.arrays import Array
+from layflat.experiments.axis_one import limit_within
 from layflat.experiments.bench import INERTIA_PER_TORQUE, maximum_torque
-from layflat.experiments.limits import limit_within
 from layflat.machine import Machine
 from layflat.sim.sweep import sweep
 

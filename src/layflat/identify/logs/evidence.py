@@ -9,7 +9,7 @@ import numpy as np
 from layflat.arrays import Array
 from layflat.description import units as u
 from layflat.identify.logs.headers import words_of
-from layflat.identify.logs.own import SENSED
+from layflat.identify.logs.mapping import SENSED
 from layflat.identify.logs.table import Column, Table
 from layflat.identify.logs.units import kind_of_unit, measures
 from layflat.identify.logs.vocabulary import (

@@ -18,8 +18,7 @@ from layflat.errors import InputError
 from layflat.identify.logs.clocks import ClockChoice, choose_clock, describe_stamps, rises, usual_step
 from layflat.identify.logs.evidence import Candidate, find_candidate, find_unused, hose_of, unit_of
 from layflat.identify.logs.formats import read_table
-from layflat.identify.logs.mapping import Mapping, mapping_of
-from layflat.identify.logs.own import own_mapping
+from layflat.identify.logs.mapping import Mapping, mapping_of, own_mapping
 from layflat.identify.logs.table import Column, Table
 from layflat.identify.logs.vocabulary import AMBIENT, SIGNALS, channel_name, conversion
 

@@ -21,7 +21,7 @@ A sample becomes sign x (raw - offset) x scale x unit, and then ambient pressure
 unit may have a number, so that an angle in per cent of 60 degrees is `unit = "0.6 deg"`.
 """
 
-from collections.abc import Mapping as Table
+from collections.abc import Mapping as Tables
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
@@ -37,6 +37,7 @@ from layflat.description.text import read_text
 from layflat.description.wrong import shown, wrong
 from layflat.errors import InputError
 from layflat.files import write_text
+from layflat.identify.logs.table import Table
 from layflat.identify.logs.vocabulary import AMBIENT, SIGNALS, channel_name, conversion
 
 COMPLETE = "a mapping has [[column]] with from, signal and unit, and [time] with column and unit"
@@ -140,7 +141,7 @@ def read_mapping(path: str | Path) -> Mapping:
     return mapping_of(plain, where)
 
 
-def mapping_of(plain: Table[str, Any], where: str = "mapping") -> Mapping:
+def mapping_of(plain: Tables[str, Any], where: str = "mapping") -> Mapping:
     """A mapping from plain tables; raise InputError with the entry and value that is wrong, and what would be right."""
     try:
         mapping = Mapping.model_validate(plain)
@@ -176,7 +177,7 @@ def _written(steps: Steps, value: object) -> str:
     return ".".join(named)
 
 
-def mapping_text(mapping: Mapping, notes: Table[str, str] | None = None, head: str = "") -> str:
+def mapping_text(mapping: Mapping, notes: Tables[str, str] | None = None, head: str = "") -> str:
     """A mapping as TOML, with a comment at the top, and the notes by column as comments before each entry.
 
     Notes of columns that the mapping doesn't have stand at the end; "" is the clock's.
@@ -205,6 +206,42 @@ def _comment(text: str) -> str:
     return "".join(f"# {line}\n" for line in text.splitlines())
 
 
-def write_mapping(mapping: Mapping, path: str | Path, notes: Table[str, str] | None = None, head: str = "") -> Path:
+def write_mapping(mapping: Mapping, path: str | Path, notes: Tables[str, str] | None = None, head: str = "") -> Path:
     """Write a mapping file that `read_mapping` takes back; raise OutputError if it can't be written there."""
     return write_text(Path(path), mapping_text(mapping, notes, head))
+
+
+CLOCKS = ("time", "t")
+
+SENSED = {"measured_angle": "angle", "brake_share": "brake", "dither_share": "dither"}
+"""What the sensors of a simulated run have seen, and what its controller asked for besides, by the signals."""
+
+
+def own_mapping(table: Table) -> Mapping | None:
+    """The mapping of a log whose columns are called "angle.large", "voltage.large", "supply" and the like; else None.
+
+    Units are those that the file states, SI where it states none; pressures are absolute unless it says otherwise. A
+    simulated run has true angles and pressures beside what sensors have seen: a fit gets what a rig would have given.
+    """
+    columns = [entry for name in table.columns if (entry := _entry(name, table)) is not None]
+    if any(entry["from"].startswith("measured_angle") for entry in columns):
+        hidden = ("angle", "pressure_a", "pressure_b")
+        columns = [entry for entry in columns if entry["from"].partition(".")[0] not in hidden]
+    stems = {column.header.stem: column.header for column in table.columns.values()}
+    clock = next((stems[name] for name in CLOCKS if name in stems), None)
+    if not columns or (clock is None and table.clock is None):
+        return None
+    plain: dict[str, object] = {"column": columns}
+    if table.clock is None and clock is not None:
+        plain["time"] = {"column": clock.name, "unit": clock.unit or "s"}
+    return mapping_of(plain, str(table.path))
+
+
+def _entry(name: str, table: Table) -> dict[str, Any] | None:
+    header = table.columns[name].header
+    word, _, joint = header.stem.partition(".")
+    signal = SIGNALS.get(SENSED.get(word, word))
+    if signal is None or (joint and not signal.by_joint):
+        return None
+    entry: dict[str, Any] = {"from": name, "signal": signal.name, "unit": header.unit or signal.unit}
+    return entry | ({"joint": joint} if joint else {}) | ({"gauge": bool(header.gauge)} if signal.absolute else {})

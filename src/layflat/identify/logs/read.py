@@ -14,8 +14,7 @@ from layflat.errors import InputError
 from layflat.identify.logs.clocks import unwrap_counter
 from layflat.identify.logs.formats import read_table
 from layflat.identify.logs.grid import Clock, Grid, Series, clock_of, gaps, grid_as_recorded, grid_over, resampled
-from layflat.identify.logs.mapping import MappedColumn, Mapping, read_mapping
-from layflat.identify.logs.own import own_mapping
+from layflat.identify.logs.mapping import MappedColumn, Mapping, own_mapping, read_mapping
 from layflat.identify.logs.table import Column, Table
 from layflat.identify.logs.vocabulary import SIGNALS, channel_name, conversion
 

@@ -10,7 +10,7 @@ from layflat.description.change import annotation_at, is_whole, quantity_of, val
 from layflat.description.expression import QuantityError, split
 from layflat.description.quantity import Quantity
 from layflat.description.tables import Plain
-from layflat.machine.derived import at_path
+from layflat.machine.listing import at_path
 from layflat.machine.model import Machine
 from layflat.pages.studio.field import Bounds, Field, Shape
 

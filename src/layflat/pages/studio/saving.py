@@ -13,8 +13,7 @@ from layflat.design.findings import Finding
 from layflat.errors import InputError
 from layflat.files import whole_file
 from layflat.machine.cloud import parted
-from layflat.machine.derived import at_path
-from layflat.machine.listing import to_toml
+from layflat.machine.listing import at_path, to_toml
 from layflat.machine.loader import MACHINES, load
 from layflat.machine.stale import counted_twice, stale_values
 from layflat.pages.studio.design import Design, put, sources_of, whole_path

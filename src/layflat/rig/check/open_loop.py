@@ -12,7 +12,7 @@ from layflat.rig.abilities import falls, sinks, vent_time
 from layflat.rig.clock import SECOND, Clock, Deadlines
 from layflat.rig.driver import Command, DeviceState, Driver, Lifecycle, LinkError, Reading
 from layflat.rig.safety.core import Core
-from layflat.rig.safety.cycle import JUDGE
+from layflat.rig.safety.cycle_numbers import JUDGE
 from layflat.rig.safety.detectors.sample import MOTION
 from layflat.rig.safety.faults import Fault
 from layflat.rig.safety.limits import joint_limits

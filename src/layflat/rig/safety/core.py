@@ -14,6 +14,7 @@ from layflat.rig.driver import Reading
 from layflat.rig.law import ArmLaw
 from layflat.rig.named import NamedRows
 from layflat.rig.safety import cycle as compiled
+from layflat.rig.safety import cycle_numbers as numbers
 from layflat.rig.safety import estimator, moving
 from layflat.rig.safety.detectors import joint, supply
 from layflat.rig.safety.faults import Fault
@@ -21,7 +22,7 @@ from layflat.rig.safety.limits import joint_settings, rig_settings
 
 ENOUGH = 0.4  # of the supply's gauge pressure: joints with less are soft, and fling each other further than filled ones
 RIPPLE, LEAST_RIPPLE = "detectors.trace.ripple", "detectors.valve_unresponsive.ripple"
-HEAD = Struct(f"{compiled.IN_INPUTS.even}d")  # of the inputs: written in half the time of an array's slice
+HEAD = Struct(f"{numbers.IN_INPUTS.even}d")  # of the inputs: written in half the time of an array's slice
 
 
 class Core:
@@ -34,9 +35,9 @@ class Core:
         names = list(machine.joints)
         self.rig = NamedRows([rig_settings(machine)])
         self.settings = NamedRows([joint_settings(machine, name) for name in names])
-        self.memory, self.inputs = NamedRows([compiled.MEMORY] * len(names)), NamedRows([compiled.INPUTS])
+        self.memory, self.inputs = NamedRows([numbers.MEMORY] * len(names)), NamedRows([numbers.INPUTS])
         self.law = law
-        self._given, self._head = np.zeros((len(names), compiled.JOINT_INPUTS)), self.inputs.array[0]
+        self._given, self._head = np.zeros((len(names), numbers.JOINT_INPUTS)), self.inputs.array[0]
         about = self.rig.array[0], self.settings.array
         self._arrays: tuple[Array, ...] = (*about, self._head, self._given, self.memory.array)
         self._perform: Callable[..., int] = compiled.judge
@@ -107,12 +108,12 @@ class Core:
             return self._perform(*self._arrays)
         if self.between is None:
             return self._perform(*self._arrays, stages)
-        came = self._perform(*self._arrays, stages & ~compiled.GATE)
-        if came & compiled.FOUND:
+        came = self._perform(*self._arrays, stages & ~numbers.GATE)
+        if came & numbers.FOUND:
             return came
-        if stages & compiled.CONTROL:
+        if stages & numbers.CONTROL:
             self.between()
-        return came | self._perform(*self._arrays, stages & compiled.GATE)
+        return came | self._perform(*self._arrays, stages & numbers.GATE)
 
     def freeze(self, angles: Array | None = None) -> None:
         """From now on ask the joints for these angles, rad; where they are not given, for those where they are.

@@ -15,7 +15,7 @@ from layflat.physics.joint import FILLED
 from layflat.physics.sensor import Sensor
 from layflat.rig.abilities import demand_limits, payloads, resting_angles
 from layflat.rig.safety import moving
-from layflat.rig.safety.cycle import Rig, Settings
+from layflat.rig.safety.cycle_numbers import Rig, Settings
 from layflat.rig.safety.demands import Gate
 from layflat.rig.safety.detectors import (
     angle_frozen,

@@ -14,7 +14,7 @@ from layflat.rig.abilities import falls
 from layflat.rig.driver import DeviceState, Reading
 from layflat.rig.law import ArmLaw
 from layflat.rig.safety.core import Core
-from layflat.rig.safety.cycle import BAD, CHANGED, CONTROL, DEMAND, DOUBTED, ESTIMATE, FOUND, GATE, JUDGE
+from layflat.rig.safety.cycle_numbers import BAD, CHANGED, CONTROL, DEMAND, DOUBTED, ESTIMATE, FOUND, GATE, JUDGE
 from layflat.rig.safety.demands import REFUSED
 from layflat.rig.safety.faults import Fault, Reaction
 from layflat.rig.safety.state_machine import StateMachine

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from layflat.identify import Fit, fit
-from layflat.identify.benches.moving.mirrors import mirrored_losses
+from layflat.identify.benches.moving.blocks import mirrored_losses
 from layflat.identify.benches.moving.model import ArmModel
 from layflat.machine import Machine, changed, load
 from layflat.sim import rollout

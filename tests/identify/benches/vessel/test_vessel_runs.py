@@ -10,8 +10,18 @@ from scipy.integrate import solve_ivp
 
 from layflat.identify.benches.contract import simulated
 from layflat.identify.benches.vessel.gas import GASES, IDEAL_AIR, IdealAir, RealGas, contents, state_of
-from layflat.identify.benches.vessel.laws import Filling, Outside, Path, Vessel, Wall, exchange, rates
-from layflat.identify.benches.vessel.run import Course, Setup, run_vessel
+from layflat.identify.benches.vessel.laws import (
+    Course,
+    Filling,
+    Outside,
+    Path,
+    Setup,
+    Vessel,
+    Wall,
+    exchange,
+    rates,
+    run_vessel,
+)
 from layflat.physics.air import GAMMA, GAS_CONSTANT, REFERENCE_DENSITY, REFERENCE_TEMPERATURE
 from layflat.physics.chamber import Chamber
 

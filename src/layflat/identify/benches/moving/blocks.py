@@ -3,9 +3,15 @@
 A joint feels of the links after it what its own turn moves, so that some values act on no joint at all (the height of a
 base that turns about an upright axis) and others only together (the mass of a link and where that of the link before
 it is). The first are left out here; of the others a fit says so.
+
+Pairs of elements of a joint's losses can be exchanged for others that act nearly the same. Two elements of given
+weights w that slip at d have, together, a stiffness k = sum w / d and an area s = sum w d of their small and large
+loops. Both stay the same where each d is replaced by s / (k d): the logs tell the two by what is left, and a search
+that goes downhill ends at whichever is nearer.
 """
 
 from collections.abc import Iterator, Sequence
+from itertools import combinations
 
 import numpy as np
 
@@ -19,7 +25,31 @@ from layflat.physics.arms import dynamics
 from layflat.physics.arms.chain.description import LinkPart
 from layflat.physics.delay import LONGEST
 from layflat.physics.friction.stribeck import StribeckPart
+from layflat.physics.hysteresis.elasto_slip import ElastoSlipPart
 from layflat.physics.valves.switching import SwitchingValvesPart
+
+
+def mirrored_losses(machine: Machine, columns: dict[str, Array]) -> Iterator[dict[str, Array]]:
+    """Yield the values of each pair of elements of each joint that act nearly as the present ones.
+
+    Args:
+        machine: that is described; its weights hold.
+        columns: values of the unknowns by path, rad for deflections.
+
+    Returns:
+        The two that change, by path.
+    """
+    for name, joint in machine.joints.items():
+        if not isinstance(joint.losses, ElastoSlipPart):
+            continue
+        paths = [f"joint.{name}.losses.deflections.{i}" for i in range(len(joint.losses.deflections))]
+        weights = zip(paths, joint.losses.weights, strict=True)
+        sought = [(path, weight) for path, weight in weights if path in columns and weight > 0.0]
+        for pair in combinations(sought, 2):
+            k = sum(weight / columns[path] for path, weight in pair)
+            s = sum(weight * columns[path] for path, weight in pair)
+            yield {path: s / (k * columns[path]) for path, _ in pair}
+
 
 RESTS = "rests and slow ramps in many postures of all joints"
 SWINGS = "chirps up to 3 Hz of all joints, one after the other, without payload"

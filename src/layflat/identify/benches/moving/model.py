@@ -11,11 +11,10 @@ import numpy as np
 from layflat.arrays import Array
 from layflat.errors import InputError
 from layflat.identify.benches.contract import Bench, Logs, require_samples
-from layflat.identify.benches.moving.blocks import BLOCKS, unknowns
+from layflat.identify.benches.moving.blocks import BLOCKS, mirrored_losses, unknowns
 from layflat.identify.benches.moving.bodies import BodyShares
 from layflat.identify.benches.moving.leading import Leads, Stage
 from layflat.identify.benches.moving.log import Record, sensor_offset, up_to_impacts
-from layflat.identify.benches.moving.mirrors import mirrored_losses
 from layflat.identify.benches.moving.spread import possible
 from layflat.identify.model import Model
 from layflat.identify.unknown import Shares, Unknown

@@ -20,8 +20,7 @@ from layflat.errors import InputError
 from layflat.identify.benches.contract import Bench, Logs, check_known, chosen, fitted_share_of, simulated, with_columns
 from layflat.identify.benches.vessel.description import BLOCKS, Place, VesselBench
 from layflat.identify.benches.vessel.gas import GASES, IDEAL_AIR, is_gas
-from layflat.identify.benches.vessel.laws import Outside, Path, Vessel, Wall
-from layflat.identify.benches.vessel.run import Course, Setup, run_vessel
+from layflat.identify.benches.vessel.laws import Course, Outside, Path, Setup, Vessel, Wall, run_vessel
 from layflat.identify.model import Model, Output
 from layflat.identify.unknown import Unknown
 from layflat.physics.chamber import Chamber

@@ -1,12 +1,12 @@
-"""Checks of a log before it is fitted: each module asks one kind of question."""
+"""Checks of a log before it is fitted: each module asks for faults of one kind."""
 
 from layflat.arrays import Dataset
-from layflat.identify.logs.checks import alive, gauges, lags, levels, missing, signs, stops, units
+from layflat.identify.logs.checks import levels, presence, signs, stops, units
 from layflat.identify.logs.checks.channels import Issue, checked_log, ordered
 
 QUESTIONS = (
-    missing.issues, alive.issues, missing.clocks, units.issues, gauges.issues, levels.issues, signs.issues,
-    lags.issues, stops.issues, alive.still,
+    presence.missing_issues, presence.constant_issues, presence.clock_issues, units.unit_issues, units.gauge_issues,
+    levels.issues, signs.sign_issues, signs.lag_issues, stops.issues, presence.stationary_issues,
 )  # fmt: skip
 
 

@@ -13,7 +13,7 @@ from layflat.arrays import Array
 from layflat.errors import InputError
 from layflat.identify.logs.headers import STAMPED
 from layflat.identify.logs.text.cells import Cells, read_cells
-from layflat.identify.logs.text.labview import read_heading, with_segments
+from layflat.identify.logs.text.labels import read_heading, with_segments
 from layflat.identify.logs.text.layout import COMMENTS, Layout, find_layout, joined_lines, split_row
 from layflat.identify.logs.text.lines import Progress, SampleLines, encoding_of
 from layflat.identify.logs.text.numbers import Decimal, number, plain
