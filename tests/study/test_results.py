@@ -6,7 +6,7 @@ import numpy as np
 import pandas
 import pytest
 
-from layflat.plot.study import BINS, medians, study_figure
+from layflat.plot.bars_and_maps import BINS, medians, study_figure
 from layflat.study import read
 from layflat.study.results import draw
 from tests.study.studies import SMALL, written

@@ -162,8 +162,8 @@ def _draw(learnt: "Learnt", angles: "list[Array]", path: Path) -> None:
     import numpy as np  # noqa: PLC0415
 
     from layflat.motion.kinematics import tip_position  # noqa: PLC0415
-    from layflat.plot.learning import Repeats, learning_figure  # noqa: PLC0415
     from layflat.plot.style import save  # noqa: PLC0415
+    from layflat.plot.tuning import Repeats, learning_figure  # noqa: PLC0415
 
     rested, cycle = learnt.rested.angles, learnt.wanted.cycle
     time = cycle * (np.arange(len(rested), dtype=np.float64) - learnt.lead_in)

@@ -63,7 +63,7 @@ def summary(out: str | Path, metrics: tuple[str, ...]) -> Summary:
 
 def draw(study: Study, frame: pandas.DataFrame) -> Figure:
     """Draw the first metrics of a study's table over what they depend on most; of joints and moves the worst counts."""
-    from layflat.plot.study import study_figure  # noqa: PLC0415  # a summary needs no figure
+    from layflat.plot.bars_and_maps import study_figure  # noqa: PLC0415  # a summary needs no figure
 
     results, varied = {}, {}
     for metric in study.metrics[:MOST_RESULTS]:

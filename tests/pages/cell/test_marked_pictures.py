@@ -9,7 +9,7 @@ from PIL import Image
 from layflat.cell.perception import Observation
 from layflat.cell.plan.containers import Fruit
 from layflat.cell.vision import Detection, draw
-from layflat.pages.cell.pictures import detection_of, drawn, jpeg
+from layflat.pages.cell.frames import detection_of, drawn, jpeg
 
 ROUND = np.linspace(0.0, 2.0 * np.pi, 40, endpoint=False)
 

@@ -4,7 +4,7 @@ from math import isnan
 
 import pytest
 
-from layflat.pages.cell.pace import LAG, SPAN, Pace
+from layflat.pages.cell.watcher import LAG, SPAN, Pace
 
 
 class Clock:

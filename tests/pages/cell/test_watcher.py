@@ -17,9 +17,8 @@ from layflat.cell.work.results import Summary, as_dict
 from layflat.cell.work.run import Run, packed
 from layflat.errors import StoppedError
 from layflat.pages.cell.frames import FRAME, MARKED, UNMARKED
-from layflat.pages.cell.pace import Pace
 from layflat.pages.cell.snapshot import Requests, Snapshot, Stage
-from layflat.pages.cell.watcher import Watcher
+from layflat.pages.cell.watcher import Pace, Watcher
 
 SEED, PICKS = 2, 3
 

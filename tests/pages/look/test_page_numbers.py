@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from layflat.pages.look.numbers import number, within
+from layflat.pages.look.dialogs import number, within
 
 
 @pytest.mark.parametrize("value", [None, "", "3", "nan", True, [1.0], {"value": 1}, math.nan, math.inf, 10**400])

@@ -5,7 +5,7 @@ import pytest
 
 from layflat.machine import load
 from layflat.motion.inverse import Inverse
-from layflat.pages.panel.reach import ROWS, reachable
+from layflat.pages.panel.search import ROWS, reachable
 
 
 @pytest.mark.parametrize(("name", "height"), [("paper-arm", 0.0), ("picking-arm", 0.3)])

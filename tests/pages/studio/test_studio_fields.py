@@ -5,10 +5,9 @@ import pytest
 from layflat.description.change import paths, value_at
 from layflat.machine import names
 from layflat.pages.studio.design import Change, Design
-from layflat.pages.studio.field import Field, titled
+from layflat.pages.studio.field import Field, place_of, sentence, titled
 from layflat.pages.studio.fields import fields_of
 from layflat.pages.studio.opened import open_description
-from layflat.pages.studio.words import place_of, sentence
 
 
 @pytest.mark.parametrize("name", names())

@@ -1,7 +1,9 @@
-"""Observes a run for the page: what is being done, what came of picks, images; and holds it to real time."""
+"""Observer of a run for its page: what is done, what came of picks, images; and the pace of the clock."""
 
-from collections import Counter
-from collections.abc import Sequence
+import time
+from collections import Counter, deque
+from collections.abc import Callable, Sequence
+from math import nan
 
 from layflat.cell.perception import Observation
 from layflat.cell.plan.containers import Fruit
@@ -14,8 +16,43 @@ from layflat.cell.work.observer import Observer
 from layflat.cell.work.records import Delivery, Pick, Verdict
 from layflat.cell.work.tables import not_picked, row, sort, trouble
 from layflat.pages.cell.frames import Frames, Shows
-from layflat.pages.cell.pace import Pace
 from layflat.pages.cell.snapshot import ROWS, Figures, Stage
+
+LAG = 0.5  # by which the cell may be behind and still catch up: more than an image takes, s
+SPAN = 4.0  # over which the pace is measured, s
+
+
+class Pace:
+    """Compares the cell's clock with real time; `now` (s) and `sleep` are those of a clock that tests may replace."""
+
+    def __init__(self, now: Callable[[], float] = time.monotonic, sleep: Callable[[float], None] = time.sleep) -> None:
+        self.now, self._sleep = now, sleep
+        self._ahead_of = 0.0  # real time less the cell's, where both agree, s
+        self._marks: deque[tuple[float, float]] = deque()
+        self.begin()
+
+    def begin(self) -> None:
+        """Let the cell's clock go on from nought: a delivery begins."""
+        self._ahead_of = self.now()
+        self._marks.clear()
+
+    def hold(self, cell: float, *, fast: bool) -> None:
+        """Wait until real time is as far as the cell's (s since it began), unless it is to go fast."""
+        ahead = cell + self._ahead_of - self.now()
+        if fast or ahead < -LAG:
+            self._ahead_of -= ahead
+        elif ahead > 0.0:
+            self._sleep(ahead)
+
+    def measured(self, cell: float) -> float:
+        """Return by which the cell's time went faster than real time lately; not a number at first."""
+        now = self.now()
+        self._marks.append((now, cell))
+        while now - self._marks[0][0] > SPAN:
+            self._marks.popleft()
+        since, then = self._marks[0]
+        return (cell - then) / (now - since) if now > since else nan
+
 
 CHOOSES = "The cell chooses the next fruit, and the arm moves towards it."
 

@@ -9,14 +9,12 @@ from layflat.errors import LayflatError
 from layflat.machine import Machine
 from layflat.machine.exchanged import with_tracking
 from layflat.pages.look import theme
-from layflat.pages.look.dialogs import confirmed
-from layflat.pages.look.numbers import number
+from layflat.pages.look.dialogs import confirmed, number
 from layflat.pages.look.pieces import Pieces
 from layflat.pages.panel.controls import Controls
 from layflat.pages.panel.desk import Desk
-from layflat.pages.studio.field import Field, titled
+from layflat.pages.studio.field import Field, sentence, titled
 from layflat.pages.studio.fields import field_at
-from layflat.pages.studio.words import sentence
 
 DESCRIBED, TRACKING = "as described", "tracking"
 PREFIXES = "controller.", ".gains."  # of paths of values that belong to a controller

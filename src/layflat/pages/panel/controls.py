@@ -1,13 +1,33 @@
-"""Commands of one page to the rig; each is refused unless the page drives and the rig may be had."""
+"""Commands of one page to the rig, each refused unless it drives and the rig may be had; and the check of the rig."""
 
 from collections.abc import Callable, Sequence
 
 from layflat.errors import LayflatError
 from layflat.machine import Machine
-from layflat.pages.panel.checking import checked_at
 from layflat.pages.panel.desk import Desk
 from layflat.pages.panel.moves import Step
 from layflat.rig.check.open_loop import CheckResult
+from layflat.rig.check.process import checked
+
+
+def checked_at(desk: Desk, *, air: bool, tell: Callable[[str], object]) -> list[CheckResult]:
+    """Check the desk's rig and return what was found; it blocks until then.
+
+    Args:
+        desk: it is without a rig meanwhile.
+        air: whether joints are moved, too: then somebody has to mind the rig, or the check is broken off.
+        tell: told what is being done, from this thread.
+
+    Raises:
+        LayflatError: the rig is not at rest or can't be had, another check has it, or nobody minded it.
+    """
+    desk.link.lend()
+    try:
+        driver, _ = desk.rig.reached(desk.machine)
+        return checked(desk.machine, driver, air=air, tell=tell, minded=lambda: not air or desk.lease.lives)
+    finally:
+        desk.link.take_back()
+
 
 NOT_DRIVING = "This page looks on: press Drive from here first."
 NOT_OBEYING = "The rig does not obey now: see State."

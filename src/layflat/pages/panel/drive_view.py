@@ -11,7 +11,7 @@ from layflat.arrays import Array
 from layflat.errors import LayflatError
 from layflat.pages.look import theme
 from layflat.pages.look.arm_scene import ArmScene
-from layflat.pages.look.numbers import number, within
+from layflat.pages.look.dialogs import number, within
 from layflat.pages.panel.controls import Controls
 from layflat.pages.panel.desk import Desk
 from layflat.pages.panel.minder import Jogs

@@ -10,8 +10,7 @@ from nicegui import background_tasks, ui
 
 from layflat.errors import LayflatError
 from layflat.pages.look import theme
-from layflat.pages.look.dialogs import confirmed
-from layflat.pages.look.numbers import number, within
+from layflat.pages.look.dialogs import confirmed, number, within
 from layflat.pages.look.pieces import Pieces
 from layflat.pages.panel.controls import Controls
 from layflat.pages.panel.desk import Desk

@@ -7,10 +7,9 @@ from time import monotonic
 from typing import TYPE_CHECKING
 from urllib.parse import parse_qs
 
-from layflat.pages.server.answers import enter, protected, refuse, refuse_socket
+from layflat.pages.server.answers import Refusal, enter, headers, protected, refusal, refuse, refuse_socket
 from layflat.pages.server.connections import Peer
 from layflat.pages.server.messages import Judge, checked, problem_of_socket
-from layflat.pages.server.requests import Refusal, headers, refusal
 
 if TYPE_CHECKING:
     from starlette.types import ASGIApp, Message, Receive, Scope, Send

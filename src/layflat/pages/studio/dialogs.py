@@ -9,8 +9,7 @@ from nicegui import ui
 
 from layflat.errors import InputError, LayflatError
 from layflat.pages.look import theme
-from layflat.pages.look.dialogs import confirmed
-from layflat.pages.look.numbers import within
+from layflat.pages.look.dialogs import confirmed, within
 from layflat.pages.studio.cloud import Tolerances
 from layflat.pages.studio.saving import place
 from layflat.pages.studio.session import Session

@@ -6,9 +6,8 @@ from nicegui import background_tasks, ui
 
 from layflat.pages.look.pieces import Pieces
 from layflat.pages.studio.design import Design
-from layflat.pages.studio.field import Field, titled
+from layflat.pages.studio.field import Field, place_of, titled
 from layflat.pages.studio.row import Row
-from layflat.pages.studio.words import place_of
 
 MOST = 40  # values that a search shows
 

@@ -14,12 +14,10 @@ from layflat.pages.look import theme
 from layflat.pages.look.pieces import Pieces, arrived
 from layflat.pages.studio.beside import LIMIT, open_design
 from layflat.pages.studio.commands import Commands
-from layflat.pages.studio.disk_view import DiskView
 from layflat.pages.studio.editor import Editor
-from layflat.pages.studio.kept_view import KeptView
+from layflat.pages.studio.notices import DiskView, KeptView
 from layflat.pages.studio.results_view import ResultsView
-from layflat.pages.studio.session import Session, What
-from layflat.pages.studio.tabs import Tabs
+from layflat.pages.studio.session import Session, Tabs, What
 from layflat.pages.studio.worker import Worker
 
 TITLE = "layflat studio"

@@ -9,8 +9,7 @@ from nicegui.elements.mixins.value_element import ValueElement
 from layflat.errors import InputError
 from layflat.pages.look import theme
 from layflat.pages.studio.design import Design, message
-from layflat.pages.studio.field import Field
-from layflat.pages.studio.words import NOTES, place_of, sentence
+from layflat.pages.studio.field import NOTES, Field, place_of, sentence
 
 MAX_TEXT = 20_000  # characters of a value, such as a long list: a message of a page holds a few times as many
 

@@ -6,7 +6,7 @@ from nicegui import ui
 
 from layflat.errors import InputError, LayflatError
 from layflat.pages.look import theme
-from layflat.pages.look.numbers import within
+from layflat.pages.look.dialogs import within
 from layflat.pages.studio.session import Session
 from layflat.pages.studio.tuning import GENERATIONS, TuningRun
 
