@@ -22,6 +22,7 @@ from numba.core.typing.templates import AbstractTemplate, infer_global
 from numba.np.arrayobj import make_array
 
 from layflat.lanes import each, gather, slots, total, zero_if_finite
+from layflat.lanes.typing import first_leaf
 
 
 class SlotsType(types.Type):
@@ -137,17 +138,13 @@ class _ZeroIfFinite(AbstractTemplate):
     key = zero_if_finite
 
     def generic(self, args: Any, kws: Any) -> Any:  # noqa: ARG002
-        return signature(_first_leaf(args[0]), args[0])
+        return signature(first_leaf(args[0]), args[0])
 
 
 @lower_builtin(zero_if_finite, types.BaseTuple)
 def _zero_if_finite(context: Any, builder: Any, sig: Any, args: Any) -> Any:  # noqa: ARG001
     leaves = _leaves(builder, sig.args[0], args[0])
     return reduce(builder.fadd, [builder.fsub(leaf, leaf) for leaf in leaves])
-
-
-def _first_leaf(kind: Any) -> Any:
-    return _first_leaf(kind.types[0]) if isinstance(kind, types.BaseTuple) else kind
 
 
 def _leaves(builder: Any, kind: Any, value: Any) -> list[Any]:

@@ -130,12 +130,13 @@ def abreast_type(item: Any, count: int) -> Any:
 
 def packed_type(items: Any) -> Any:
     """Type of some items of one type when packed: lanes stay as they are, one lane too."""
-    of_lanes = isinstance(_first_leaf(items), LanesType)
+    of_lanes = isinstance(first_leaf(items), LanesType)
     return items if of_lanes else types.UniTuple(abreast_type(items.dtype, items.count), 1)
 
 
-def _first_leaf(kind: Any) -> Any:
-    return _first_leaf(kind.types[0]) if isinstance(kind, types.BaseTuple) else kind
+def first_leaf(kind: Any) -> Any:
+    """Type of the first leaf of a nested tuple."""
+    return first_leaf(kind.types[0]) if isinstance(kind, types.BaseTuple) else kind
 
 
 def _unpacked(few: Any, like: Any) -> Any:

@@ -24,8 +24,6 @@ RESULTS = {
 
 def best(study: Study, frame: pandas.DataFrame) -> pandas.DataFrame:
     """By valve: settling of the slowest move (s), error at rest and ripple (deg), air of the run (l)."""
-    import pandas  # noqa: PLC0415  # it comes with the extra of studies
-
     moves = moves_of(frame)
     settling = frame[[f"settling.{move}" for move in moves]].fillna(np.inf).clip(upper=WINDOW).max(axis=1)
     ripple = np.degrees(frame[[f"ripple.{move}" for move in moves]]).mean(axis=1)
