@@ -14,7 +14,8 @@ from rich.table import Table
 
 from benchmarks import accuracy, cell, chains, many, mujoco_arm, rig_loop, scipy_plant
 from benchmarks.timing import STEP, median_seconds
-from layflat.experiments.controller import CYCLES, control_cycles
+from layflat.experiments.controller import CYCLES
+from layflat.experiments.kernels import control_cycles
 from layflat.files import whole_file
 from layflat.machine import load, parameters
 from layflat.sim import Scenario

@@ -10,12 +10,12 @@ import numpy as np
 from layflat.arrays import Array
 from layflat.experiments.axis_one import AT, RATIOS, STEP, SWING
 from layflat.experiments.bench import INERTIA_PER_TORQUE, Bench, maximum_torque, payload_for_inertia
-from layflat.jit import kernel
 from layflat.machine import Machine
 from layflat.motion.scenario import Scenario
 from layflat.sim.ensemble.parallel import traced
 from layflat.sim.metrics import BAND
 from research.calibration.effort import Effort
+from research.calibration.kernels import looked_at
 from research.calibration.unknowns import known_to
 
 WATCHED = 9.5  # how long a joint is watched after its step, s
@@ -151,25 +151,3 @@ def _stepped(
     scenario = Scenario(demand=[(0.0, -STEP / 2), (AT, STEP / 2)], duration=AT + WATCHED)
     angles = traced(machine, scenario, vary, ("angle",), step=step)[:, round(AT / machine.cycle) :, 0, 0]
     return np.asarray((angles - STEP / 2).reshape(machines, runs, -1))
-
-
-@kernel
-def looked_at(error, band, last, lost):  # type: ignore[no-untyped-def]
-    """Look at errors (runs, records): records until each stays inside the band, and of the last ones range and rms.
-
-    `last` records count for the range, twice as many for the rms; an error that is not a number is `lost`.
-    """
-    found = np.empty((len(error), 3))
-    for i in range(len(error)):
-        outside, high, low, squares = 0, -np.inf, np.inf, 0.0
-        n = error.shape[1]
-        for k in range(n):
-            one = error[i, k]
-            one = lost if np.isnan(one) else one
-            outside = outside if abs(one) <= band else k + 1
-            if k >= n - last:
-                high, low = max(high, one), min(low, one)
-            if k >= n - 2 * last:
-                squares += one * one
-        found[i, 0], found[i, 1], found[i, 2] = outside, high - low, np.sqrt(squares / min(n, 2 * last))
-    return found

@@ -9,11 +9,9 @@ from typing import Any
 import numpy as np
 import xarray
 
-from layflat.control import Demand, Sensed, step, wake
 from layflat.experiments.bench import maximum_torque
 from layflat.experiments.claim import Evaluated, Experiment, Quantity, claim
-from layflat.jit import kernel
-from layflat.lanes import gather, slots
+from layflat.experiments.kernels import control_cycles
 from layflat.machine import parameters
 from layflat.motion.scenario import Scenario
 from layflat.physics.step import STEP
@@ -23,25 +21,6 @@ DRIFT = 0.05  # drift of the valve's neutral, share of full opening
 DURATION = 60.0
 OFFSET_LOAD = 0.4  # offset load of rule 3, share of the maximum torque at supply pressure
 CYCLES, BATCHES = 1000, 101  # cycles that are timed together, and how often
-
-
-@kernel
-def control_cycles(settings, angle, pressure, demand, cycles):  # type: ignore[no-untyped-def]
-    """Run the control law of all axes over many cycles of given samples; returns the sum of their voltages."""
-    like, total = settings.joints, 0.0
-    angles, pressures, demands = slots(like, angle[0]), slots(like, pressure[0]), slots(like, demand[0])
-    memory = wake(settings, Sensed(gather(like, angles), gather(like, pressures)))
-    still = gather(like, slots(like, 0.0))
-    for i in range(cycles):
-        for j in range(len(like)):
-            k = (i + j) % len(angle)
-            angles[j], pressures[j], demands[j] = angle[k], pressure[k], demand[k]
-        sensed = Sensed(gather(like, angles), gather(like, pressures))
-        memory, command, _ = step(settings, memory, sensed, Demand(gather(like, demands), still, still, still), 0.005)
-        voltages = slots(command.voltage)
-        for j in range(len(like)):
-            total += voltages[j]
-    return total
 
 
 def learnt(run: xarray.Dataset, since: float = 0.0) -> float:

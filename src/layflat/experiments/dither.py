@@ -11,12 +11,10 @@ from numpy.typing import NDArray
 from layflat.arrays import Array
 from layflat.control.paper.law import step_joint, wake_joint
 from layflat.experiments.claim import Evaluated, Experiment, Quantity, claim
-from layflat.jit import kernel
+from layflat.experiments.kernels import sweep_spool
 from layflat.machine import Machine, parameters
 from layflat.physics.valves import VALVES
 from layflat.physics.valves.spool import SpoolValvePart
-from layflat.physics.valves.spool_motion import advance_spool
-from layflat.physics.valves.spool_ports import path_conductance
 from layflat.sim import rollout
 
 SETTLED = 1.0  # ripple is measured from this time on, s
@@ -25,23 +23,6 @@ FAR, CLOSELY = 0.2, 0.005  # how far commands are swept, and by what
 SWEPT_BY = (1e-4, 800)  # step of the spool, s, and steps at each command
 HIGH_FREQUENCY = 400.0  # a dither too fast for the spool, Hz
 OPENING = "of full opening"
-
-
-@kernel
-def sweep_spool(valve, command, amplitude, frequency, h, n):  # type: ignore[no-untyped-def]
-    """Mean net opening over the last half of n steps at each command, share of full conductance."""
-    opening = np.empty_like(command)
-    x, v, t = 0.0, 0.0, 0.0
-    for i in range(len(command)):
-        total = 0.0
-        for k in range(n):
-            u = command[i] + amplitude * np.sin(2.0 * pi * frequency * (t + 0.5 * h))
-            x, v = advance_spool(valve.spool, u, 0.0, x, v, h)
-            t += h
-            net = path_conductance(valve, x) - path_conductance(valve, -x)
-            total += net if k >= n // 2 else 0.0
-        opening[i] = total / (n - n // 2) / valve.conductance
-    return opening
 
 
 @dataclass(frozen=True)

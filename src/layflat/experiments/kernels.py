@@ -1,0 +1,47 @@
+"""What the experiments compile for themselves: a timed controller, and a swept valve."""
+
+from math import pi
+
+import numpy as np
+
+from layflat.control import Demand, Sensed, step, wake
+from layflat.jit import kernel
+from layflat.lanes import gather, slots
+from layflat.physics.valves.spool_motion import advance_spool
+from layflat.physics.valves.spool_ports import path_conductance
+
+
+@kernel
+def control_cycles(settings, angle, pressure, demand, cycles):  # type: ignore[no-untyped-def]
+    """Run the control law of all axes over many cycles of given samples; returns the sum of their voltages."""
+    like, total = settings.joints, 0.0
+    angles, pressures, demands = slots(like, angle[0]), slots(like, pressure[0]), slots(like, demand[0])
+    memory = wake(settings, Sensed(gather(like, angles), gather(like, pressures)))
+    still = gather(like, slots(like, 0.0))
+    for i in range(cycles):
+        for j in range(len(like)):
+            k = (i + j) % len(angle)
+            angles[j], pressures[j], demands[j] = angle[k], pressure[k], demand[k]
+        sensed = Sensed(gather(like, angles), gather(like, pressures))
+        memory, command, _ = step(settings, memory, sensed, Demand(gather(like, demands), still, still, still), 0.005)
+        voltages = slots(command.voltage)
+        for j in range(len(like)):
+            total += voltages[j]
+    return total
+
+
+@kernel
+def sweep_spool(valve, command, amplitude, frequency, h, n):  # type: ignore[no-untyped-def]
+    """Mean net opening over the last half of n steps at each command, share of full conductance."""
+    opening = np.empty_like(command)
+    x, v, t = 0.0, 0.0, 0.0
+    for i in range(len(command)):
+        total = 0.0
+        for k in range(n):
+            u = command[i] + amplitude * np.sin(2.0 * pi * frequency * (t + 0.5 * h))
+            x, v = advance_spool(valve.spool, u, 0.0, x, v, h)
+            t += h
+            net = path_conductance(valve, x) - path_conductance(valve, -x)
+            total += net if k >= n // 2 else 0.0
+        opening[i] = total / (n - n // 2) / valve.conductance
+    return opening
