@@ -20,8 +20,6 @@ from layflat.rig.recorder.run import read_run
 from layflat.rig.safety.states import State
 from tests.cli.served_rig import LAYFLAT, ServedRig
 
-pytestmark = pytest.mark.realtime
-
 PATIENT = """
 extends = "paper-arm-fast"
 name = "arm"

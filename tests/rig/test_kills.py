@@ -13,8 +13,6 @@ from layflat.cli.virtual_rig import VirtualRig
 from layflat.machine import load
 from layflat.rig.device.process import DeviceProcess, ModbusPort
 
-pytestmark = pytest.mark.realtime
-
 ARM = patient(load("paper-arm"))
 
 

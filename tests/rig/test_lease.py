@@ -43,6 +43,10 @@ def test_a_rig_that_nobody_minds_is_held_and_stops() -> None:
     lease = Lease()
     with Session(ARM, drivers.simulated, lease=lease) as rig:
         rig.start()  # nobody is there
+        begun = time.monotonic()
+        while rig.snapshot() is None:
+            assert time.monotonic() - begun < 10.0
+            time.sleep(0.01)
         time.sleep(0.1)
         shot = rig.snapshot()
         assert shot is not None

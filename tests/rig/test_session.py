@@ -31,7 +31,6 @@ def state(rig: Session) -> State | None:
     return shot.state if shot is not None else None
 
 
-@pytest.mark.realtime
 def test_a_rig_starts_moves_and_stops(tmp_path: Path) -> None:
     recorder = partial(drivers.LineRecorder, tmp_path / "lines")
     with Session(ARM, drivers.simulated, recorder) as rig:
@@ -82,7 +81,6 @@ def host(pipe: object) -> None:
     time.sleep(60.0)
 
 
-@pytest.mark.realtime
 def test_a_host_that_is_killed_leaves_a_loop_that_vents_and_ends(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -110,7 +108,6 @@ def broken_host(lines: Path) -> None:
     raise SystemExit(3)
 
 
-@pytest.mark.realtime
 def test_a_host_that_ends_without_closing_lets_the_loop_vent_and_ends_itself(tmp_path: Path) -> None:
     process = multiprocessing.get_context("spawn").Process(target=broken_host, args=(tmp_path / "lines",))
     process.start()

@@ -15,7 +15,6 @@ from layflat.rig.drivers.address import driver_of
 from layflat.rig.lease import Lease
 from layflat.rig.session import Session
 
-pytestmark = pytest.mark.realtime
 ARM = load("paper-arm")
 NOBODY = "modbus://127.0.0.1:1"
 

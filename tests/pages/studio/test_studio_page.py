@@ -11,7 +11,7 @@ from layflat.machine import load
 from tests.cli.commands import layflat
 from tests.pages.browsers import Served, chromium, served
 
-pytestmark = [pytest.mark.compiled, pytest.mark.realtime]
+pytestmark = pytest.mark.compiled
 WIDTH = "Joint large, hose, Width in mm"
 ENOUGH = 5.0  # s; what a page takes when nobody else works on the computer is in docs, tests run beside others
 

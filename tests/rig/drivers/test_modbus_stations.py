@@ -167,7 +167,6 @@ def checked(server: Server, reply: Reply) -> CheckResult:
     return next(one for one in found if one.what == "link")
 
 
-@pytest.mark.realtime
 def test_a_check_tells_why_replies_are_no_good(server: Server, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("layflat.rig.check.all.SECONDS", 0.1)
     link = checked(server, refused(6, 23))

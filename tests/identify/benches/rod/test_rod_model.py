@@ -29,10 +29,10 @@ REAL = RIG.model_copy(
 
 
 def pushed(
-    rig: RodBench, gauge: float, noisy: float = 0.0, spikes: int = 0, seed: int = 0, cycles: int = 5
+    rig: RodBench, gauge: float, noisy: float = 0.0, spikes: int = 0, seed: int = 0, cycles: int = 5, rate: int = 100
 ) -> xarray.Dataset:
     rng = np.random.default_rng(seed)
-    time = np.linspace(0.0, 8.0 * cycles, 800 * cycles)
+    time = np.linspace(0.0, 8.0 * cycles, 8 * rate * cycles)
     position = 0.02 - 0.02 * np.cos(2 * np.pi * time / 8.0) * np.where(time < 8.0 * (cycles - 1), 1.0, 0.5)
     pressure = gauge + 3e3 * np.sign(np.sin(2 * np.pi * time / 8.0)) + 101325.0
     log = xarray.Dataset(
@@ -45,8 +45,8 @@ def pushed(
 
 
 def test_what_a_rig_shows_is_found_again() -> None:
-    logs = {f"{bar} bar": pushed(REAL, bar * 1e5, noisy=0.2, seed=bar, cycles=3) for bar in (1, 3, 6)}
-    model = RodModel(RIG, logs, {"5 bar": pushed(REAL, 5e5, cycles=3)})
+    logs = {f"{bar} bar": pushed(REAL, bar * 1e5, noisy=0.2, seed=bar, cycles=3, rate=50) for bar in (1, 3, 6)}
+    model = RodModel(RIG, logs, {"5 bar": pushed(REAL, 5e5, cycles=3, rate=50)})
     found = fit(model, starts=0)
     described = model.described(found.values)
     assert described.piston.area == pytest.approx(1.2e-3, rel=1e-3)
