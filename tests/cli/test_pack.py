@@ -75,15 +75,15 @@ def test_a_study_has_a_row_for_each_seed(few: str, tmp_path: Path) -> None:
 
 STOPPED = """\
 import os, signal, sys, threading
-from layflat.cell.work import study
+from layflat.cell.work import run
 
 def stop_after_the_first(*asked, **named):
-    runs = study_repeated(*asked, **named)
+    runs = run_repeated(*asked, **named)
     yield next(runs)
     threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGINT)).start()
     yield from runs
 
-study_repeated, study.repeated = study.repeated, stop_after_the_first
+run_repeated, run.repeated = run.repeated, stop_after_the_first
 if __name__ == "__main__":
     from layflat.cli import main
     main()

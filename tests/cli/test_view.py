@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import xarray
 
-from layflat.bridge.view import opengl
+from layflat.bridge.view import picture
 from tests.cli.commands import LAYFLAT, layflat, refused
 
 
@@ -62,9 +62,9 @@ def test_a_run_of_another_arm_and_another_format_are_refused(tmp_path: Path) -> 
 def test_without_opengl_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     pytest.importorskip("mujoco")
     monkeypatch.delenv("MUJOCO_GL", raising=False)
-    monkeypatch.setattr(opengl, "LIBRARIES", {"egl": "libNone.so"})
+    monkeypatch.setattr(picture, "LIBRARIES", {"egl": "libNone.so"})
     line = refused("view", "paper-arm", "--png", str(tmp_path / "arm.png"))
-    assert line == f"layflat: no picture can be drawn: there is no OpenGL library; {opengl.INSTALL}"
+    assert line == f"layflat: no picture can be drawn: there is no OpenGL library; {picture.INSTALL}"
 
 
 def test_a_page_is_served_until_it_is_stopped() -> None:

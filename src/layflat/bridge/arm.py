@@ -52,7 +52,7 @@ def _imported(extra: str) -> Any:
     except (
         AttributeError,
         RuntimeError,
-    ):  # MUJOCO_GL names what is not there; only pictures need it, see view/opengl.py
+    ):  # MUJOCO_GL names what is not there; only pictures need it, see view/picture.py
         before = dict(os.environ)
         os.environ["MUJOCO_GL"] = "disable"
         try:

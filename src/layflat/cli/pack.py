@@ -136,7 +136,7 @@ def _check_page(watch: bool, study: bool, page: PageOptions) -> None:
 
 def _study(cell: Cell, calibration: Path | None, seeds: range, picks: int, out: Path, machines: list[str]) -> None:
     """Report a run with each seed; what was done before an error or Ctrl-C is kept and marked as partial."""
-    from layflat.cell.work.study import repeated  # noqa: PLC0415
+    from layflat.cell.work.run import repeated  # noqa: PLC0415
 
     known, results = calibration_of(cell, calibration, out), out / RESULTS
     runs: list[Run] = []

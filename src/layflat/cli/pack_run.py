@@ -46,7 +46,7 @@ def calibration_of(
 
     What is done of a new one, a share, is `told`.
     """
-    from layflat.bridge.view.opengl import context  # noqa: PLC0415
+    from layflat.bridge.view.picture import context  # noqa: PLC0415
     from layflat.cell.vision import load_calibration  # noqa: PLC0415
     from layflat.cell.work.run import calibrated  # noqa: PLC0415
 

@@ -7,8 +7,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from layflat.bridge.pieces import COLOURS
-from layflat.bridge.view.opengl import context
-from layflat.bridge.view.picture import HEIGHT, WIDTH, picture, save_picture
+from layflat.bridge.view.picture import HEIGHT, WIDTH, context, picture, save_picture
 from layflat.bridge.view.scenery import scenery
 from layflat.errors import InputError, NoDrawingError
 from layflat.machine import load

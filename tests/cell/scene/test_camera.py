@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from layflat.bridge.view.opengl import LIBRARIES, context
+from layflat.bridge.view.picture import LIBRARIES, context
 from layflat.cell import Cell
 from layflat.cell.file.imaging import Board
 from layflat.cell.geometry import looking, rectangle

@@ -22,8 +22,7 @@ from layflat.cell.work.film_and_sheet import FPS, film_and_sheet
 from layflat.cell.work.observer import Observer, Observers, PickCounter
 from layflat.cell.work.records import Delivery
 from layflat.cell.work.results import Summary, as_dict, counted, save
-from layflat.cell.work.run import Run, calibrated, packed
-from layflat.cell.work.study import repeated
+from layflat.cell.work.run import Run, calibrated, packed, repeated
 from layflat.errors import CameraError, CellError, PictureError, RigStoppedError, StoppedError
 from layflat.machine import load
 from tests.cell.work.changed_cells import cell_with

@@ -9,7 +9,7 @@ import numpy as np
 from layflat.arrays import Array
 from layflat.bridge.arm import engine
 from layflat.bridge.pieces import BODY
-from layflat.bridge.robots.mjcf_meshes import mesh_look
+from layflat.bridge.robots.mesh_files import mesh_look
 from layflat.bridge.robots.mjcf_spec import compile_mjcf
 from layflat.bridge.robots.robot import FIXED, HINGE, SLIDE, Body, Inertial, Link, Look, Pose, Robot
 from layflat.errors import InputError

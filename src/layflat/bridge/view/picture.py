@@ -1,6 +1,9 @@
 """A picture of an arm, drawn without a screen."""
 
+import ctypes
+import os
 from collections.abc import Sequence
+from importlib import import_module
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -14,11 +17,36 @@ from layflat.bridge.arm import engine, without_warnings
 from layflat.bridge.meshes import Meshes
 from layflat.bridge.mjcf import add_geom, numbers, text_of
 from layflat.bridge.pieces import COLOURS, Piece
-from layflat.bridge.view.opengl import context
 from layflat.bridge.view.scenery import FIELD, SQUARE, Scenery, scenery, viewpoint
-from layflat.errors import InputError
+from layflat.errors import InputError, NoDrawingError
 from layflat.files import whole_file
 from layflat.machine import Machine
+
+LIBRARIES = {"egl": "libEGL.so.1", "osmesa": "libOSMesa.so.8"}  # ways to draw, the faster first, and what each needs
+INSTALL = "install one: apt-get install libegl1 libgl1-mesa-dri (or libosmesa6)"
+
+
+def context(width: int, height: int) -> Any:
+    """Return a current context to draw off screen, by MUJOCO_GL's way or the first there is; NoDrawingError without."""
+    way = os.environ.get("MUJOCO_GL", "").lower() or _there()
+    try:
+        made = import_module(f"mujoco.{way}").GLContext(width, height)
+        made.make_current()
+    except Exception as error:  # each library has errors of its own
+        reason = (str(error).splitlines() or [type(error).__name__])[0].split(". ")[0]
+        raise NoDrawingError(f"no picture can be drawn by {way} ({reason}); {INSTALL}") from None
+    return made
+
+
+def _there() -> str:
+    for way, library in LIBRARIES.items():
+        try:
+            ctypes.CDLL(library)
+        except OSError:
+            continue
+        return way
+    raise NoDrawingError(f"no picture can be drawn: there is no OpenGL library; {INSTALL}")
+
 
 WIDTH, HEIGHT = 1280, 960  # px
 MOST = 400  # points by which a way is drawn

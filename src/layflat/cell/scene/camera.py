@@ -5,7 +5,7 @@ from typing import Any, Literal, Self
 import numpy as np
 
 from layflat.arrays import Picture
-from layflat.bridge.view.opengl import context
+from layflat.bridge.view.picture import context
 from layflat.cell.extras import mujoco, opencv
 from layflat.cell.file.imaging import Camera
 from layflat.cell.scene.furniture import BOARD_GROUP

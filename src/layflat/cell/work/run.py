@@ -1,8 +1,15 @@
-"""A run of the cell: as many deliveries, trays of produce and empty containers, as it takes for a number of picks."""
+"""A run of the cell: as many deliveries, trays of produce and empty containers, as it takes for a number of picks.
 
-from collections.abc import Callable
+Runs with many seeds go on all cores.
+"""
+
+import os
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import wait
 from contextlib import ExitStack
 from dataclasses import dataclass
+from multiprocessing import get_context
+from queue import Queue
 
 import numpy as np
 
@@ -13,10 +20,12 @@ from layflat.cell.scene.camera import SimulatedCamera
 from layflat.cell.vision import Calibration
 from layflat.cell.work.belt_packer import packer_of
 from layflat.cell.work.evaluation import Evaluator
-from layflat.cell.work.observer import Observer, Observers
+from layflat.cell.work.observer import Observer, Observers, PickCounter
 from layflat.cell.work.records import Delivery, Pick
 from layflat.cell.work.station import Station
 from layflat.errors import CellError, DivergedError, LayflatError, PictureError, RigStoppedError, StoppedError
+from layflat.machine import load
+from layflat.parallel import process_pool
 
 # Of trays, and of a conveyor.
 NOTHING = "there is nothing in the trays", "nothing came on the conveyor"
@@ -105,3 +114,43 @@ def _worked(scene: Scene, perception: Perception, most: int, observer: Observer)
         scene.seed, tuple(picks), tuple(evaluator.verdicts(picks)), packer.not_picked, scene.truth().collisions,
         station.time, evaluator.vision, evaluator.overlooked(packer.packing) if worked_off else None, error,
     )  # fmt: skip
+
+
+POLL = 0.2  # between two checks of how far the others are, s
+
+
+def repeated(
+    cell: Cell, seeds: Sequence[int], picks: int, calibration: Calibration | None,
+    progress: Callable[[int], object] = lambda _: None, processes: int | None = None, machines: Sequence[str] = (),
+) -> Iterator[Run]:  # fmt: skip
+    """Yield runs with all seeds, each the same as alone, as they end; raise as `packed`.
+
+    Whoever stops iterating stops the work, and Ctrl-C does: runs that had not ended are lost. `progress` is called with
+    the picks that have ended so far; by default there is one process a core. Where `machines` are named, each seed
+    packs with the one at its number.
+    """
+    with (
+        get_context("spawn").Manager() as manager,
+        process_pool(processes or os.cpu_count(), _draw_on_one_core) as submit,
+    ):
+        ended, done = manager.Queue(), 0
+        left = {submit(_one, _with(cell, machines, seed), seed, picks, calibration, ended) for seed in seeds}
+        while left:
+            jobs, left = wait(left, timeout=POLL)
+            while not ended.empty():
+                done += ended.get()
+            progress(done)
+            for job in jobs:
+                yield job.result()
+
+
+def _draw_on_one_core() -> None:
+    os.environ.setdefault("LP_NUM_THREADS", "1")  # there are as many processes as cores
+
+
+def _with(cell: Cell, machines: Sequence[str], seed: int) -> Cell:
+    return cell.model_copy(update={"machine": load(machines[seed % len(machines)])}) if machines else cell
+
+
+def _one(cell: Cell, seed: int, picks: int, calibration: Calibration | None, ended: Queue[int]) -> Run:
+    return packed(cell, seed, picks, calibration, PickCounter(lambda _: ended.put(1)))
