@@ -54,6 +54,12 @@ def test_exact_mean_torque_is_within_half_a_percent_of_table_1() -> None:
     assert design_joint(ARM, "large").mean_torque == pytest.approx(82.10202, rel=0.005)
 
 
+@pytest.mark.parametrize("width", ["160 mm", None, [0.16]])
+def test_a_size_that_is_no_number_is_refused(width: Any) -> None:
+    with pytest.raises(DesignError, match=r"hose on a cylinder: width: .*; give a positive number"):
+        wrapped_hose(width, 0.0762, radians(120), radians(84), 1.26)
+
+
 def test_a_measured_torque_factor_counts_in_design_as_in_simulation() -> None:
     weaker = changed(ARM, "joint.large.hose.torque_factor", 0.9)
     design, whole = design_joint(weaker, "large"), design_joint(ARM, "large")

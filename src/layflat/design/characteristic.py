@@ -18,6 +18,7 @@ from math import pi
 import numpy as np
 
 from layflat.arrays import Array
+from layflat.description.wrong import shown
 from layflat.errors import DesignError
 from layflat.machine import Joint
 from layflat.physics.hose import HoseGeometry
@@ -108,8 +109,13 @@ def _of_hose(hose: HoseGeometry, through: Through) -> Characteristic:
     width, R, gamma, contact_end, c, _ = hose
     sizes = {"width": width, "radius": R, "wrap": gamma, "contact_end": contact_end, "peel_ratio": c}
     for name, value in sizes.items():
-        if not (np.isfinite(value) and value > 0):
-            raise DesignError(f"{value:.6g}", where=f"hose on a cylinder: {name}", right="give a positive number")
+        is_number = isinstance(value, (int, float))
+        if not (is_number and np.isfinite(value) and value > 0):
+            raise DesignError(
+                f"{value:.6g}" if is_number else shown(value),
+                where=f"hose on a cylinder: {name}",
+                right="give a positive number",
+            )
     if not contact_end < gamma <= pi + 2e-6:
         what = f"wrap of {np.degrees(gamma):.6g} deg and contact_end of {np.degrees(contact_end):.6g} deg"
         right = "contact_end must be smaller than wrap, and wrap at most 180 deg"
