@@ -98,7 +98,7 @@ def reproduce(
     """Perform every experiment and evaluate the paper's claims; an interruption (Ctrl-C) leaves the rest open.
 
     `progress` is called with the number of claims that are evaluated, and with how many there are. `others`: claims and
-    figures that another process comes to (see aside.py); what it does not give is evaluated here, last. `draw`: draws
+    figures that another process comes to (see report.py); what it does not give is evaluated here, last. `draw`: draws
     the figures of what was evaluated so far, while that process works.
     """
     found, claims = Reproduction.on(bench), dict[str, Claim]()

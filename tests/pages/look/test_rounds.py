@@ -7,7 +7,7 @@ from collections import Counter
 
 import pytest
 
-from layflat.pages.look.pieces import OTHERS, Rounds
+from layflat.pages.look.rounds import OTHERS, Rounds
 
 PAGES = 40
 WORK = 0.01  # of one page, s

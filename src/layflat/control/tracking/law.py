@@ -10,7 +10,7 @@ In a cycle it
    run, with the openings found, is what the model predicts (valves.py).
 
 Besides, it sets brakes, dither and supply (auxiliary.py, stiffness.py), and gives up where its model is wrong
-(doubt.py).
+(arrival.py).
 
 | symbol | meaning | unit |
 |---|---|---|

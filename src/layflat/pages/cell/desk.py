@@ -7,7 +7,7 @@ from fastapi import Response
 from nicegui import app
 
 from layflat.pages.cell.snapshot import About, Requests, Snapshot
-from layflat.pages.look.pieces import Rounds
+from layflat.pages.look.rounds import Rounds
 
 IMAGES = ("overview", "camera")
 

@@ -12,7 +12,7 @@ from layflat.errors import LayflatError
 from layflat.machine import Machine
 from layflat.machine.loader import tables
 from layflat.motion.inverse import Inverse
-from layflat.pages.look.pieces import Rounds
+from layflat.pages.look.rounds import Rounds
 from layflat.pages.panel.history import Seen
 from layflat.pages.panel.link import Reached, RigLink, Standing
 from layflat.pages.panel.operators import Operators

@@ -13,7 +13,8 @@ from layflat.errors import LayflatError
 from layflat.pages.look import theme
 from layflat.pages.look.arm_scene import ArmScene
 from layflat.pages.look.dialogs import number
-from layflat.pages.look.pieces import EVERY, Pieces, arrived
+from layflat.pages.look.pieces import Pieces, arrived
+from layflat.pages.look.rounds import EVERY
 from layflat.pages.panel.charts_view import ChartsView
 from layflat.pages.panel.check_view import CheckView
 from layflat.pages.panel.controller_view import ControllerView

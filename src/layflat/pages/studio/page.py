@@ -17,7 +17,8 @@ from layflat.pages.studio.commands import Commands
 from layflat.pages.studio.editor import Editor
 from layflat.pages.studio.notices import DiskView, KeptView
 from layflat.pages.studio.results_view import ResultsView
-from layflat.pages.studio.session import Session, Tabs, What
+from layflat.pages.studio.session import Session, What
+from layflat.pages.studio.tabs import Tabs
 from layflat.pages.studio.worker import Worker
 
 TITLE = "layflat studio"

@@ -16,7 +16,7 @@
 F = (A + A' x) p_g + (A_p + A'_p x) p_m^2 + F_0 + c x + viscous v + friction. A seal takes the shape of the pressure at
 which it is held, and not of what a regulator lets through while the rod moves. The friction is s Y tanh(v / v_s), of
 the film of lubricant (andersson2007), and a sum of elasto-slip elements (physics/hysteresis), each of which carries its
-share of the rest of Y. How they begin a log stands in hysteresis/start.py.
+share of the rest of Y. No log shows how they begin (see `share_carried`).
 """
 
 from math import tanh
