@@ -12,8 +12,6 @@ from tests.cli.served_rig import LAYFLAT, ServedRig
 from tests.pages.browsers import PATIENT_ARM, Served, chromium, link_from
 from tests.pages.panel.driving import pressed, ready, state, until
 
-pytestmark = pytest.mark.realtime
-
 
 @pytest.fixture
 def browser() -> Iterator[Any]:

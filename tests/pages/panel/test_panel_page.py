@@ -33,7 +33,6 @@ from tests.pages.panel.driving import (
     vented,
 )
 
-pytestmark = pytest.mark.realtime
 FLOOD = 600  # connections at once; a process may have 1024 files open
 
 
@@ -161,6 +160,7 @@ def held_and_stopped(folder: Path, browser: Any) -> dict[State, float]:
     return {one: min(wall[(wall > 0.0) & (mode == one)], default=math.inf) for one in reached}
 
 
+@pytest.mark.realtime
 def test_a_tab_that_is_killed_while_jogging_leaves_an_arm_that_holds_and_stops(tmp_path: Path, browser: Any) -> None:
     for attempt in "abcde":  # a busy computer may take time from loop and server just then
         (folder := tmp_path / attempt).mkdir()
