@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from layflat.errors import InputError
 from layflat.machine import load
-from layflat.motion.demand_file import read_demand, write_demand
+from layflat.motion.demand_file import read_acting, read_demand, write_demand
 from layflat.sim import rollout
 
 ARM, SMALL = load("paper-arm"), load("paper-small-joint")
@@ -40,6 +40,44 @@ def test_joints_that_a_file_does_not_name_are_held(tmp_path: Path) -> None:
     found = read_demand(ARM, path, 0.005)
     assert np.degrees(found.angles) == pytest.approx(np.array([[0.0, 0.0], [0.0, 0.0], [0.0, 10.0]]))
     assert found.velocities is None
+
+
+DISTURBED = "time [s],demand.small [deg],load.large [N mm],payload [g],supply [bar],brake.small [%]\n"
+
+
+def test_disturbances_hold_until_the_next_row_in_any_unit(tmp_path: Path) -> None:
+    path = tmp_path / "demand.csv"
+    path.write_text(DISTURBED + "0,0,500,1200,4,100\n0.01,10,-500,800,3,50\n", encoding="utf-8")
+    asked, found = read_acting(ARM, path, 0.005)
+    assert np.degrees(asked.angles[:, 1]) == pytest.approx([0.0, 0.0, 10.0])
+    assert found["load"] == pytest.approx(np.array([[0.5, 0.0], [0.5, 0.0], [-0.5, 0.0]]))
+    assert found["payload"][:, 0] == pytest.approx([1.2, 1.2, 0.8])
+    assert found["supply"][:, 0] == pytest.approx([4e5, 4e5, 3e5])
+    assert found["brake"] == pytest.approx(np.array([[1.0, 1.0], [1.0, 1.0], [1.0, 0.5]]))
+    with pytest.raises(InputError, match=r"has a column 'load.large \[N mm\]' of no joint"):
+        read_demand(ARM, path, 0.005)
+
+
+@pytest.mark.parametrize(
+    ("column", "value", "expected"),
+    [
+        ("load.large [bar]", 1, "load.large [bar]: 'bar' is no unit of it; give 'load.large [N m]'"),
+        ("load.large", 1, "None is no unit of it"),
+        ("brake.small [N m]", 1, "'N m' is no unit of it; give 'brake.small [1]'"),
+        ("load.wrist [N m]", 1, "has a column 'load.wrist [N m]' of no joint"),
+        ("load [N m]", 1, "has a column 'load [N m]' of no joint"),
+        ("payload.small [kg]", 1, "has a column 'payload.small [kg]' of no joint"),
+        ("voltage.small [V]", 1, "has a column 'voltage.small [V]' of no joint"),
+        ("]payload[", 1, "has a column ']payload[' of no joint"),
+        ("payload [kg]", -1, "payload [kg]: -1 kg is out of range"),
+    ],
+)
+def test_columns_that_are_no_disturbance(column: str, value: float, expected: str, tmp_path: Path) -> None:
+    path = tmp_path / "demand.csv"
+    path.write_text(f"time [s],demand.small [deg],{column}\n0,0,{value}\n1,0,{value}\n", encoding="utf-8")
+    with pytest.raises(InputError) as caught:
+        read_acting(ARM, path, 0.005)
+    assert expected in str(caught.value)
 
 
 def test_a_machine_follows_it(tmp_path: Path) -> None:

@@ -84,6 +84,9 @@ class Asked:
             acting["tip"] = _signal(parse_steps(self.tip, axes_of(machine), "--tip", of="axis"))
         elif self.demand is not None:
             followed = _from_file(machine, self.demand)
+            if twice := [key for key in DISTURBED if key in followed and key in acting]:
+                what = f"stands beside the columns of {self.demand}"
+                raise InputError(what, where=f"--{twice[0]}", right="give one or the other")
             acting |= followed if self.start is None else followed | {"start": acting["start"]}
         else:
             acting["demand"] = _signal(parse_steps(self.move or [], names, "--move"))
@@ -149,13 +152,14 @@ def _print_rounded(run: xarray.Dataset, asked: str) -> None:
 
 def _from_file(machine: Machine, demand: Path) -> dict[str, Any]:
     """Return what a file of demands says of a scenario, which begins at their first row and lasts as long as they."""
-    from layflat.motion.demand_file import read_demand  # noqa: PLC0415
+    from layflat.motion.demand_file import read_acting  # noqa: PLC0415
 
     if machine.controller is None:
         raise InputError("has no controller", where=machine.origin, right="give a machine that follows demands")
-    read = read_demand(machine, demand, machine.controller.cycle)
-    found = {"demand": read.angles, "demand_velocity": read.velocities, "demand_acceleration": read.accelerations}
-    return found | {"start": None, "duration": f"{len(read.angles) * machine.controller.cycle!r} s"}
+    asked, disturbances = read_acting(machine, demand, machine.controller.cycle)
+    rates = {"demand_velocity": asked.velocities, "demand_acceleration": asked.accelerations}
+    found = {"demand": asked.angles, **rates, **disturbances}
+    return found | {"start": None, "duration": f"{len(asked.angles) * machine.controller.cycle!r} s"}
 
 
 def _print_metrics(machine: Machine, run: xarray.Dataset, scenario: Scenario, demand: Path | None) -> None:

@@ -6,17 +6,21 @@
 | `demand.NAME [deg]` | a joint; without it, the joint is held in the middle of its stroke |
 | `demand_velocity.NAME [deg/s]` | a joint with angles, or none |
 | `demand_acceleration.NAME [deg/s2]` | a joint with velocities, or none |
+| `load.NAME [N m]`, `payload [kg]` ... | a disturbance that `layflat simulate` has an option for, in its units |
 
-An angle holds until the next row. With velocities, angles between rows are cubic polynomials in time, with
-accelerations those of fifth degree: they pass through the rows with what these give.
+A disturbance holds until the next row, and so does an angle. With velocities, angles between rows are cubic polynomials
+in time, with accelerations those of fifth degree: they pass through the rows with what these give.
 """
 
 import csv
-from collections.abc import Sequence
+import re
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.interpolate import BPoly
 
 from layflat.arrays import Array
@@ -27,10 +31,13 @@ from layflat.machine import Machine
 from layflat.motion.limits import abilities
 from layflat.motion.path import CLOSE, half_strokes
 from layflat.motion.rates import derived_rates, lasting_rate
+from layflat.motion.scenario import SIGNALS
 
 TIME = "time [s]"
 ROUNDING = 1e-5  # relative, by which a velocity that was written with six digits may be over its limit
 MAX_ROWS = 2_000_000  # of demands, one a control cycle: 2.8 h with one of 5 ms, which take half a minute to write
+COLUMN = re.compile(r"([^.\[]*?)(?:\.([^\[]+?))?(?: \[(.*)\])?")  # name, joint and unit of a signal
+SHARES = {"1": 1.0, "%": 0.01}
 KINDS = ("demand.{} [deg]", "demand_velocity.{} [deg/s]", "demand_acceleration.{} [deg/s2]")
 
 
@@ -40,6 +47,14 @@ class Demand(NamedTuple):
     angles: Array  # rad
     velocities: Array | None  # rad/s
     accelerations: Array | None  # rad/s2
+
+
+class Disturbance(NamedTuple):
+    """A column of a disturbance."""
+
+    name: str  # of the signal
+    joint: str | None  # None: all joints share it
+    factor: float  # from its unit to SI
 
 
 def write_demand(
@@ -71,15 +86,32 @@ def check_row_count(count: int, cycle: float, where: str) -> None:
 
 
 def read_demand(machine: Machine, path: Path, cycle: float) -> Demand:
-    """Read demands at every control cycle (s).
+    """Read demands at every control cycle (s) from a file that tells of nothing else; see `read_acting`."""
+    return read_acting(machine, path, cycle, disturbed=False)[0]
+
+
+def read_acting(
+    machine: Machine, path: Path, cycle: float, *, disturbed: bool = True
+) -> tuple[Demand, dict[str, Array]]:
+    """Read demands and disturbances at every control cycle.
 
     Rates of joints for which the file has none are derived from their angles if it has some for others.
 
+    Args:
+        machine: whose joints they are.
+        path: the file.
+        cycle: control cycle, s.
+        disturbed: whether the file may have disturbances, which nobody can ask a rig for.
+
+    Returns:
+        Demands, and disturbances by the names of signals, (cycles, joints or 1) each, in SI units.
+
     Raises:
-        InputError: the file, its columns, or a value in it: beyond a stroke, or faster than the joint can be.
+        InputError: the file, its columns, or a value in it: beyond a stroke, faster than the joint can be, or not
+            plausible.
     """
     where = str(path)
-    columns, lines = _columns(machine, path)
+    columns, lines = _columns(machine, path, disturbed=disturbed)
     time = columns.pop(TIME)
     if np.any(np.diff(time) <= 0.0) or time[0] != 0.0:
         raise InputError("does not grow from zero", where=f"{where}: {TIME}", right="give times 0, 0.005, ...")
@@ -96,10 +128,50 @@ def read_demand(machine: Machine, path: Path, cycle: float) -> Demand:
             _check(machine, name, at, sampled[-1], [f"{where}: between its rows"] * len(at))
     angles, *rates = (np.stack(of, axis=1) for of in zip(*sampled, strict=True))
     there = [any(kind.format(name) in columns for name in machine.joints) for kind in KINDS[1:]]
-    return Demand(angles, *(of if given else None for of, given in zip(rates, there, strict=True)))
+    velocities, accelerations = (of if given else None for of, given in zip(rates, there, strict=True))
+    return Demand(angles, velocities, accelerations), _disturbances(machine, columns, _held(time, at), where)
 
 
-def _columns(machine: Machine, path: Path) -> tuple[dict[str, Array], list[int]]:
+def _held(time: Array, at: Array) -> NDArray[np.int64]:
+    """Return which row holds at each instant."""
+    rows: NDArray[np.int64] = np.searchsorted(time, at + 1e-9, side="right") - 1
+    return rows
+
+
+def _disturbances(
+    machine: Machine, columns: Mapping[str, Array], rows: NDArray[np.int64], where: str
+) -> dict[str, Array]:
+    """Return the disturbances of a file at the instants at which its `rows` hold."""
+    found: dict[str, Array] = {}
+    for header, values in columns.items():
+        if (column := _disturbance(machine, header, where)) is None:
+            continue
+        row, joints = SIGNALS[column.name], list(machine.joints)
+        usual = np.full((len(rows), len(joints) if row.by_joint else 1), row.usual_of(machine))
+        checked = row.check(machine, column.factor * values, f"{where}: {header}")
+        found.setdefault(column.name, usual)[:, joints.index(column.joint) if column.joint else 0] = checked[rows]
+    return found
+
+
+def _disturbance(machine: Machine, header: str, where: str) -> Disturbance | None:
+    """Return what a column tells of a disturbance; None where it is another; raise InputError if its unit is wrong."""
+    if (match := COLUMN.fullmatch(header)) is None:
+        return None
+    name, joint, unit = match.groups()
+    row = SIGNALS.get(name)
+    if row is None or not row.option or (joint not in machine.joints if row.by_joint else joint is not None):
+        return None
+    factor = None
+    with suppress(ValueError, KeyError):
+        factor = SHARES[unit or "1"] if row.quantity is None else row.quantity.convert(f"1 {unit}")
+    if factor is None or factor <= 0.0:
+        example = row.recorded[0]
+        right = f"give '{header.partition(' [')[0]} [{example}]'"
+        raise InputError(f"{unit!r} is no unit of it", where=f"{where}: {header}", right=right)
+    return Disturbance(name, joint, factor)
+
+
+def _columns(machine: Machine, path: Path, *, disturbed: bool) -> tuple[dict[str, Array], list[int]]:
     """Return the columns of a file by their names, and the line of each row; empty lines are none."""
     where = str(path)
     check_regular(path, where, "give a CSV file")
@@ -110,7 +182,8 @@ def _columns(machine: Machine, path: Path) -> tuple[dict[str, Array], list[int]]
     except (OSError, UnicodeDecodeError) as error:
         raise InputError(f"can't be read ({error})", where=where, right="give a CSV file") from None
     header = [name.strip() for name in rows[0][1]] if rows else []
-    _check_header(machine, header, where)
+    acting = [name for name in header if disturbed and _disturbance(machine, name, where) is not None]
+    _check_header(machine, [name for name in header if name not in acting], where)
     if len(rows) < 3:
         count = "one row" if len(rows) > 1 else "no rows"
         raise InputError(f"holds {count} of numbers", where=where, right="give two or more")
@@ -165,7 +238,7 @@ def _sampled(time: Array, joint: Sequence[Array | None], at: Array, cycle: float
     angle, velocity, acceleration = joint
     if angle is None or velocity is None:
         held = np.zeros(len(time)) if angle is None else angle
-        q = held[np.searchsorted(time, at + 1e-9, side="right") - 1]
+        q = held[_held(time, at)]
         v, a = derived_rates(q[:, None], cycle)
         return q, v[:, 0], a[:, 0]
     known = [angle, velocity] if acceleration is None else [angle, velocity, acceleration]

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -14,7 +15,7 @@ from layflat.identify.model import FITTED, Flags, Output
 from layflat.identify.unknown import Unknown
 from layflat.machine import Machine, parameters
 from layflat.machine.model import AngleSensor, PressureSensor
-from layflat.motion.scenario import Scenario
+from layflat.motion.scenario import SIGNALS, Scenario
 from layflat.physics.joint import FILLED
 from layflat.sim.ensemble.parallel import traced
 
@@ -71,6 +72,9 @@ def _beginning(values: Array) -> Array:
     return np.where(counts, np.where(known, values[:FIRST], 0.0).sum(axis=0) / np.maximum(counts, 1), np.nan)
 
 
+ACTS = [name for name in SIGNALS if not name.startswith("demand")]  # what a log says of what acted on a machine
+
+
 class Record:
     """One log of a machine: an angle and a voltage of every joint at least.
 
@@ -96,26 +100,20 @@ class Record:
 
         Differential pressures are drawn to the measured ones, with a lead (V/Pa) of every joint.
         """
-        brake, dither, load, supply, payload, voltage = (
-            values if (values := self._signal(name)) is None else values[:samples]
-            for name in ("brake", "dither", "load", "supply", "payload", "voltage")
-        )
-        assert voltage is not None
+        logged = {name: values[:samples] for name in ACTS if (values := self._signal(name)) is not None}
+        acting: dict[str, Any] = {n: values for n, values in logged.items() if SIGNALS[n].path not in self.known}
+        for name in (name for name in acting if SIGNALS[name].gauge):
+            acting[name] = acting[name] - self.machine.supply.ambient_pressure
         if self.difference is not None:
-            voltage = voltage + pressure_lead * self.difference[:samples]
+            acting["voltage"] = acting["voltage"] + pressure_lead * self.difference[:samples]
         return Scenario(
             duration=samples * self.machine.cycle,
             demand=self.angle[:samples],
             demand_velocity=self._velocity[:samples],
-            voltage=voltage,
             start=dict(zip(self.joints, self.angles, strict=True)),
             pressures={name: (a, b) for name, a, b in zip(self.joints, *self.pressures, strict=True)},
-            supply=None if supply is None else supply - self.machine.supply.ambient_pressure,
-            payload=None if payload is None or "arm.payload" in self.known else payload,
-            brake=1.0 if brake is None else brake,
-            dither=1.0 if dither is None else dither,
-            load=0.0 if load is None else load,
             noise=False,
+            **acting,
         )
 
     def _signal(self, name: str) -> Array | None:
