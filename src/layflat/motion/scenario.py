@@ -173,6 +173,11 @@ class Scenario:
         range=Range(0.0, MAX_PAYLOAD, "kg", f'a mass of zero or more, up to {MAX_PAYLOAD:g} kg, such as "1.5 kg"'),
         option='such as "2 kg @ 1 s"; repeatable',
     ))  # fmt: skip
+    ambient: Signal | None = field(default=None, metadata=row(
+        "AmbientPressure", "absolute ambient pressure", path="supply.ambient_pressure", by_joint=False,
+        varies="replaces", option='such as "0.9 bar @ 1 s"; repeatable', logged="measured",
+        range=Range(2e4, 1e6, "Pa", 'an absolute pressure from 0.2 to 10 bar, such as "0.9 bar"'),
+    ))  # fmt: skip
     pressures: Pair | Mapping[str, Pair] | None = None
     noise: bool = True
     seed: int = 0

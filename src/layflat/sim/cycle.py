@@ -46,6 +46,7 @@ class Around(NamedTuple):
 
     supply: float
     payload: float
+    ambient: float
 
 
 NOTHING, NOTHING_AROUND = Acting(*[0.0] * len(Acting._fields)), Around(*[0.0] * len(Around._fields))
@@ -94,7 +95,7 @@ def is_number(given):
 @law
 def surroundings(air, shared):
     """What surrounds the joints in a control cycle: as a machine has it, and the signals that all joints share."""
-    p_a = air.ambient_pressure
+    p_a = shared.ambient
     return Surroundings(shared.supply + p_a, air.supply_temperature, p_a, air.ambient_temperature, shared.payload)
 
 

@@ -46,7 +46,7 @@ def dataset(
     cycle = np.minimum(np.arange(len(rows)) // timing.records, len(acting.by_joint) - 1)
     for name in ("demand", *Around._fields):
         row, values = SIGNALS[name], acting.named(name)[cycle]
-        values = values + machine.supply.ambient_pressure if row.gauge else values
+        values = values + acting.named("ambient")[cycle] if row.gauge else values
         unit, meaning = row.recorded
         said[name] = (both if row.by_joint else "time", values, {"units": unit, "long_name": meaning})
     tips = tip_position(machine, said["angle"][1])
