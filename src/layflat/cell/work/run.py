@@ -126,13 +126,10 @@ def repeated(
     """Yield runs with all seeds, each the same as alone, as they end; raise as `packed`.
 
     Whoever stops iterating stops the work, and Ctrl-C does: runs that had not ended are lost. `progress` is called with
-    the picks that have ended so far; by default there is one process a core. Where `machines` are named, each seed
+    the picks that have ended so far; by default there is one process a processor. Where `machines` are named, each seed
     packs with the one at its number.
     """
-    with (
-        get_context("spawn").Manager() as manager,
-        process_pool(processes or os.cpu_count(), _draw_on_one_core) as submit,
-    ):
+    with get_context("spawn").Manager() as manager, process_pool(processes, _draw_on_one_core) as submit:
         ended, done = manager.Queue(), 0
         left = {submit(_one, _with(cell, machines, seed), seed, picks, calibration, ended) for seed in seeds}
         while left:
