@@ -87,7 +87,8 @@ class Run(NamedTuple):
 
 def signals(cycles: int, joints: int, **given: Any) -> Signals:
     """Signals that are zero but for those given (which are spread over cycles and joints), at full supply."""
-    usual = {"supply": AROUND.supply_pressure - AROUND.ambient_pressure, "dither": 1.0, "voltage": np.nan}
+    p_a = AROUND.ambient_pressure
+    usual = {"supply": AROUND.supply_pressure - p_a, "ambient": p_a, "dither": 1.0, "voltage": np.nan}
     by_joint = [np.broadcast_to((usual | given).get(name, 0.0), (cycles, joints)) for name in Acting._fields]
     shared = [np.broadcast_to((usual | given).get(name, 0.0), cycles) for name in Around._fields]
     return Signals(np.stack(by_joint, axis=-1), np.stack(shared, axis=-1))

@@ -55,13 +55,13 @@ def expand(scenario: Scenario, machine: Machine, cycle: float, *, plausible: boo
         worst = float(demand[np.argmax(np.abs(demand[:, j])), j])
         parameters.check_inside_stroke(machine, name, worst, "demand" if scenario.tip is None else "tip")
     found = {"demand": demand}
-    for name, moved, derived in (
-        ("demand_velocity", "demand", lambda: derived_rates(demand, cycle)[0]),
-        ("demand_acceleration", "demand_velocity", lambda: _acceleration(scenario, found, cycle)),
-    ):
-        found[name] = derived() if getattr(scenario, name) is None else rows_of(name)
-        if plausible and getattr(scenario, name) is not None:
-            _check_travel(found[name], found[moved], cycle, name)
+    for name, moved, rate in (("demand_velocity", "demand", 0), ("demand_acceleration", "demand_velocity", 1)):
+        if getattr(scenario, name) is None:
+            found[name] = _derived(scenario, found, cycle)[rate]
+        else:
+            found[name] = rows_of(name)
+            if plausible:
+                _check_travel(found[name], found[moved], cycle, name)
     found |= {name: rows_of(name) for name in SIGNALS if name not in found}
     by_joint, shared = ([found[name] for name in of._fields] for of in (Acting, Around))
     return Signals(np.stack(by_joint, axis=-1), np.concatenate(shared, axis=-1))
@@ -80,11 +80,11 @@ def _demand(scenario: Scenario, machine: Machine, sampling: Sampling) -> Array:
     return demand_of_tip(machine, places, start, "tip")
 
 
-def _acceleration(scenario: Scenario, found: Mapping[str, Array], cycle: float) -> Array:
-    """Return the acceleration of a demand as its velocity, or it itself, moves on."""
+def _derived(scenario: Scenario, found: Mapping[str, Array], cycle: float) -> tuple[Array, Array]:
+    """Return velocity and acceleration of a demand as it moves on, or as the velocity does that is given."""
     if scenario.demand_velocity is None:
-        return derived_rates(found["demand"], cycle)[1]
-    return lasting_rate(found["demand_velocity"], cycle)
+        return derived_rates(found["demand"], cycle)
+    return found["demand_velocity"], lasting_rate(found["demand_velocity"], cycle)
 
 
 def _check_travel(rate: Array, moved: Array, cycle: float, where: str) -> None:

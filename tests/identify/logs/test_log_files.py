@@ -15,6 +15,7 @@ from pyarrow import parquet
 from layflat.errors import InputError
 from layflat.identify.logs import read_log, read_table, save
 from layflat.identify.logs.mapping import mapping_of
+from layflat.motion.scenario import SIGNALS as ACTING
 from tests.identify.logs.bags import write_json
 from tests.identify.logs.recordings import Array, changed, entry, mapping, recorded, run, write_csv
 
@@ -96,9 +97,10 @@ def test_a_mapping_undoes_what_a_rig_did(columns: Columns, scale: float, offset:
 def test_a_simulated_run_gives_what_its_sensors_saw(tmp_path: Path) -> None:
     simulated = run()
     log = read_log(save(simulated, tmp_path / "run.nc"), joints=["small"])
-    assert set(log.data_vars) == {"angle", "measured_pressure", "voltage", "demand", "supply", "payload"}
+    acting = {"demand", *(name for name, row in ACTING.items() if not row.by_joint)}
+    assert set(log.data_vars) == {"angle", "measured_pressure", "voltage", *acting}
     assert np.array_equal(log["angle"].values, simulated["measured_angle"].values)
-    for name in ("measured_pressure", "voltage", "demand", "supply", "payload"):
+    for name in ("measured_pressure", "voltage", *acting):
         assert np.array_equal(log[name].values, simulated[name].values), name
     assert log["time"].values == pytest.approx(simulated["time"].values, abs=1e-12)
     assert log.attrs["log_period"] == pytest.approx(0.005)

@@ -102,8 +102,8 @@ class Record:
         """
         logged = {name: values[:samples] for name in ACTS if (values := self._signal(name)) is not None}
         acting: dict[str, Any] = {n: values for n, values in logged.items() if SIGNALS[n].path not in self.known}
-        for name in (name for name in acting if SIGNALS[name].gauge):
-            acting[name] = acting[name] - self.machine.supply.ambient_pressure
+        around = acting.get("ambient", self.machine.supply.ambient_pressure)
+        acting |= {name: values - around for name, values in acting.items() if SIGNALS[name].gauge}
         if self.difference is not None:
             acting["voltage"] = acting["voltage"] + pressure_lead * self.difference[:samples]
         return Scenario(

@@ -8,6 +8,7 @@ import numpy as np
 from layflat.arrays import Array
 from layflat.description import units as u
 from layflat.identify.logs.checks.channels import Channel, CheckedLog, Issue, Severity, noise, quantum, runs, several
+from layflat.motion.scenario import SIGNALS as ACTING
 
 LEAST_SAMPLES = 10
 LEAST_TIME = 2.0  # of a joint's log, s: about a move
@@ -146,13 +147,13 @@ RAIL_RUN = 3  # samples on end at it
 ABRUPT = 0.25  # speed of arriving there, over a fast speed of the signal: what comes to rest by itself is slower
 STILL = 6.0  # range in standard deviations of the noise below which a signal does not move
 NOTHING_MOVES = Issue("error", "log", "nothing in it moves more than its noise", "record a motion")
-STEADY = ("supply", "payload", "brake")  # what is usually constant
+STEADY = ("brake", *(name for name, row in ACTING.items() if not row.by_joint))  # what is usually constant
 
 
 def constant_issues(log: CheckedLog) -> Iterator[Issue]:
     """Constant channels and rails, of what was measured."""
     for channel in log.filled:
-        if channel.signal.held or channel.name == "supply":
+        if channel.signal.held or channel.signal.name in STEADY:
             continue
         if np.ptp(channel.known) == 0.0:
             yield _constant(channel, log)
