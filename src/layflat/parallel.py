@@ -136,7 +136,7 @@ def _work(work: Callable[..., Any], *arguments: Any) -> Any:
 
 @contextmanager
 def aside(generator: str, *arguments: Any) -> Iterator[Iterator[Any]]:
-    """Let another process make a generator's values, while this one does something else.
+    """Make a generator's values in another process, while this one does something else.
 
     The generator is named as "module:function", so that what it imports is imported there, at the same time. Yields
     the values as they come. They end early where there is but one processor or no POSIX, or something went wrong over

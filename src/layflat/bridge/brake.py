@@ -83,7 +83,7 @@ def begin(values, entries, damping, tree, at, h, B, applied, W, J, others):  # t
 
 @kernel
 def answer(like, W, tree, at, h, limits, qvel, smooth, constraint, applied, own):  # type: ignore[no-untyped-def]
-    """Let the brakes answer to forces on all degrees of freedom, which hold with the impulses J.
+    """Apply the brakes' answer to forces on all degrees of freedom, which hold with the impulses J.
 
     The new J are applied, and the velocities after them written; returns whether they are close to the old ones.
     `like` is that of `rub`; B and S are the rows of `limits` (2, n), and J, the velocities after it and what others
@@ -165,7 +165,7 @@ class Brakes:
         self._own[0] = 0.0
 
     def _coupled(self, data: Any) -> bool:
-        """Whether a constraint touches the trees; MuJoCo tells where it looks for islands."""
+        """Return whether a constraint touches the trees; MuJoCo tells where it looks for islands."""
         if data.nisland == 0:
             return bool(data.nefc > 0)
         return bool(data.dof_island[self._tree].max() >= 0)

@@ -25,7 +25,7 @@ from layflat.physics.valves import driven, start_wave, turn_wave
 
 
 class Carry(NamedTuple):
-    """What is kept of a joint from step to step."""
+    """State of a joint that is kept from step to step."""
 
     state: JointState
     line: Line

@@ -23,7 +23,7 @@ def opencv() -> Any:
 
 @contextmanager
 def one_thread() -> Iterator[None]:
-    """Let OpenCV work on one thread: sums of several come in any order, and their last digits with it."""
+    """Restrict OpenCV to one thread: sums of several come in any order, and their last digits with it."""
     cv2 = opencv()
     threads = cv2.getNumThreads()
     cv2.setNumThreads(1)

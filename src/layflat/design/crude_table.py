@@ -25,7 +25,7 @@ from layflat.physics.hose import inflated_radius, roller_torque
 
 @dataclass(frozen=True)
 class Table1Constants:
-    """What the printed table rests on; the defaults are the paper's."""
+    """Constants that the printed table rests on; the defaults are the paper's."""
 
     pressure: float = 4e5
     cylinder_radius: float = 0.0762

@@ -31,7 +31,7 @@ BY_TORQUE = "the paper's small joint, scaled by torque"
 
 @dataclass(frozen=True)
 class SizedJoint:
-    """What sizing settled, in SI."""
+    """A joint as sized, in SI."""
 
     request: SizingRequest  # what was asked for
     joint: Joint  # the model's joint with its new sizes
@@ -46,12 +46,12 @@ class SizedJoint:
 
     @property
     def payload_inertia(self) -> float:
-        """Of what is carried, about the joint, kg m2."""
+        """Inertia of the payload about the joint, kg m2."""
         return self.request.payload_inertia or INERTIA_PER_TORQUE * self.request.torque
 
 
 class _Ratios(NamedTuple):
-    """Of the sized joint to the model's."""
+    """Ratios of the sized joint's quantities to the model's."""
 
     torque: float
     volume: float
@@ -150,7 +150,7 @@ def _scaled(sized: SizedJoint, base: Joint, ratios: _Ratios) -> Rows:
 
 
 def _slowness(sized: SizedJoint, model: Machine, base: Joint, ratios: _Ratios) -> float:
-    """How slowly the sized joint moves beside the model's, sqrt(T/J) over the model's: at most 1."""
+    """Return how slowly the sized joint moves beside the model's, sqrt(T/J) over the model's: at most 1."""
     link = base.planar_link
     along = link.inertia + link.mass * link.centre**2
     own = sized.payload_inertia + along * ratios.torque * ratios.length**3 + link.rotor_inertia * ratios.width**5

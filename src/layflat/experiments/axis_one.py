@@ -71,7 +71,7 @@ def watched(machine: Machine, scenario: Scenario) -> xarray.Dataset:
 
 @dataclass(frozen=True)
 class Carried:
-    """What a joint does with each inertia per torque (kg m2 per N m), as the median of its runs."""
+    """Motion of a joint with each inertia per torque (kg m2 per N m), as the median of its runs."""
 
     times: Mapping[float, float]  # until it stays within 0.3 deg, s
     sustained: Mapping[float, bool]  # whether it goes on oscillating
@@ -87,7 +87,7 @@ class Carried:
 
 
 def carried(machine: Machine, brake: float) -> Carried:
-    """Let a small joint step with every inertia, and look at when it settles and whether it goes on oscillating."""
+    """Simulate steps of a small joint with every inertia: when it settles, and whether it goes on oscillating."""
     torque = maximum_torque(machine, "small")
     payloads = [payload_for_inertia(machine, "small", ratio * torque) for ratio in RATIOS]
     vary = {"arm.payload": np.repeat(payloads, SEEDS), "seed": np.tile(np.arange(SEEDS, dtype=float), len(RATIOS))}
@@ -158,12 +158,12 @@ class AxisOne(Experiment):
 
     @cached_property
     def carried_braked(self) -> Carried:
-        """What the new joint with its brake does with every inertia."""
+        """Return what the new joint with its brake does with every inertia."""
         return carried(self.bench.axis_one, self.bench.brake)
 
     @cached_property
     def carried_earlier(self) -> Carried:
-        """What the earlier actuator does with every inertia."""
+        """Return what the earlier actuator does with every inertia."""
         return carried(self.bench.earlier_scaled, 0.0)
 
     @claim("unbraked-joint")

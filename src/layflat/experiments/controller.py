@@ -50,7 +50,7 @@ class Controller(Experiment):
 
     @claim("long-term-integral")
     def rules_of_the_integral(self) -> Evaluated:
-        """Let the integral learn at rest, with the air off, in motion, and under an offset load."""
+        """Simulate the integral at rest, with the air off, in motion, and under an offset load."""
         machine = self.bench.axis_one
         load = OFFSET_LOAD * maximum_torque(machine, "small")
         ambient = machine.supply.ambient_pressure

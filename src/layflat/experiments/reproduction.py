@@ -48,7 +48,7 @@ class Reproduction:
 
     @property
     def bench(self) -> Bench:
-        """What was tested."""
+        """Return what was tested."""
         return self.statics.bench
 
     @property
@@ -58,17 +58,17 @@ class Reproduction:
 
     @property
     def stopped(self) -> bool:
-        """Whether it was interrupted before all claims were evaluated."""
+        """True if it was interrupted before all claims were evaluated."""
         return any(claim.reason == STOPPED for claim in self.claims)
 
     @property
     def agrees(self) -> bool:
-        """Whether every claim that could be evaluated agrees."""
+        """True if every claim that could be evaluated agrees."""
         return all(claim.agrees for claim in self.evaluated)
 
     @property
     def summary(self) -> str:
-        """How many claims agree, in a line."""
+        """Return how many claims agree, in a line."""
         said = f"{sum(claim.agrees is True for claim in self.claims)} of {len(self.evaluated)} claims agree"
         left = sum(claim.reason == STOPPED for claim in self.claims)
         lacking = len(self.claims) - len(self.evaluated) - left

@@ -69,11 +69,11 @@ class Identification:
 
     @cached_property
     def checksums(self) -> dict[str, str]:
-        """Of the fitted logs, by name."""
+        """Checksums of the fitted logs, by name."""
         return {name: str(log.attrs.get("log_sha256", "unknown")) for name, log in self.logs.items()}
 
     def values(self, found: Fit) -> list[Written]:
-        """What was found, in the units of the description."""
+        """Values that were found, in the units of the description."""
         return written_values(found, self.taken(found).described, described_tables(self.given)[0])
 
     @property

@@ -38,17 +38,17 @@ class Written:
 
     @property
     def identified(self) -> bool:
-        """Whether the logs identify it."""
+        """True if the logs identify it."""
         return self.estimate is None or self.estimate.identified
 
     @property
     def at_bound(self) -> bool:
-        """Whether it hit its bound."""
+        """True if it hit its bound."""
         return self.estimate is not None and self.estimate.at_bound
 
 
 def identified_path(given: str, described: Machine | BenchDescription, folder: Path) -> Path:
-    """Where the description is put; raise InputError if what it begins with can't be extended from there."""
+    """Return where the description is put; raise InputError if what it begins with can't be extended from there."""
     if isinstance(described, Machine):
         return derived_path(given, folder, SUFFIX)
     path = folder / f"{Path(given).stem.removesuffix('.rig')}-{SUFFIX}.toml"
@@ -114,7 +114,7 @@ def write_identified(
 
 
 def _sources(rows: Sequence[Written], origin: str) -> dict[str, Provenance]:
-    """Of every value by its path; those of a list, which has one source, have the same."""
+    """Return the source of every value by its path; those of a list, which has one source, have the same."""
     lists: dict[str, list[Written]] = {}
     for row in rows:
         parent, _, item = row.path.rpartition(".")

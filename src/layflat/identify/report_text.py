@@ -43,7 +43,7 @@ def sections(found: Fit, values: Sequence[Written]) -> list[Section]:
 
 
 def issue_section(issues: Mapping[str, Sequence[Issue]]) -> Section:
-    """What is doubtful in the logs, the worst first; what is alike in several logs is said once, as of the first."""
+    """Return doubts in the logs, the worst first; what is alike in several logs is said once, as of the first."""
     together: dict[tuple[str, str, str], list[tuple[str, Issue]]] = {}
     for name, found in issues.items():
         for issue in found:
@@ -56,7 +56,7 @@ def issue_section(issues: Mapping[str, Sequence[Issue]]) -> Section:
 
 
 def experiment_rows(values: Sequence[Written]) -> list[Row]:
-    """What to record, and the parameters that it would identify."""
+    """Return what to record, and the parameters that it would identify."""
     missed: dict[str, list[str]] = {}
     for value in values:
         if value.estimate is not None and not value.identified and value.estimate.unknown.excitation:
@@ -65,7 +65,7 @@ def experiment_rows(values: Sequence[Written]) -> list[Row]:
 
 
 def prediction(found: Fit) -> str:
-    """How well what was not fitted is predicted, in one sentence: of every fitted signal, its worst."""
+    """Return how well what was not fitted is predicted, in one sentence: of every fitted signal, its worst."""
     if not found.predictions:
         return "No samples were kept for validation."
     parts = []
@@ -93,7 +93,7 @@ def expected(found: Fit) -> str:
 
 
 def count_identified(values: Sequence[Written]) -> str:
-    """How many parameters are identified, in one sentence."""
+    """Return how many parameters are identified, in one sentence."""
     sure = sum(value.identified for value in values)
     counted = {0: "None", len(values): "All"}.get(sure, str(sure))
     return f"{counted} of {len(values)} parameters {'is' if sure == 1 else 'are'} identified by the logs."

@@ -67,7 +67,7 @@ def from_zero(most: Callable[[Any, float], float]) -> Range:
 
 
 def around(span: Callable[[Any], float]) -> Range:
-    """As far both ways."""
+    """Return bounds that are as far both ways."""
     return lambda described, guess: (guess - span(described), guess + span(described), False)
 
 

@@ -48,7 +48,7 @@ class _AsItIs:
 
 
 class _Models:
-    """How arguments are handed to a law, by their types."""
+    """Models by which arguments are handed to a law, by their types."""
 
     def __init__(self, models: Any) -> None:
         self._models = models
@@ -62,7 +62,7 @@ _refers: WeakKeyDictionary[Any, bool] = WeakKeyDictionary()
 
 
 class _References(NRTContext):
-    """What counts references."""
+    """Counting of references."""
 
     def get_meminfos(self, builder: Any, kind: Any, value: Any) -> Any:
         if kind not in _refers:
@@ -74,7 +74,7 @@ _sizes: dict[str, int] = {}
 
 
 class _LawContext(CPUContext):
-    """How a law is compiled and called; all that it calls itself is called as that was compiled."""
+    """Context in which a law is compiled and called; all that it calls itself is called as that was compiled."""
 
     @property
     def nrt(self) -> Any:
@@ -127,7 +127,7 @@ def _parsed(name: str, text: str) -> Any:
 
 
 class _Nowhere:
-    """What keeps the environments of machine code, where there is none."""
+    """Keeper of the environments of machine code, where there is none."""
 
     def set_env(self, name: str, env: Any) -> None:
         """Keep nothing."""

@@ -68,7 +68,7 @@ class LikeType(types.Opaque):
 
     @property
     def key(self) -> Any:
-        """What tells it from others."""
+        """Key that tells it from others."""
         return self.value, self.most
 
 
@@ -88,7 +88,7 @@ def _value(like: Any) -> Any:
 
 
 def width_in(context: Any, number: Any, block: Any = None) -> int:
-    """As `width`, in code of a compiler's context: other targets than this machine read one lane of a block."""
+    """Return `width` in code of a compiler's context: other targets than this machine read one lane of a block."""
     if block is None:
         return getattr(number, "count", 1)
     if not isinstance(context, (Context, CPUContext)):

@@ -63,7 +63,7 @@ class Interface(Part):
 
 
 class Safety(Part):
-    """What a rig may do; how soon a fault has to be found stands in rig/safety/faults.py."""
+    """Limits of a rig; how soon a fault has to be found stands in rig/safety/faults.py."""
 
     supply_low: u.Share = Field(default=0.5, description="share of the supply's gauge pressure; below it it is lost")
     supply_ready: u.Share = Field(default=0.8, description="share of the same that a soft start waits for")

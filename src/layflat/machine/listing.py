@@ -191,7 +191,7 @@ def with_value(plain: dict[str, Any], base: dict[str, Any], path: str, value: An
 
 
 def at_path(table: Any, keys: list[str]) -> Any:
-    """What stands in nested tables and lists, or None."""
+    """Return what stands in nested tables and lists, or None."""
     for key in keys:
         table = table[int(key)] if isinstance(table, list) else table.get(key) if isinstance(table, dict) else None
     return table

@@ -27,7 +27,7 @@ class MachineLibrary(Library):
     """Machines: a file and those that it extends may each name files of kinds, relative to their own folders."""
 
     def layers(self, where: str | Path, above: tuple[str, ...] = ()) -> list[Layer]:
-        """As of any library; `NAME@17` are those of a description, with what a cloud's member lays over them."""
+        """Return layers; `NAME@17` are those of a description, with what a cloud's member lays over them."""
         if (member := parted(str(where))) is None:
             return super().layers(where, above)
         name, file, number = member
@@ -42,12 +42,12 @@ class MachineLibrary(Library):
         return found
 
     def beside(self, where: str, name: str) -> str:
-        """As of any library; members of clouds are named as the machines are."""
+        """Return names beside as any library does; members of clouds are named as the machines are."""
         member = parted(name)
         return name if member and member[0] in self.names else super().beside(where, name)
 
     def laid(self, under: tuple[Plain, Sources], layer: Layer) -> tuple[Plain, Sources]:
-        """As in any library; but of a part below that is of another kind only what both kinds know is kept.
+        """Return tables laid over others; of a part below that is of another kind only what both kinds know is kept.
 
         Files of meshes get full paths, as those of kinds do: they are beside the file that names them.
         """
@@ -68,14 +68,14 @@ class MachineLibrary(Library):
         return super().laid(under, replace(layer, plain=plain, omits=(*layer.omits, *omitted)))
 
     def tables(self, where: str | Path) -> tuple[Plain, Sources]:
-        """As of any library; `kinds` are those of all files, the lowest first, with full paths."""
+        """Return tables as any library does; `kinds` are those of all files, the lowest first, with full paths."""
         plain, sources = super().tables(where)
         kinds = [path for layer in self.layers(where) for path in _kinds(layer)] if "kinds" in plain else []
         return plain | ({"kinds": list(dict.fromkeys(kinds))} if kinds else {}), sources
 
 
 def _part(plain: Plain, place: str) -> Any:
-    """What stands at a dotted path, None where nothing does."""
+    """Return what stands at a dotted path, None where nothing does."""
     part: Any = plain
     for key in place.split("."):
         part = part.get(key) if isinstance(part, dict) else None

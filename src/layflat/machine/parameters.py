@@ -206,7 +206,7 @@ def _joint(machine: Machine, name: str, rubbing: Any, *, even: bool) -> Joint:
 
 
 def adjustables(joint: parts.Joint, least_dither: float) -> Adjustables:
-    """What a controller can adjust of a joint besides its valve's opening."""
+    """Return what a controller can adjust of a joint besides its valve's opening."""
     dither = Adjustable(least_dither, DITHER_RATE)
     return Adjustables(_adjustable(joint.brake.calliper), dither, _adjustable(joint.regulator))
 
@@ -293,7 +293,7 @@ def control(machine: Machine, *, closed_loop: bool = True) -> Any:
 
 
 def air_parts(machine: Machine, name: str) -> AirParts:
-    """What the watch over a joint's air has to know; a hose with a roller counts with its mean torque.
+    """Return what the watch over a joint's air has to know; a hose with a roller counts with its mean torque.
 
     Raises:
         MachineError: the machine has no valve or sensors.

@@ -70,7 +70,7 @@ class Cylinder(Part):
 
 
 class Output(Part):
-    """What the strap turns: a round roller, or a cam that keeps the torque constant."""
+    """Part that the strap turns: a round roller, or a cam that keeps the torque constant."""
 
     kind: Literal["roller", "cam"]
     radius: u.Size = Field(description="radius of the round roller; a cam keeps this roller's stroke and mean torque")
@@ -80,7 +80,7 @@ class Output(Part):
 
 
 class Strap(Part):
-    """What joins hose or shell to the output."""
+    """Strap from hose or shell to the output."""
 
     material: str
     width: u.Size
@@ -94,7 +94,7 @@ class Strap(Part):
 
 
 class Cover(Part):
-    """What lies on the hose's outer surface; it limits how far the hose distorts."""
+    """Cover on the hose's outer surface; it limits how far the hose distorts."""
 
     kind: Literal["none", "plate", "polythene", "shell"]
     loss_factor: u.Share = Field(description="share of the hose's loss that remains")
@@ -230,7 +230,7 @@ class Joint(Part):
 
     @property
     def planar_link(self) -> Link:
-        """Its link in a planar arm; raise MachineError if it has none."""
+        """Return its link in a planar arm; raise MachineError if it has none."""
         if self.link is None:
             raise MachineError("joint has no link of a planar arm", right="describe it as [joint.NAME.link]")
         return self.link

@@ -88,7 +88,7 @@ def _value(joint: Joint, key: str) -> float:
 
 
 def _derived(joint: Joint) -> dict[str, float]:
-    """What the values would be where they are not given."""
+    """Return what the values would be where they are not given."""
     mass, link = {"body.mass": body_mass(joint)}, joint.link
     if link is None:
         return mass

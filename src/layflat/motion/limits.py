@@ -56,7 +56,7 @@ class MotionLimits:
 
 
 class TipLimits(NamedTuple):
-    """What the tip may do at most."""
+    """Limits of the tip."""
 
     speed: float = inf  # m/s
     acceleration: float = inf  # m/s2
@@ -64,7 +64,7 @@ class TipLimits(NamedTuple):
 
 
 class Ability(NamedTuple):
-    """What the joints of a machine can do with their valves fully open, and what opposes them; (joints,) each."""
+    """Abilities of a machine's joints with their valves fully open, and what opposes them; (joints,) each."""
 
     speed: Array  # rad/s
     torque: Array  # of a full hose against an empty one, N m

@@ -20,7 +20,7 @@ Timing = Callable[[Array], tuple[Array, Array, Array]]
 
 
 class States(NamedTuple):
-    """Of all joints at several instants, (instants, joints) each, or at one, (joints,) each."""
+    """States of all joints at several instants, (instants, joints) each, or at one, (joints,) each."""
 
     angles: Array  # rad
     velocities: Array  # rad/s

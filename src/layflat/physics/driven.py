@@ -41,7 +41,7 @@ def through_hole(hose, state, share, p_a):
 
 
 class Inputs(NamedTuple):
-    """What acts on a joint from outside."""
+    """Signals that act on a joint from outside."""
 
     voltage: float
     load: float  # N m
@@ -50,7 +50,7 @@ class Inputs(NamedTuple):
 
 
 class Outputs(NamedTuple):
-    """Where a joint is: angle (rad), velocity (rad/s), absolute pressures (Pa)."""
+    """State of a joint: angle (rad), velocity (rad/s), absolute pressures (Pa)."""
 
     angle: float
     velocity: float
@@ -67,7 +67,7 @@ GIVEN, SEEN, AIR = columns(Inputs), columns(Outputs), columns(Surroundings)
 
 
 class DrivenJoints(ABC):
-    """What all such joints have in common; who moves them on keeps rows of numbers in `_kept`, as tuples like `_like`.
+    """Base of all such joints; who moves them on keeps rows of numbers in `_kept`, as tuples like `_like`.
 
     Args:
         joints: their parameters.
@@ -102,12 +102,12 @@ class DrivenJoints(ABC):
 
     @property
     def angles(self) -> Array:
-        """Where the joints are, rad, (joints,)."""
+        """Angles of the joints, rad, (joints,)."""
         return self._seen[:, SEEN.angle].copy()
 
     @property
     def velocities(self) -> Array:
-        """How fast they turn, rad/s, (joints,)."""
+        """Velocities of the joints, rad/s, (joints,)."""
         return self._seen[:, SEEN.velocity].copy()
 
     @property
@@ -131,7 +131,7 @@ class DrivenJoints(ABC):
         self._write_joints()
 
     def burst(self, joint: int, hose: int | None) -> None:
-        """Let a hose of a joint (0: A, 1: B) lose its air through a hole; None mends both."""
+        """Burst a hose of a joint (0: A, 1: B), which loses its air through a hole; None mends both."""
         self._holes[joint] = 0.0
         if hose is not None:
             self._holes[joint, hose] = self._lost
@@ -147,7 +147,7 @@ class DrivenJoints(ABC):
 
     @abstractmethod
     def _write_joints(self) -> None:
-        """Let the compiled laws know that parameters have changed."""
+        """Tell the compiled laws that parameters have changed."""
 
 
 class Plant(DrivenJoints):
@@ -159,7 +159,7 @@ class Plant(DrivenJoints):
     @property
     @abstractmethod
     def time(self) -> float:
-        """How far it has been advanced, s."""
+        """Time to which it has been advanced, s."""
 
     @abstractmethod
     def drive(self, voltages: Array) -> None:
@@ -167,7 +167,7 @@ class Plant(DrivenJoints):
 
     @abstractmethod
     def advance(self, until: float) -> None:
-        """Let time pass up to the last whole step before `until` (s); raise DivergedError if the machine diverged."""
+        """Advance to the last whole step before `until` (s); raise DivergedError if the machine diverged."""
 
     @abstractmethod
     def sense(self) -> tuple[Array, Array]:

@@ -80,7 +80,7 @@ class Joint(NamedTuple):
 
 
 class Surroundings(NamedTuple):
-    """What the joints share: absolute pressures (Pa), temperatures (K), payload (kg)."""
+    """Surroundings that the joints share: absolute pressures (Pa), temperatures (K), payload (kg)."""
 
     supply_pressure: float
     supply_temperature: float
@@ -90,7 +90,7 @@ class Surroundings(NamedTuple):
 
 
 class Drive(NamedTuple):
-    """What acts on a joint during one control cycle."""
+    """Drive of a joint during one control cycle."""
 
     opening: float  # opening asked of the valve, without dither, -1..1
     brake_torque: float  # torque at which the brake slips, N m

@@ -63,7 +63,7 @@ class LineAir(NamedTuple):
 
 
 class Flows(NamedTuple):
-    """What reached the hose (J, kg) and what left the supply (kg)."""
+    """Flows into the hose (J, kg) and out of the supply (kg)."""
 
     energy: float
     mass: float

@@ -45,7 +45,7 @@ RIG_SIGNALS: dict[str, tuple[str, str]] = {
 
 @dataclass(frozen=True)
 class Layout:
-    """Where everything stands in a row: what is shared, then one joint after the other."""
+    """Layout of a row: what is shared, then one joint after the other."""
 
     joints: tuple[str, ...]  # names, from base to tip
     law: tuple[tuple[str, tuple[str, str]], ...] = ()  # name, unit and meaning of what the control law tells of a joint
@@ -73,7 +73,7 @@ class Layout:
 
     @cached_property
     def columns(self) -> dict[str, int]:
-        """Where the numbers of a joint stand in its part of a row, by name."""
+        """Columns of a joint's numbers in its part of a row, by name."""
         return {name: i for i, name in enumerate(self.by_joint)}
 
     def joint_rows(self, rows: Array) -> Array:

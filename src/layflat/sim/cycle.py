@@ -15,7 +15,7 @@ from layflat.physics.valves import driven, start_wave, weaken_wave
 
 
 class Lead(NamedTuple):
-    """What draws a joint to what a log has of it."""
+    """Gains that draw a joint to its log."""
 
     voltage: float  # towards the demand, where the joint follows given voltages, V/rad
     pressure: float  # by which these fall with the differential pressure, V/Pa
@@ -74,7 +74,7 @@ class Noise(NamedTuple):
 
 
 class Loop(NamedTuple):
-    """What goes on in the joints between cycles: slots with an item a joint."""
+    """State of the loop between cycles: slots with an item a joint."""
 
     acting: Any
     leads: Any
@@ -88,20 +88,20 @@ class Loop(NamedTuple):
 
 @law
 def is_number(given):
-    """Whether something is given."""
+    """Return whether something is given."""
     return given == given  # noqa: PLR0124
 
 
 @law
 def surroundings(air, shared):
-    """What surrounds the joints in a control cycle: as a machine has it, and the signals that all joints share."""
+    """Surroundings of the joints in a control cycle: as a machine has them, and the signals that all joints share."""
     p_a = shared.ambient
     return Surroundings(shared.supply + p_a, air.supply_temperature, p_a, air.ambient_temperature, shared.payload)
 
 
 @law
 def sense(joint, state, noise):
-    """What a joint's sensors say: angle (rad) and differential pressure (Pa)."""
+    """Return what a joint's sensors say: angle (rad) and differential pressure (Pa)."""
     return (
         read_sensor(joint.angle_sensor, state.motion.angle, noise.angle),
         read_sensor(joint.pressure_sensor, state.hose_a.pressure - state.hose_b.pressure, noise.pressure),
@@ -110,7 +110,7 @@ def sense(joint, state, noise):
 
 @composition
 def sense_all(joints, like, states, noise):
-    """What the sensors of all joints say; `like` is a tuple of as many items."""
+    """Return what the sensors of all joints say; `like` is a tuple of as many items."""
     zero = 0.0 * states[0].motion.angle
     angles, pressures = slots(like, zero), slots(like, zero)
     for j in range(len(like)):

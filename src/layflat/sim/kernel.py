@@ -18,7 +18,7 @@ from layflat.sim.cycle import NOT_LED, NOTHING, NOTHING_AROUND, Loop, Noise, con
 
 
 class Case(NamedTuple):
-    """What is simulated: parameter tuples of `physics` and `control`."""
+    """Parameters of a run: tuples of `physics` and `control`."""
 
     arm: Any
     joints: tuple[Joint, ...]
@@ -27,7 +27,7 @@ class Case(NamedTuple):
 
 
 class Timing(NamedTuple):
-    """How a run is cut: cycle (s), steps of the plant per cycle, records per cycle."""
+    """Cut of a run: cycle (s), steps of the plant per cycle, records per cycle."""
 
     cycle: float
     steps: int
@@ -35,7 +35,7 @@ class Timing(NamedTuple):
 
 
 class Sample(NamedTuple):
-    """What is recorded of a joint at an instant: the columns of a run, in this order."""
+    """Record of a joint at an instant: the columns of a run, in this order."""
 
     angle: float
     velocity: float
@@ -168,5 +168,5 @@ def all_cycles(case, angles, pressures, signals, samples, timing, reported, done
 
 @kernel
 def run_cycles(like, numbers, angles, pressures, signals, samples, timing, reported, done):
-    """As `all_cycles`, of what a case looks like (`Like`) and its numbers in order."""
+    """Run `all_cycles` of what a case looks like (`Like`) and its numbers in order."""
     return all_cycles(read_numbers(like, numbers), angles, pressures, signals, samples, timing, reported, done)

@@ -20,7 +20,7 @@ from layflat.sim.cycle import Noise, sense
 
 
 class Setting(NamedTuple):
-    """What holds while a plant is moved on."""
+    """Setting that holds while a plant is moved on."""
 
     arm: Any
     joints: tuple[Joint, ...]
@@ -29,7 +29,7 @@ class Setting(NamedTuple):
 
 
 class Carry(NamedTuple):
-    """What is kept of a joint from call to call."""
+    """State of a joint that is kept from call to call."""
 
     state: JointState
     wave: Any  # dither or carrier of the coming step

@@ -69,7 +69,7 @@ def inside(where: str, keys: set[str]) -> Iterator[None]:
 
 
 def _check_settings(scenarios: Sequence[Scenario], drawn: Samples, where: str) -> None:
-    """What a scenario says itself from the start on can't vary as well."""
+    """Refuse to vary what a scenario says itself from the start on."""
     for setting, path in SAME_THING.items():
         key = setting.removeprefix("scenario.")
         for i, scenario in enumerate(scenarios):

@@ -31,7 +31,7 @@ ONE_FOR_ALL = "controller.cycle"  # a number of the machine that is the same in 
 
 @dataclass(frozen=True)
 class Kind:
-    """How the values of something that varies are written."""
+    """Written form of the values that vary."""
 
     annotation: Any  # of the number, with its quantity and its bounds, as in a machine's description
 
@@ -47,7 +47,7 @@ class Kind:
 
     @property
     def whole(self) -> bool:
-        """Whether only whole numbers make sense."""
+        """True if only whole numbers make sense."""
         return is_whole(self.annotation)
 
     def parse(self, value: object, where: str) -> float:
@@ -163,7 +163,7 @@ _Signals = create_model("_Signals", __base__=Part, **_ROWS)
 
 
 class ScenarioTable(_Signals):
-    """What happens in a run: the keys of `Scenario`, and a name for the column `scenario` of the results."""
+    """Scenario of a study: the keys of `Scenario`, and a name for the column `scenario` of the results."""
 
     name: str | None = None
     tip: Annotated[Any, Signal(u.LENGTH)] = None
@@ -175,7 +175,7 @@ class ScenarioTable(_Signals):
 
 
 class Range(Part):
-    """How one thing varies: evenly from low to high, among values, or normally about a mean.
+    """Range of one thing that varies: evenly from low to high, among values, or normally about a mean.
 
     What is written depends on the path that varies, so the values are read later, by `varied.resolved`. The paths in
     `also` vary along with it. Of what is `relative` the values are factors on what the machine says. A `group` has

@@ -102,7 +102,7 @@ def _most_decisive(frame: pandas.DataFrame, paths: list[str], result: Array) -> 
 
 
 def _cases(frame: pandas.DataFrame) -> dict[str, NDArray[np.bool_]]:
-    """Which runs belong to each variant and scenario, by their names where there are several."""
+    """Return which runs belong to each variant and scenario, by their names where there are several."""
     by = [name for name in ("variant", "scenario") if name in frame and frame[name].nunique() > 1]
     names = frame[by].astype(str).agg(", ".join, axis=1) if by else frame.assign(case="")["case"]
     return {name: (names == name).to_numpy() for name in names.unique()}

@@ -39,7 +39,7 @@ class Study:
 
     @property
     def name(self) -> str:
-        """Of the study."""
+        """Name of the study."""
         return self.file.name
 
     @property
@@ -49,7 +49,7 @@ class Study:
 
     @property
     def samples(self) -> int:
-        """How many there are of each machine."""
+        """Return how many there are of each machine."""
         if self.file.sampling == "grid":
             return prod(one.count for one in self.varied)
         assert self.file.runs is not None
@@ -57,12 +57,12 @@ class Study:
 
     @property
     def fits(self) -> bool:
-        """Whether all samples can be held in memory at once, as they are drawn."""
+        """True if all samples can be held in memory at once, as they are drawn."""
         return self.samples * len(self.varied) <= MOST_HELD
 
     @property
     def blocks(self) -> list[str]:
-        """What has sensitivity indices, in their order: everything that varies, then the groups."""
+        """Return what has sensitivity indices, in their order: everything that varies, then the groups."""
         return [*(one.path for one in self.varied), *groups(self.varied)]
 
     @property
@@ -72,7 +72,7 @@ class Study:
 
     @property
     def step(self) -> float:
-        """Of the plant, s."""
+        """Step of the plant, s."""
         return self.file.step or STEP
 
     @property
@@ -82,7 +82,7 @@ class Study:
 
     @property
     def columns(self) -> int:
-        """Of the table, at most: every metric of every joint in every move."""
+        """Columns of the table, at most: every metric of every joint in every move."""
         each = cases(self.machine, list(self.scenarios), {}, 1).most_moves * len(self.machine.joints)
         return 5 + len(self.varied) + len(self.metrics) * each
 
@@ -93,7 +93,7 @@ class Study:
 
     @property
     def scenario_names(self) -> list[str]:
-        """As they stand in the table: their numbers where they have no names."""
+        """Names of scenarios as they stand in the table: their numbers where they have no names."""
         return [table.name or str(i) for i, table in enumerate(self.file.scenario)]
 
     def canonical(self) -> dict[str, Any]:
@@ -158,7 +158,7 @@ def check_samples(study: Study, where: str) -> None:
 
 
 def _lasting(file: StudyFile) -> float:
-    """How long its longest runs are, s."""
+    """Return how long its longest runs are, s."""
     return max(table.duration for table in file.scenario)
 
 

@@ -80,7 +80,7 @@ WHOLE = "is a whole number; give values, such as values = [10, 12]"
 
 @dataclass(frozen=True)
 class Varied:
-    """Something that varies, in SI units: among `values`, normally where there is a `deviation`, else evenly."""
+    """An axis of a study, in SI units: among `values`, normally where there is a `deviation`, else evenly."""
 
     path: str
     kind: Kind  # of its values
@@ -122,7 +122,7 @@ class Varied:
 
     @property
     def count(self) -> int:
-        """Its values on a grid, counted."""
+        """Number of its values on a grid."""
         return len(self.values) or self.points or 0
 
     def grid(self) -> Array:

@@ -65,7 +65,7 @@ class Measure:
 
     @property
     def statement(self) -> str:
-        """What it costs, in a sentence, for people."""
+        """Return what it costs, in a sentence, for people."""
         return (
             f"The cost: seconds until {self.what} within {self.within}, as a mean over all conditions, plus half the "
             "mean of the worst twentieth, plus the slowest move under nominal conditions; moves that never settle or "
@@ -91,7 +91,7 @@ TIP = Measure(
 
 @dataclass(frozen=True)
 class Spread:
-    """How far conditions may be from nominal."""
+    """Spread of conditions about nominal."""
 
     payload: float = 4 / 3  # from nothing to this share of the nominal one: the paper's arm carries up to 2 kg
     supply: float = 0.1  # share of the gauge supply pressure, either way
@@ -104,7 +104,7 @@ class Spread:
 
 @dataclass(frozen=True)
 class Conditions:
-    """What a candidate is judged by: runs, each with its own conditions and one of the sequences of moves."""
+    """Runs that a candidate is judged by, each with its own conditions and one of the sequences of moves."""
 
     scenarios: list[Scenario]  # the sequences
     vary: Mapping[str, Array]  # one number a run, by path (see `sim.ensemble`)
@@ -119,7 +119,7 @@ class Conditions:
 
     @property
     def runs(self) -> int:
-        """Of one candidate."""
+        """Number of runs of one candidate."""
         return len(self.vary["seed"])
 
     def of(self, candidates: int) -> dict[str, Array]:

@@ -76,7 +76,7 @@ class Stage:
 
 @dataclass(frozen=True)
 class Part:
-    """What is looked for at a time."""
+    """Part of the search that is done at a time."""
 
     name: str  # for people
     knobs: tuple[int, ...]  # places, among all knobs, of those that are turned; the others stay as they are
@@ -98,7 +98,7 @@ Methods = Mapping[str, Callable[[Machine, int | None], list[Part]]]
 
 @dataclass(frozen=True)
 class Tunable:
-    """What of a control law is tuned."""
+    """Knobs and judgement of a control law that is tuned."""
 
     values: str  # name of what is tuned, for people
     begun: Callable[[Machine], Machine]

@@ -112,7 +112,7 @@ PUSHED, MORE = np.radians(3.0), 2.0
 
 @dataclass(frozen=True)
 class Validation:
-    """What a machine does over the fresh conditions."""
+    """Results of a machine over the fresh conditions."""
 
     settling: Array  # of every joint, or of the tip, in every move of every run, s; infinite where it does not settle
     nominal: Array  # time until all joints have settled in each move, one joint's step each, mean of nominal runs, s
@@ -127,7 +127,7 @@ class Validation:
 
     @property
     def late(self) -> int:
-        """How many do not settle within the limit."""
+        """Return how many do not settle within the limit."""
         return int((self.settling > LIMIT).sum())
 
 
@@ -149,7 +149,7 @@ def validate(machine: Machine, meet: Meet) -> Validation:
 
 
 def _pushed(machine: Machine, response: xarray.Dataset, window: float) -> dict[str, float]:
-    """How far each joint is pushed by the moves of the nominal sequence in which another one is asked to move, rad."""
+    """Angle by which each joint is pushed in moves of the nominal sequence that another one is asked for, rad."""
     names, last, found = list(machine.joints), float(response["time"][-1]), dict[str, float]()
     for number, mover in enumerate(names):
         since = REST + window * number

@@ -51,7 +51,7 @@ class Tuning:
 
     @property
     def knobs(self) -> list[Knob]:
-        """What is turned."""
+        """Return what is turned."""
         return self.law.knobs(self.machine)
 
     def meet(self, runs: int, seed: int) -> Conditions:
@@ -76,12 +76,12 @@ class Tuning:
 
     @property
     def was_complete(self) -> bool:
-        """Whether all values were there before."""
+        """True if all values were there before."""
         return not self.law.complete(self.base)
 
     @property
     def command(self) -> str:
-        """What finds the same values again."""
+        """Return what finds the same values again."""
         words = f"layflat tune {self.given} --method {self.method} --seed {self.seed}"
         words += f" --from {self.start}" if self.start != STARTS[0] else ""
         words += " --over cloud" if self.spread is not None else ""

@@ -28,7 +28,7 @@ NEAR = radians(0.05)  # of a stop
 
 @dataclass(frozen=True)
 class Motion:
-    """What an arm did."""
+    """Motion of an arm, to be played."""
 
     times: Array  # s, (n,)
     angles: Array  # rad, (n, joints)
@@ -75,7 +75,7 @@ class Viewer:
             raise
 
     def serve(self, stopped: Callable[[], bool]) -> None:
-        """Let the arm be looked at, and play its motion when asked, until it is to stop."""
+        """Show the arm, and play its motion when asked, until it is to stop."""
         before = perf_counter()
         while not stopped():
             sleep(FRAME)
@@ -84,7 +84,7 @@ class Viewer:
             before = now
 
     def advance(self, seconds: float) -> None:
-        """Let so much time pass: the motion goes on where it is played, and begins anew at its end."""
+        """Advance the time: the motion goes on where it is played, and begins anew at its end."""
         if self._motion is None or not self.playing.value:
             return
         begin, end = self._motion.times[[0, -1]]

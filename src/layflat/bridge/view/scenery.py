@@ -22,7 +22,7 @@ TIP = 0.046  # diameter of the ball at the tip, m
 
 @dataclass(frozen=True)
 class Scenery:
-    """What is drawn of an arm. Frames are those of the base (0), of the links, and of the tool (last)."""
+    """Pieces that are drawn of an arm. Frames are those of the base (0), of the links, and of the tool (last)."""
 
     machine: Machine
     arm: RigidArm
@@ -137,7 +137,7 @@ UNKNOWN = 0.5  # size of a mesh, of which only the place counts, m
 
 
 class Viewpoint(NamedTuple):
-    """Where one stands, and what is seen from there."""
+    """Place of the eye, and direction of its view."""
 
     place: Array  # m, (3,)
     right: Array  # directions in the picture, of length 1, (3,)

@@ -36,7 +36,7 @@ Columns = Annotated[int, Field(ge=1, le=20)]
 
 
 class Mount(Part):
-    """How the arm stands over the table."""
+    """Place and direction of the arm over the table."""
 
     height: Extent = Field(description="of the links' middle above the table")
     home: dict[str, u.Angle] = Field(description="angle of each joint when the arm is out of the camera's view")
@@ -89,7 +89,7 @@ class Cup(Part):
 
 
 class Range(Part):
-    """How many, from the fewest to the most."""
+    """Range of a count, from the fewest to the most."""
 
     least: Count
     most: Count
@@ -201,7 +201,7 @@ class Container(Placed):
 
 
 class HandlingLimits(Part):
-    """What the work must keep to."""
+    """Limits that the work must keep to."""
 
     acceleration: Acceleration = Field(description="greatest of a fruit, against bruises")
     speed: Speed = Field(description="greatest of the tip")

@@ -62,7 +62,7 @@ class Skin(Part):
 
 
 class Grade(Part):
-    """What is packed together: limits of the diameter, and colours."""
+    """Fruit that is packed together: limits of the diameter, and colours."""
 
     least: Diameter
     most: Diameter

@@ -80,7 +80,7 @@ class BeltDrive:
         self._waking: list[slice] = []
 
     def advance(self, held: int | None) -> bool:
-        """Let the belt go on by a timestep; return whether fruit was laid on it or taken off, but what is `held`."""
+        """Advance the belt by a timestep; return whether fruit was laid on it or taken off, but what is `held`."""
         asked = self._belt.asked_speed(self._data.time) if self.asked is None else self.asked
         most = self._belt.acceleration * self._step
         self.speed += min(max(asked - self.speed, -most), most)

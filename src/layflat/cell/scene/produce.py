@@ -29,7 +29,7 @@ THIN = 2e-4  # half the thickness of leaves and sheets, m
 
 @dataclass(frozen=True)
 class Specimen:
-    """What a fruit is, whatever happens to it: lengths in m, mass in kg."""
+    """A fruit, whatever happens to it: lengths in m, mass in kg."""
 
     name: str
     kind: str

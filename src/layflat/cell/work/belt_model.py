@@ -63,12 +63,12 @@ class BeltModel:
 
     @property
     def speed(self) -> float:
-        """Of the belt, m/s."""
+        """Speed of the belt, m/s."""
         return float(self._state[1])
 
     @property
     def sure(self) -> bool:
-        """Whether the speed is known well enough to pick what the arm hides meanwhile."""
+        """True if the speed is known well enough to pick what the arm hides meanwhile."""
         known = bool(self._spread[1, 1] < SURE_SPEED**2)
         return known and len(self._ways) == IMAGES and self._acceleration() < STEADY
 

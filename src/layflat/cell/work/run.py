@@ -34,7 +34,7 @@ RIGHT = "lay produce into them that a container takes", "let produce come within
 
 @dataclass(frozen=True, eq=False)
 class Run:
-    """What came of a run."""
+    """Outcome of a run."""
 
     cell: Cell
     seed: int

@@ -13,7 +13,7 @@ from layflat.errors import MachineError
 
 
 class PaperControllerPart(ControllerPart):
-    """What the controllers of all joints share."""
+    """Settings that the controllers of all joints share."""
 
     kind: Literal["paper"] = "paper"
     averaged: bool = Field(description="average both signals over four cycles")

@@ -106,7 +106,7 @@ class Memory(NamedTuple):
 
 
 class Report(NamedTuple):
-    """What the law shows of a joint in a cycle; `SIGNALS` has units and meanings."""
+    """Signals of a joint that the law shows in a cycle; `SIGNALS` has units and meanings."""
 
     averaged_angle: float
     averaged_velocity: float
@@ -129,6 +129,6 @@ SIGNALS = {
 
 
 class Memories(NamedTuple):
-    """What the law remembers of every joint."""
+    """Memory of the law, of every joint."""
 
     joints: tuple[Memory, ...]

@@ -104,5 +104,5 @@ def _learnt(memory):
 
 @law
 def centre_shift(settings, memory, joints):  # noqa: ARG001
-    """What the long-term integral has learnt of each valve's centre, V."""
+    """Return what the long-term integral has learnt of each valve's centre, V."""
     return each(_learnt, memory.joints)

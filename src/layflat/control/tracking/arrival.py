@@ -26,7 +26,7 @@ ELSEWHERE = 0.02  # from where a goal was given up that another one is, rad
 
 
 class Doubt(NamedTuple):
-    """What is remembered of it."""
+    """Memory of it."""
 
     mean: float  # of the squares
     held: float  # 1 where the goal was given up, else 0

@@ -72,7 +72,7 @@ class Settings(NamedTuple):
 
 
 class Memory(NamedTuple):
-    """What the law remembers: its model's state, its parameters, and where it is on its path."""
+    """Memory of the law: its model's state, its parameters, and where it is on its path."""
 
     states: tuple[Any, ...]
     lines: tuple[Line, ...]  # commands on their way to the valves
@@ -85,7 +85,7 @@ class Memory(NamedTuple):
 
 
 class Report(NamedTuple):
-    """What the law shows of a joint in a cycle; `SIGNALS` has units and meanings."""
+    """Signals of a joint that the law shows in a cycle; `SIGNALS` has units and meanings."""
 
     estimated_angle: float
     estimated_velocity: float

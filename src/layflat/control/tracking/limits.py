@@ -25,7 +25,7 @@ SWUNG = 0.4  # share of a joint's torque that may go against those of velocities
 
 
 class ActuatorLimits(NamedTuple):
-    """What hoses and valve of a joint can do."""
+    """Limits of a joint's hoses and valve."""
 
     torque: float  # greatest, to either side of the middle, N m
     middle: float  # 0 with two hoses, N m
@@ -34,7 +34,7 @@ class ActuatorLimits(NamedTuple):
 
 
 class Margins(NamedTuple):
-    """How much of its actuators' limits the arm uses, and how exact it is."""
+    """Shares of its actuators' limits that the arm uses, and its accuracy."""
 
     braking: float  # share of the torque to decelerate that is planned with
     late: float  # the same where a motion is late
@@ -135,7 +135,7 @@ def own_limits(actuator, friction, inertia, holds, speed, margins):
 
 
 class Place(NamedTuple):
-    """What a posture asks of the joints on a path."""
+    """Demands of a posture on the joints along a path."""
 
     inertias: tuple[float, ...]  # w, kg m2
     held: tuple[float, ...]  # h, and what velocities add to it, N m

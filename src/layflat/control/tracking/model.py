@@ -67,7 +67,7 @@ class Plant(NamedTuple):
 
 
 class ObserverTuning(NamedTuple):
-    """What the model of a joint and its sensors are trusted with."""
+    """Trust in the model of a joint and in its sensors."""
 
     torque: float  # error of the model's torque, standard deviation, N m
     angle: float  # error of the sensor's angle, standard deviation, rad
@@ -76,7 +76,7 @@ class ObserverTuning(NamedTuple):
 
 
 class Gains(NamedTuple):
-    """What of an angle's innovation a joint's model takes over in a cycle."""
+    """Shares of an angle's innovation that a joint's model takes over in a cycle."""
 
     angle: float  # 1
     velocity: float  # to the velocity, 1/s

@@ -31,7 +31,7 @@ Rows = Iterator[tuple[str, Any, str]]  # dotted path, value as it is written, an
 
 
 class Said(NamedTuple):
-    """What a description says of a part of a machine."""
+    """Statements of a description about a part of a machine."""
 
     plain: Plain
     sources: Sources  # by dotted paths in it
@@ -53,7 +53,7 @@ class Part(NamedTuple):
 
     @property
     def mass(self) -> float:
-        """Of the joint, kg."""
+        """Mass of the joint, kg."""
         return self.joint.design.mass.body
 
 

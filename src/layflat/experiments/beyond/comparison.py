@@ -29,7 +29,7 @@ EARTH = 9.81  # m/s2
 
 @dataclass(frozen=True)
 class Effort:
-    """How much is simulated."""
+    """Amount that is simulated."""
 
     runs: int = 1024
     seeds: int = 3
@@ -43,7 +43,7 @@ QUICK = Effort(runs=128, seeds=1, rest=60.0, bounds=2, plants=6)
 
 @dataclass
 class Comparison:
-    """What was found of a machine with several laws; what it can't do is not there."""
+    """Findings for a machine with several laws; what it can't do is not there."""
 
     machine: Machine  # with the tracking law
     effort: Effort

@@ -44,7 +44,7 @@ def _angles(machine: Machine, count: int, posture: int, draw: np.random.Generato
 
 
 def _is_step(way: tuple[float, ...]) -> bool:
-    """Whether one joint moves, or all do; of two that are opposite to each other, the one whose first goes forward."""
+    """True if one joint moves, or all do; of two opposite ones, the one whose first goes forward."""
     moved = [side for side in way if side]
     return len(moved) in (1, len(way)) and moved[0] > 0.0
 

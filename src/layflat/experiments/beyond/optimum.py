@@ -33,7 +33,7 @@ STAYS = 40  # cycles that the law has to stay at the goal
 
 
 class Followed(NamedTuple):
-    """What the tracking law does: openings (cycles, joints), and after how many cycles the tip stays in its band."""
+    """Run of the tracking law: openings (cycles, joints), and after how many cycles the tip stays in its band."""
 
     openings: Array
     cycles: int
@@ -184,7 +184,7 @@ def _lasting(best: Trial) -> Trial:
 
 
 def _shown(best: Trial) -> Optimum:
-    """What was found, with its rollout."""
+    """Return what was found, with its rollout."""
     machine, start, end = best.shooting.machine, best.shooting.start, best.shooting.end
     rest = REST * machine.cycle
     openings = np.pad(best.openings, ((REST, 0), (0, 0)))

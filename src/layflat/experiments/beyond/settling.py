@@ -46,7 +46,7 @@ class Settling:
 
     @property
     def unsettled(self) -> int:
-        """How many did not settle."""
+        """Return how many did not settle."""
         return int((~np.isfinite(self.times)).sum())
 
 
@@ -123,7 +123,7 @@ SETTLED = 2.5  # time after the step from which the arm has to rest, s
 
 
 class Resting(NamedTuple):
-    """What an arm at rest does."""
+    """Motion of an arm at rest."""
 
     moved: float  # greatest way of any joint, rad
     air: float  # share of the air that it takes with its dither on all the time

@@ -36,7 +36,7 @@ class Shooting:
 
     @cached_property
     def goal(self) -> Array:
-        """Where the tip is to come, m, (2,)."""
+        """Return where the tip is to come, m, (2,)."""
         return tip_position(self.machine, np.array(self.end, dtype=float))
 
     def errors(self, openings: Array) -> Array:

@@ -69,7 +69,7 @@ class Residuals:
         return np.asarray(0.5 * (np.sum(data**2, axis=1) + np.sum(known**2, axis=1)))
 
     def data_jacobian(self, shares: Array) -> Array:
-        """How the residuals of the data change, (fitted samples, unknowns).
+        """Return how the residuals of the data change, (fitted samples, unknowns).
 
         A joint that sticks and slips makes residuals rough. Differences are therefore taken along the principal axes of
         the last Jacobian, and the wider the less an axis changes: what the log hardly identifies then shows, and is
@@ -89,7 +89,7 @@ class Residuals:
         return jacobian
 
     def jacobian(self, shares: Array) -> Array:
-        """How the residuals change, (rows, unknowns)."""
+        """Return how the residuals change, (rows, unknowns)."""
         return np.vstack([self.data_jacobian(shares), np.diag(1.0 / self.widths)])
 
 

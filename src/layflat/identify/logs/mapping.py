@@ -80,7 +80,7 @@ def _seconds(unit: str) -> float:
 
 
 class MappedColumn(Part):
-    """What one signal of a log is made from."""
+    """Column that a signal of a log is made from."""
 
     columns: tuple[str, ...] = Field(alias="from", min_length=1)
     signal: str
@@ -126,7 +126,7 @@ class MappedColumn(Part):
 
 
 class Mapping(Part):
-    """What the columns of a log are."""
+    """Meanings of a log's columns."""
 
     ambient: u.PositivePressure = AMBIENT
     time: TimeColumn | None = None

@@ -172,5 +172,5 @@ def conversion(unit: str, signal: Signal) -> tuple[float, float]:
 
 
 def channel_name(signal: str, joint: str | None) -> str:
-    """How one signal of one joint is called: "angle.elbow", or "force" where there is no joint."""
+    """Return how one signal of one joint is called: "angle.elbow", or "force" where there is no joint."""
     return f"{signal}.{joint}" if joint else signal

@@ -68,7 +68,7 @@ UNMARKED, MARKED = 0.4, 1.0  # for so long an image of the camera is shown befor
 
 
 class Shows(Protocol):
-    """Where what is observed is shown."""
+    """Receiver of what is observed."""
 
     asked: Requests
 
@@ -102,7 +102,7 @@ class Frames:
 
     @property
     def due(self) -> bool:
-        """Whether it is time for an overview."""
+        """True if it is time for an overview."""
         return self._now() >= self._frame_at
 
     def show(self) -> None:

@@ -32,7 +32,7 @@ class Pace:
         self.begin()
 
     def begin(self) -> None:
-        """Let the cell's clock go on from nought: a delivery begins."""
+        """Restart the cell's clock: a delivery begins."""
         self._ahead_of = self.now()
         self._marks.clear()
 

@@ -34,7 +34,7 @@ class OvertakenError(Exception):
 
 @dataclass(frozen=True)
 class Tolerances:
-    """How far runs differ: shares either way, and payloads from none to a share of the described one."""
+    """Spread of runs: shares either way, and payloads from none to a share of the described one."""
 
     valve: float = 0.1
     friction: float = 0.2
@@ -70,12 +70,12 @@ class Cloud:
 
     @property
     def runs(self) -> int:
-        """How many there are."""
+        """Return how many there are."""
         return len(self.settling)
 
     @cached_property
     def sound(self) -> NDArray[np.bool_]:
-        """Which runs did not diverge."""
+        """Return which runs did not diverge."""
         return np.isfinite(self.overshoot)
 
     def levels(self, of: Array) -> Array:
@@ -110,17 +110,17 @@ class Cloud:
 
     @property
     def late(self) -> int:
-        """How many runs have not settled by the end."""
+        """Return how many runs have not settled by the end."""
         return int(np.sum(~np.isfinite(self.settling)))
 
     @property
     def diverged(self) -> int:
-        """How many runs diverged."""
+        """Return how many runs diverged."""
         return int(np.sum(~self.sound))
 
     @property
     def quantities(self) -> list[Quantity]:
-        """What is compared between designs."""
+        """Return what is compared between designs."""
         return [
             Quantity("settled, half of all runs", self.settled(0.5), "s", 3),
             Quantity("settled, 95 % of all runs", self.settled(0.95), "s", 3),
@@ -132,7 +132,7 @@ class Cloud:
 
     @property
     def summary(self) -> str:
-        """How soon it settles, in a sentence."""
+        """Return how soon it settles, in a sentence."""
         band = f"within {np.degrees(BAND):.2g} deg"
         shares = [f"{100 * share:.0f} % in {self.settled(share):.2f} s" for share in LEVELS[2:]
                   if np.isfinite(self.settled(share))]  # fmt: skip

@@ -45,7 +45,7 @@ class Design:
 
     @property
     def changes(self) -> Changes:
-        """What differs from what was opened, by dotted path."""
+        """Return what differs from what was opened, by dotted path."""
         return self._changes
 
     @property
@@ -55,7 +55,7 @@ class Design:
 
     @property
     def plain(self) -> Plain:
-        """Its values as they would stand in a complete file."""
+        """Values as they would stand in a complete file."""
         return self._plain
 
     @property
@@ -111,12 +111,12 @@ class Design:
 
     @property
     def can_undo(self) -> bool:
-        """Whether there is something to take back."""
+        """True if there is something to take back."""
         return bool(self._past)
 
     @property
     def can_redo(self) -> bool:
-        """Whether something was taken back."""
+        """True if something was taken back."""
         return bool(self._future)
 
     def undo(self) -> None:

@@ -39,13 +39,13 @@ class Field:
 
     @cached_property
     def label(self) -> str:
-        """Its name within its section."""
+        """Name within the section."""
         keys = self.path.removeprefix(f"{self.section}.").split(".")
         return titled(" ".join(str(int(key) + 1) if key.isdigit() else key for key in keys))
 
     @property
     def limits(self) -> str:
-        """What may stand there, in words, in the unit in which it is shown."""
+        """Return what may stand there, in words, in the unit in which it is shown."""
         least, above, most, below = self.bounds
         if self.quantity is not None:
             least, most = max(least, -self.quantity.most), min(most, self.quantity.most)

@@ -108,7 +108,7 @@ def _bounds(annotation: Any) -> Bounds:
 
 
 def _meaning(machine: Machine, path: str) -> str:
-    """What a field's class says of it; of an item of a list, what it says of the list."""
+    """Return what a field's class says of it; of an item of a list, what it says of the list."""
     part: Any = machine
     found = ""
     for key in path.split("."):

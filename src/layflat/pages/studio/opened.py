@@ -25,13 +25,13 @@ class Opened:
 
     @property
     def file(self) -> Path | None:
-        """Its own file; None of a built-in machine."""
+        """The machine's own file; None of a built-in machine."""
         path = Path(self.given)
         return path.resolve() if str(path.resolve()) in self.digests else None
 
     @property
     def files(self) -> list[Path]:
-        """Its file and those that it extends, as far as they are not built in."""
+        """The machine's file and those that it extends, as far as they are not built in."""
         return [Path(path) for path in self.digests]
 
     def as_rewritten(self) -> Self:

@@ -21,7 +21,7 @@ GENERATIONS = 40
 
 @dataclass
 class Progress:
-    """How far a tuning is."""
+    """Progress of a tuning."""
 
     done: int = 0  # generations
     wanted: int = GENERATIONS
@@ -61,7 +61,7 @@ class TuningRun:
 
     @property
     def progress(self) -> Progress:
-        """How far it is by now."""
+        """Return how far it is by now."""
         now = self._progress
         try:
             while not now.ended and self._ours.poll():

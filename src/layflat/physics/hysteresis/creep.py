@@ -17,7 +17,7 @@ from layflat.physics.hysteresis.kind import HysteresisKind, LossesPart
 
 
 class Creep(NamedTuple):
-    """As `Maxwell`."""
+    """Parameters of the elements, as of `Maxwell`."""
 
     stiffness: tuple[float, ...]
     base: tuple[float, ...]

@@ -24,7 +24,7 @@ from layflat.physics.hysteresis.kind import HysteresisKind, LossesPart, over_pre
 
 
 class ElastoSlip(NamedTuple):
-    """Of each element: stiffness, slip torque without pressure, and slip torque per gauge pressure."""
+    """Parameters of each element: stiffness, slip torque without pressure, and slip torque per gauge pressure."""
 
     stiffness: tuple[float, ...]
     base: tuple[float, ...]
@@ -38,7 +38,7 @@ class Elements(NamedTuple):
 
 
 class ElastoSlipPart(LossesPart):
-    """How the losses of hose and strap depend on pressure and on the size of the motion."""
+    """Losses of hose and strap by pressure and size of the motion."""
 
     kind: Literal["elasto-slip"] = "elasto-slip"
     deflections: Annotated[tuple[u.PositiveAngle, ...], Field(min_length=1)] = Field(

@@ -17,7 +17,7 @@ from layflat.physics.hysteresis.kind import HysteresisKind, LossesPart
 
 
 class Spectrum(NamedTuple):
-    """As `ElastoSlip`."""
+    """Parameters of the elements, as of `ElastoSlip`."""
 
     stiffness: tuple[float, ...]
     base: tuple[float, ...]

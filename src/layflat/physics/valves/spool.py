@@ -43,7 +43,7 @@ class SpoolValve(NamedTuple):
 
 
 class Stiction(Part):
-    """What a spool's friction is at rest, and how it falls as the spool begins to slide."""
+    """Friction of a spool at rest, and its fall as the spool begins to slide."""
 
     static_ratio: StaticRatio = Field(description="static over kinetic friction, 1 or more")
     velocity: u.Rate = Field(description="at which half of the difference is gone, full openings per second")
@@ -76,7 +76,7 @@ class SpoolValvePart(ValvePart):
 
     @property
     def least_dither(self) -> float:
-        """What is described."""
+        """Dither that is described."""
         return self.dither.least
 
     @property

@@ -27,12 +27,12 @@ class CheckResult(NamedTuple):
 
     @property
     def passed(self) -> bool:
-        """Whether nothing has to be done."""
+        """True if nothing has to be done."""
         return not self.action
 
 
 class UnsafeError(LayflatError):
-    """Something that ends a check with air at once; the message is the fault."""
+    """A fault that ends a check with air at once; the message names it."""
 
 
 class OpenLoopRig:

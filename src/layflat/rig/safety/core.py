@@ -72,7 +72,7 @@ class Core:
             self.memory.replace("air", AirEstimate(held + half, held - half, angle, 0.0, 0.0), j)
 
     def wake(self, reading: Reading) -> None:
-        """Let control law and estimators begin at this reading."""
+        """Start control law and estimators at this reading."""
         angles, pressures = reading.angles.tolist(), reading.pressures.tolist()
         for j, (angle, pressure) in enumerate(zip(angles, pressures, strict=True)):
             self.memory.replace("estimator", estimator.woken(angle, pressure), j)
@@ -134,14 +134,14 @@ class Core:
         return np.clip(place, -working, working)
 
     def air_is_there(self, supply_now: float, ready: float) -> bool:
-        """Whether supply (absolute, Pa) and ripple are those of a machine that can move."""
+        """Return whether supply (absolute, Pa) and ripple are those of a machine that can move."""
         if not supply_now >= ready:
             return False
         least, ripple = self.settings[LEAST_RIPPLE], self.memory[RIPPLE]
         return not (least > 0.0).all() or bool(((least < ripple) & (ripple < inf)).all())
 
     def hoses_are_filled(self, supply_now: float) -> bool:
-        """Whether every pair of hoses holds what it takes to move well; supply absolute, Pa."""
+        """Return whether every pair of hoses holds what it takes to move well; supply absolute, Pa."""
         empty = self.rig["ambient"][0]
         held = self.memory["air.pressure_a"] + self.memory["air.pressure_b"]
         return bool((held >= 2.0 * (empty + ENOUGH * (supply_now - empty))).all())
@@ -158,5 +158,5 @@ class Core:
 
     @property
     def lead(self) -> float:
-        """How far any demand is ahead of its reference at most, rad."""
+        """Return how far any demand is ahead of its reference at most, rad."""
         return float(np.abs(self.demands - self.memory["demand.reference"]).max())

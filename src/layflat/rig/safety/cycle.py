@@ -55,7 +55,7 @@ def _opening(rig, memory):
 
 @law
 def _air(rig, settings, memory, came, opening, supply_pressure, elapsed):
-    """What is known of the air after this cycle; where something is not a number, what was before."""
+    """Return what is known of the air after this cycle; where something is not a number, what was before."""
     if not (isfinite(came.angle) and isfinite(came.pressure) and isfinite(supply_pressure)):
         return memory.air
     return follow_air(
@@ -98,7 +98,7 @@ def _couple(arm, rig_numbers, settings, given, memory, nothing):
 
 @kernel
 def judge(rig_numbers, settings, inputs, given, memory):
-    """Let all detectors look at what was sampled; writes faults into `inputs` and `memory`, and returns FOUND or 0.
+    """Run all detectors on what was sampled; writes faults into `inputs` and `memory`, and returns FOUND or 0.
 
     Args: numbers of a `Rig`, of `Settings` (a row a joint, as all that follows but `inputs`), `Inputs`, `JointInputs`
     and `Memory`.
@@ -137,7 +137,7 @@ def judge(rig_numbers, settings, inputs, given, memory):
 
 @kernel
 def _let_move(now, settings, given, memory):
-    """Let demands of a control law that plans through (see moving.py), with their rates; returns CHANGED or 0."""
+    """Pass demands of a control law that plans (see moving.py), with their rates; returns CHANGED or 0."""
     changed, turns, jumps = 0, False, False
     for j in range(len(settings)):
         own, came = read_numbers(SETTINGS, settings[j]).moving, read_numbers(JOINT, given[j])
@@ -166,7 +166,7 @@ def _let_move(now, settings, given, memory):
 
 @kernel
 def let_through(rig_numbers, settings, inputs, given, memory):
-    """Let demands through their gates (arguments as of `judge`); returns CHANGED where one was, else 0."""
+    """Pass demands through their gates (arguments as of `judge`); returns CHANGED where one was, else 0."""
     n, rig, now = len(settings), read_numbers(RIG, rig_numbers), read_numbers(INPUTS, inputs)
     if rig.plans > 0.0:
         return _let_move(now, settings, given, memory)
@@ -205,7 +205,7 @@ def estimate(settings, inputs, given, memory):
 
 @kernel
 def gate(rig_numbers, memory):
-    """Let voltages through that may be sent; returns BAD where one may not, and all valves are centred then."""
+    """Pass voltages that may be sent; returns BAD where one may not, and all valves are centred then."""
     rig, bad = read_numbers(RIG, rig_numbers), 0
     for j in range(len(memory)):
         # Written so that what is not a number is refused.

@@ -18,7 +18,7 @@ FOUND, CHANGED, BAD, DOUBTED = 1, 2, 4, 8
 
 
 class Rig(NamedTuple):
-    """What holds of the machine as a whole."""
+    """Settings of the machine as a whole."""
 
     cycle: float  # s
     centre: float  # voltage at which valves are closed, V
@@ -35,7 +35,7 @@ class Rig(NamedTuple):
 
 
 class Settings(NamedTuple):
-    """What holds of a joint."""
+    """Settings of a joint."""
 
     detectors: joint.Limits
     air: AirParts
@@ -46,7 +46,7 @@ class Settings(NamedTuple):
 
 
 class Memory(NamedTuple):
-    """What is remembered of a joint from cycle to cycle."""
+    """Memory of a joint from cycle to cycle."""
 
     detectors: joint.Memory
     air: AirEstimate
@@ -64,7 +64,7 @@ class Memory(NamedTuple):
 
 
 class Inputs(NamedTuple):
-    """What comes in with a cycle, and what is remembered of the machine as a whole."""
+    """Inputs of a cycle, and memory of the machine as a whole."""
 
     supply: float  # absolute, Pa
     elapsed: float  # since the last samples, s
@@ -79,7 +79,7 @@ class Inputs(NamedTuple):
 
 
 class JointInputs(NamedTuple):
-    """What comes in for a joint."""
+    """Inputs of a joint."""
 
     angle: float
     pressure: float
@@ -92,7 +92,7 @@ class JointInputs(NamedTuple):
 
 
 class Known(NamedTuple):
-    """What a row says of a joint under any control law; names are those of `rig.record.RIG_SIGNALS`."""
+    """Signals of a joint in a row under any control law; names are those of `rig.record.RIG_SIGNALS`."""
 
     demand: float
     demand_velocity: float

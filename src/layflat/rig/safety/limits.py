@@ -55,7 +55,7 @@ DOUBTFUL, SURE = 2.5, 7.5
 
 
 def rig_settings(machine: Machine) -> Rig:
-    """What holds of the machine as a whole."""
+    """Settings of the machine as a whole."""
     valve, _, _ = drive_parts(machine)
     safety, source, span, cycle = machine.safety, machine.supply, valve.volts_to_full, machine.cycle
     lost = Fault.SUPPLY_LOST.seconds - RIPPLE_AFTER * cycle
@@ -79,7 +79,7 @@ def rig_settings(machine: Machine) -> Rig:
 
 
 def joint_settings(machine: Machine, name: str) -> Settings:
-    """What holds of a joint."""
+    """Settings of a joint."""
     stops = machine.joint[name].stops
     averaged = getattr(machine.controller, "averaged", True)
     return Settings(
@@ -93,7 +93,7 @@ def joint_settings(machine: Machine, name: str) -> Settings:
 
 
 def plans(machine: Machine) -> bool:
-    """Whether the machine's control law, if it has one, plans its own motion."""
+    """Return whether the machine's control law, if it has one, plans its own motion."""
     return machine.controller is not None and machine.control_law.plans
 
 
@@ -107,7 +107,7 @@ def demand_pace(machine: Machine, name: str) -> float:
 
 
 def demands_move(machine: Machine, name: str) -> moving.Limits:
-    """What demands of a joint may do; nothing counts of it where the control law does not plan its motion."""
+    """Return what demands of a joint may do; nothing counts of it where the control law does not plan its motion."""
     safety, working = machine.safety, 0.5 * machine.joint[name].stops.working_stroke
     if not plans(machine):
         return moving.Limits(working, safety.demand_speed, 0.0, 0.0, 0.0, machine.cycle, SURGE, JERK)
@@ -165,7 +165,7 @@ def held_back_for(machine: Machine, name: str) -> float:
 
 
 def never_rests(sensor: Sensor, samples: float) -> bool:
-    """Whether the noise of a sound sensor never leaves it at one count for so many samples."""
+    """Return whether the noise of a sound sensor never leaves it at one count for so many samples."""
     # Most likely it stays at a count whose middle it measures.
     return sensor.noise > 0.0 and erf(0.5 * sensor.lsb / (sqrt(2.0) * sensor.noise)) ** samples < SELDOM
 

@@ -24,7 +24,7 @@ MOVE = DEMAND | ESTIMATE | CONTROL  # stages of a cycle in which something was r
 
 
 class HostRequest(NamedTuple):
-    """What the host wants in a cycle."""
+    """Request of the host in a cycle."""
 
     demands: list[float]  # rad; not a number where there is none yet
     start: bool = False  # edge: bring the air and obey demands
@@ -100,7 +100,7 @@ class Supervisor(StateMachine):
             self._without_air(self.voltages)
 
     def _goes_on(self, reading: Reading, request: HostRequest) -> bool:
-        """Whether all that was so in the cycle before is still so, as far as it can be told before it is judged."""
+        """True if all that was so in the cycle before is still so, as far as it can be told before it is judged."""
         return (
             self.state is State.MOVING
             and not (request.start or request.stop or request.reset or request.hold)

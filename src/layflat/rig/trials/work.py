@@ -57,13 +57,13 @@ class RandomWork(Script):
             self.demands, self.rates = row[0].tolist(), (row[1].tolist(), row[2].tolist())
 
     def request(self, now: int) -> HostRequest:
-        """What is wanted now."""
+        """Return what is wanted now."""
         asked = super().request(now)
         return asked if self.rates is None else asked._replace(velocities=self.rates[0], accelerations=self.rates[1])
 
     @property
     def rests(self) -> bool:
-        """Whether what is asked for now does not move."""
+        """True if what is asked for now does not move."""
         return self.rates is None or not (any(self.rates[0]) or any(self.rates[1]))
 
     rates: tuple[list[float], list[float]] | None = None

@@ -87,7 +87,7 @@ class Cases:
 
     @cached_property
     def _expanded(self) -> list[Signals]:
-        """What happens in each scenario."""
+        """Return what happens in each scenario."""
         return [expand(one, self.base, self.cycle, plausible=self.plausible) for one in self.scenarios]
 
     @cached_property
@@ -103,7 +103,7 @@ class Cases:
 
     @cached_property
     def most_moves(self) -> int:
-        """Of any scenario."""
+        """Greatest number of moves of any scenario."""
         return max(len(moves) for moves in self.moves)
 
     def at(self, rows: NDArray[np.int64], key: str, usual: Any) -> Array:
@@ -111,7 +111,7 @@ class Cases:
         return np.broadcast_to(np.asarray(self.vary.get(key, usual), dtype=float), self.count)[rows]
 
     def runs(self, rows: NDArray[np.int64], make: Make = noise_of) -> Runs:
-        """What differs between these runs, with noise that is made so; their scenarios are numbered within `plan`."""
+        """Return inputs of these runs, with noise that is made so; their scenarios are numbered within `plan`."""
         own = self.which[rows]
         around = {name: value_at(self.machine, SIGNALS[name].path) for name in Around._fields}
         number = partial(np.asarray, dtype=self.number)
@@ -128,7 +128,7 @@ class Cases:
         )
 
     def _each(self, rows: NDArray[np.int64], names: Sequence[str], vary: Sequence[str], nothing: float) -> Array:
-        """What `names` have in some runs, (joints, names, runs): `nothing` changes nothing; some of them `vary`."""
+        """Return values of `names` in some runs, (joints, names, runs): `nothing` changes nothing, some `vary`."""
         found = np.full((len(self.base.joints), len(names), len(rows)), nothing)
         for (j, joint), name in product(enumerate(self.base.joints), vary):
             usual = self.vary.get(f"scenario.{name}", nothing)
@@ -179,12 +179,12 @@ class Cases:
         )
 
     def _begun(self, rows: NDArray[np.int64], key: str, usual: Array) -> Array:
-        """What some runs begin with, from `vary` or as usual in them."""
+        """Return what some runs begin with, from `vary` or as usual in them."""
         given = self.vary.get(f"start.{key}")
         return usual if given is None else given[rows]
 
     def seeds(self, rows: NDArray[np.int64]) -> Seeds:
-        """Of the noise of some runs."""
+        """Seeds of the noise of some runs."""
         usual = np.array([scenario.seed if scenario.noise else CALM for scenario in self.scenarios])[self.which[rows]]
         given = self.vary.get("seed")
         return usual if given is None else np.where(usual == CALM, CALM, given[rows].astype(np.int64))
@@ -243,7 +243,7 @@ def cases(
 
 
 def _changes(shaped: Array) -> NDArray[np.bool_]:
-    """Whether a cycle has a number that the one before has not, (scenarios, cycles), of (scenarios, cycles, ...)."""
+    """Cycles with a number that the one before has not, (scenarios, cycles), of (scenarios, cycles, ...)."""
     flat = shaped.reshape(*shaped.shape[:2], -1)
     changes = np.ones(flat.shape[:2], bool)
     before, after = flat[:, :-1], flat[:, 1:]

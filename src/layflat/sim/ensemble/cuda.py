@@ -153,13 +153,13 @@ def _chunks(prepared: Cases, results: Results) -> Iterator[NDArray[np.int64]]:
 
 
 def kernel_arguments(prepared: Cases, block: Block, timing: Timing) -> tuple[Any, ...]:
-    """What `run_each` takes to run a block."""
+    """Return what `run_each` takes to run a block."""
     watch = new_watch(block.runs)
     return prepared.template, block.runs, block.plan, block.moves, timing, block.results, watch
 
 
 def _noise_there(seeds: Seeds, shape: tuple[int, int], number: type[np.floating[Any]]) -> Any:
-    """As `noise_of`, made on the device, where it stays."""
+    """Make noise as `noise_of` does, on the device, where it stays."""
     if interpreted() or (seeds == CALM).all():
         return noise_of(seeds, shape, number)
     noise = cuda.device_array((*shape, 2, len(seeds)), number)

@@ -14,7 +14,7 @@ class Plan(NamedTuple):
 
 
 class Runs(NamedTuple):
-    """What differs from run to run; runs lie side by side in memory where they are the last axis."""
+    """Inputs that differ from run to run; runs lie side by side in memory where they are the last axis."""
 
     parameters: np.ndarray  # every number of the machine in order, a column a run: (numbers, runs)
     scenario: np.ndarray  # which scenario, (runs,)
@@ -55,7 +55,7 @@ class Totals(NamedTuple):
 
 
 class Traced(NamedTuple):
-    """What a trace shows of a joint."""
+    """Signals of a joint in a trace."""
 
     angle: float
     velocity: float

@@ -18,7 +18,7 @@ ROOM = max(16, len(Acting._fields))  # numbers of a run that are gathered at a t
 
 
 class Watch(NamedTuple):
-    """Which move goes on in each lane, and room to turn lanes into numbers."""
+    """Number of the move in each lane, and room to turn lanes into numbers."""
 
     move: np.ndarray  # number of the move, (lanes,)
     end: np.ndarray  # its last record, (lanes,)
@@ -44,7 +44,7 @@ class Move(NamedTuple):
 
 
 class Tip(NamedTuple):
-    """Where the tip was one and two records ago (m), and its largest acceleration so far (m/s2)."""
+    """Places of the tip one and two records ago (m), and its largest acceleration so far (m/s2)."""
 
     x_1: float
     y_1: float
@@ -56,7 +56,7 @@ class Tip(NamedTuple):
 
 
 class Course(NamedTuple):
-    """What goes on with the whole arm; `diverged` is a cycle, or not a number."""
+    """Course of the whole arm; `diverged` is a cycle, or not a number."""
 
     move: Move
     tally: Tally
@@ -191,7 +191,7 @@ def note_divergence(state, course, k):
 
 @composition
 def note_totals(watch, results, states, course, first, n):
-    """What there is to say of whole runs."""
+    """Write the totals of whole runs."""
     air = states[0].ledger.air_taken
     for j in range(1, n):
         air = air + states[j].ledger.air_taken

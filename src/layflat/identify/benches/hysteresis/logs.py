@@ -117,7 +117,7 @@ def loop_errors(model: CurveModel[Any], simulated: Array) -> list[LoopError]:
 
 
 def ways(motion: Array) -> Array:
-    """Which way a motion goes from each turning point on, (samples,): 1, -1, or 0 at first; noise does not turn it."""
+    """Return the way from each turning point on, (samples,): 1, -1, or 0 at first; noise does not turn it."""
     play = PLAY * float(np.ptp(motion))
     found = np.zeros(len(motion))
     low, high, way = 0, 0, 0.0

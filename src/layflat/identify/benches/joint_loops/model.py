@@ -150,7 +150,7 @@ class LoopModel(CurveModel[Machine]):
         }
 
     def _given(self, log: Dataset, out: Output) -> TurnedLog:
-        """What is given of a log."""
+        """Return what is given of a log."""
         ambient = self.origin.supply.ambient_pressure
         angle = curves.moving(log, "angle", out.log, self.joint)
         gauge = [np.zeros_like(angle), np.zeros_like(angle)]

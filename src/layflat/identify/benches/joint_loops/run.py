@@ -23,7 +23,7 @@ class TurnedJoint(NamedTuple):
 
 
 class TurnedLog(NamedTuple):
-    """What is given of a joint's log: angle (rad), gauge pressures (Pa), the brake's share, and the first torque (N m).
+    """Signals of a joint's log: angle (rad), gauge pressures (Pa), the brake's share, and the first torque (N m).
 
     `give` is the rotation after which the brake slips (rad); without any, a brake would follow the angle's noise.
     """

@@ -62,7 +62,7 @@ FELT = 1e-9  # share of the torques by which it then changes them at least
 
 
 def links(machine: Machine) -> list[ParameterSpec]:
-    """What is looked for of every link, from the base on; nothing of an arm that has its links in its joints."""
+    """Return what is looked for of every link, from the base on; nothing of an arm that has its links in its joints."""
     if not machine.arm.own_links:
         return []
     ends = [machine.arm.link[name].place for name in machine.arm.joints[1:]] + [machine.arm.tool]
@@ -86,12 +86,12 @@ def _of_link(link: LinkPart, length: float) -> Iterator[ParameterSpec]:
 
 
 def _product(link: LinkPart) -> Range:
-    """Of a product of inertia: as far as it could be if the body were turned any way."""
+    """Return the bound of a product of inertia: as far as it could be if the body were turned any way."""
     return around(lambda _: 0.5 * max(link.inertia[:3]))
 
 
 def _size(link: LinkPart) -> float:
-    """How far a link reaches if nothing follows on it, from how its mass is spread, m."""
+    """Return how far a link reaches if nothing follows on it, from how its mass is spread, m."""
     return float(np.sqrt(3.0 * max(link.inertia[:3]) / link.mass))
 
 
@@ -106,7 +106,7 @@ def _crooked(machine: Machine) -> Machine:
 
 
 def _acts(machine: Machine, path: str, usual: Array) -> bool:
-    """Whether a value changes the usual torques of any motion."""
+    """Return whether a value changes the usual torques of any motion."""
     changed = replaced(machine, path.split("."), 1.5 * value_at(machine, path) + 1e-3)
     return bool(np.max(np.abs(some_torques(changed) - usual)) > FELT * np.max(np.abs(usual)))
 
@@ -186,7 +186,7 @@ BLOCKS = ("valve", *BY_JOINT, "line", "payload", "sensors")  # what `--fit` take
 
 
 def unknowns(machine: Machine, blocks: Sequence[str]) -> list[Unknown]:
-    """What is to be fitted of a machine; raise InputError if there is no such block, or none is given."""
+    """Return what is to be fitted of a machine; raise InputError if there is no such block, or none is given."""
     if not blocks:
         raise InputError("names no block", where="fit", right=f"choose from {', '.join(BLOCKS)}")
     of_kind = SWITCHING if isinstance(machine.valve, SwitchingValvesPart) else SPOOL

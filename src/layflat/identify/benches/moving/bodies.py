@@ -51,7 +51,7 @@ class Body(NamedTuple):
 
     @classmethod
     def of(cls, path: str, link: LinkPart, places: dict[str, int]) -> "Body":
-        """What is sought of a link, from where each path stands among the unknowns."""
+        """Return what is sought of a link, from where each path stands among the unknowns."""
         found = [places.get(f"{path}.{name}", -1) for name in NAMES]
         described = np.array([link.mass, *link.centre, *six_moments(link.inertia)], dtype=np.float64)
         sought, given = np.array(found) >= 0, len(link.inertia)
@@ -118,7 +118,7 @@ class Body(NamedTuple):
         return found[:, self.sought]
 
     def reach(self, high: Array) -> Array:
-        """How far what is sought of m c and of I about the joint is searched, both ways; none of m."""
+        """Return how far what is sought of m c and of I about the joint is searched, both ways; none of m."""
         m, c = self.described[0], self.described[CENTRE]
         size = np.max(self.filled(high)[CENTRE] - c)
         most = np.max((self.described[INERTIA] + _farther(m, c))[:3])
@@ -126,7 +126,7 @@ class Body(NamedTuple):
 
 
 def _farther(m: Array, c: Array) -> Array:
-    """What inertia about the origin is more than that about the centre, (..., 6) (parallel axes)."""
+    """Return what inertia about the origin is more than that about the centre, (..., 6) (parallel axes)."""
     x, y, z = np.moveaxis(c, -1, 0)
     return np.stack([m * one for one in (y * y + z * z, x * x + z * z, x * x + y * y, -x * y, -x * z, -y * z)], axis=-1)
 

@@ -56,7 +56,7 @@ COUNTS, NOISES = 2.0, 4.0  # a log begins within so many counts, or standard dev
 
 
 def sensor_offset(machine: Machine) -> float:
-    """Of the differential pressure, Pa."""
+    """Offset of the sensor of the differential pressure, Pa."""
     return machine.pressure_sensor.offset if machine.pressure_sensor is not None else 0.0
 
 
@@ -96,7 +96,7 @@ class Record:
         self.outputs = self._outputs()
 
     def scenario_of(self, samples: int, pressure_lead: Array) -> Scenario:
-        """What acts on the machine, from the beginning on.
+        """Return what acts on the machine, from the beginning on.
 
         Differential pressures are drawn to the measured ones, with a lead (V/Pa) of every joint.
         """
@@ -154,7 +154,7 @@ class Record:
         return np.ascontiguousarray(smooth.T)
 
     def _first_pressures(self, first: Mapping[str, Array]) -> tuple[list[float], list[float]]:
-        """Of hoses A and B; where only their difference was measured, or nothing, about the mean of equal leakage."""
+        """Return pressures of hoses A and B; without both measured, about the mean of equal leakage."""
         supply, offset = self._signal("supply"), sensor_offset(self.machine)
         usual = FILLED * (self.machine.supply.pressure if supply is None else float(supply[0]))
         unknown = np.full(len(self.joints), np.nan)
@@ -164,7 +164,7 @@ class Record:
         return list(np.where(each, a, usual + both)), list(np.where(each, b, usual - both))
 
     def _nuisances(self) -> list[Unknown]:
-        """What a log begins with, to be fitted along with the rest; for validation the first measured samples hold."""
+        """Return the start of a log, fitted along with the rest; for validation the first measured samples hold."""
         _, angle, _ = parameters.drive_parts(self.machine)
         reach, found = max(COUNTS * angle.range / 2**angle.bits, NOISES * angle.noise), []
         low, high = 0.9 * self.machine.supply.ambient_pressure, 1.05 * self.machine.supply.pressure
@@ -215,7 +215,7 @@ class Record:
 
     @cached_property
     def ends(self) -> dict[str, float]:
-        """Where the readings of every measured signal end, both ways: a joint that is thrown to its stop is beyond."""
+        """Ends of the readings of every measured signal, both ways: a joint that is thrown to its stop is beyond."""
         _, angle, pressure = parameters.drive_parts(self.machine)
         halves = {"angle": 0.5 * angle.range, "measured_pressure": 0.5 * pressure.range}
         return {
@@ -224,7 +224,7 @@ class Record:
         }
 
     def _led(self, shared: Mapping[str, Array], offset: Array, stage: Stage, leads: Leads) -> dict[str, Array]:
-        """What draws candidates to the log."""
+        """Return what draws candidates to the log."""
         varied = leads.vary(self.joints, stage, len(offset))
         if stage.air > 0.0 and "measured_pressure" in self.measured:
             # The sensor's offset is in what differential pressures are drawn to.

@@ -126,7 +126,7 @@ class RegulatedJoint(NamedTuple):
 
 
 class Shares(NamedTuple):
-    """How far each lag goes in a step."""
+    """Shares that each lag goes in a step."""
 
     set_point: float
     memory: float
@@ -152,7 +152,7 @@ class JointState(NamedTuple):
 
 @law
 def lag_shares(joint, h):
-    """How far each lag goes in a step of h seconds."""
+    """Return how far each lag goes in a step of h seconds."""
     return Shares(share_in(h, joint.valve.lag), share_in(h, joint.friction.lag))
 
 

@@ -30,7 +30,7 @@ from layflat.physics.hysteresis.elasto_slip import share_carried, slip
 
 
 class Rod(NamedTuple):
-    """What is constant of a rod in its cylinder, in the order of the table.
+    """Constants of a rod in its cylinder, in the order of the table.
 
     Of each element there are its share of all friction and its N/m; of the profile its items, the position of the
     first (m) and how far they lie apart (m).
@@ -57,7 +57,7 @@ class Rod(NamedTuple):
 
 
 class RodLog(NamedTuple):
-    """What is given of a log: position (m), speed (m/s), gauge pressure (Pa), the first force (N), and p_m (Pa)."""
+    """Signals of a log: position (m), speed (m/s), gauge pressure (Pa), the first force (N), and p_m (Pa)."""
 
     position: Array
     speed: Array
@@ -99,7 +99,7 @@ def slip_force(rod, x, p_g):
 
 @law
 def film_force(rod, v, level):
-    """What the film takes of the friction `level` (N) at speed v: smooth through rest, and never along the motion."""
+    """Force of the film, of a friction `level` (N), at speed v: smooth through rest, and never along the motion."""
     return rod.film_share * level * tanh(v / rod.film_speed)
 
 

@@ -53,7 +53,7 @@ OWN = ("offset", "tilt", "friction", "friction_tilt")  # what a log has of its o
 
 
 class Sizes:
-    """How large forces and motions are in the logs of a rod."""
+    """Sizes of forces and motions in the logs of a rod."""
 
     def __init__(self, outputs: Sequence[Output], logs: Sequence[RodLog]) -> None:
         measured = [out.measured[np.isfinite(out.measured)] for out in outputs]
@@ -114,7 +114,7 @@ def unknowns_of(bench: RodBench, sizes: Sizes, logs: Sequence[str]) -> dict[str,
 
 
 def shape_unknowns(bench: RodBench, sizes: Sizes) -> list[Unknown]:
-    """What pressure adds to the area where it changes the shape of the seal."""
+    """Return what pressure adds to the area where it changes the shape of the seal."""
     half = max(0.5 * float(np.ptp(sizes.pressures)), 1e-3 * sizes.pressure)
     bend = CHANGE * sizes.most / half**2
     grown, guess = "piston.area_growth", bench.piston

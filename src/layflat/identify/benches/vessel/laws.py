@@ -43,7 +43,7 @@ class Wall(NamedTuple):
 
 
 class Path(NamedTuple):
-    """What joins the vessel to the place beyond."""
+    """Path from the vessel to the place beyond."""
 
     conductance: float
     critical_ratio: float
@@ -75,7 +75,7 @@ class Filling(NamedTuple):
 
 
 class Exchange(NamedTuple):
-    """What passes between a vessel, the place beyond and the wall."""
+    """Flows between a vessel, the place beyond and the wall."""
 
     flow: float  # mass flow in, kg/s
     enthalpy: float  # that it carries, J/kg
@@ -116,7 +116,7 @@ def jet_diameter(area):
 
 @law
 def exchange(gas, vessel, state, outside, opening):
-    """What passes while the path is open by `opening`, 0..1 of its conductance."""
+    """Return what passes while the path is open by `opening`, 0..1 of its conductance."""
     chamber, wall, path = vessel.chamber, vessel.wall, vessel.path
     p, T = state_of(gas, chamber, state.energy, state.mass, outside.ambient_pressure)
     factor, h, rho, c_p = stream(gas, p, T)
@@ -173,7 +173,7 @@ class Setup(NamedTuple):
 
 
 class Course(NamedTuple):
-    """What acts on a vessel, by sample: (samples,) each."""
+    """Signals that act on a vessel, by sample: (samples,) each."""
 
     time: Array  # s, growing
     supply: Array  # absolute pressure beyond the path, Pa, linear in between; not a number: the pressure of `Outside`

@@ -113,7 +113,7 @@ class VesselModel(Model):
 
 
 def parameters(bench: VesselBench, added_volume: float = 0.0) -> Setup:
-    """What the laws take of a description."""
+    """Return what the laws take of a description."""
     space, wall, path, outside, ambient = bench.space, bench.wall, bench.path, bench.outside, bench.ambient
     capacity = np.inf if wall.heat_capacity is None else wall.heat_capacity
     vessel = Vessel(

@@ -21,7 +21,7 @@ SEVERITIES: tuple[Severity, ...] = ("error", "warning", "note")
 
 @dataclass(frozen=True)
 class Issue:
-    """Something in a log that is wrong, doubtful or worth knowing."""
+    """A place in a log that is wrong, doubtful or worth knowing."""
 
     severity: Severity  # "error" (no fit makes sense), "warning" (look at it) or "note"
     channel: str  # signal and joint, such as "pressure_a.elbow"; "log" for the whole

@@ -95,7 +95,7 @@ def _length(log: CheckedLog) -> Iterator[Issue]:
 
 
 def clock_issues(log: CheckedLog) -> Iterator[Issue]:
-    """What happened to each clock, and gaps of each channel."""
+    """Return what happened to each clock, and gaps of each channel."""
     for clock in log.clocks:
         yield from _clock(clock)
     for channel in log.filled:
@@ -195,7 +195,7 @@ def _rails(channel: Channel, log: CheckedLog) -> Iterator[Issue]:
 
 
 def _abrupt(values: Array, first: int, length: int) -> bool:
-    """Whether a signal runs into a standstill, or out of it, at speed."""
+    """Return whether a signal runs into a standstill, or out of it, at speed."""
     steps = np.abs(np.diff(values[np.isfinite(values)]))
     fast = float(np.percentile(steps[steps > 0.0], 90.0))
     into = np.diff(values[max(first - 3, 0) : first])
@@ -226,7 +226,7 @@ def stationary_issues(log: CheckedLog) -> Iterator[Issue]:
 
 
 def moves(channel: Channel) -> bool:
-    """Whether a signal moves by more than its noise."""
+    """Return whether a signal moves by more than its noise."""
     known = channel.known
     span = float(np.percentile(known, 99.0) - np.percentile(known, 1.0))
     return span > STILL * noise(known)

@@ -27,7 +27,7 @@ def pressure_span(channel: Channel, log: CheckedLog) -> tuple[float, float]:
 
 
 def counts_wrong(channel: Channel, log: CheckedLog) -> Issue | None:
-    """What to say of a pressure that counts from the wrong level; None if it doesn't, or if nothing can be told."""
+    """Return a remark on a pressure that counts from the wrong level; None if it doesn't, or if nothing can be told."""
     low, high = pressure_span(channel, log)
     ambient = log.ambient
     supply = log.supply_gauge if channel.signal.name != "pressure" else None
@@ -52,7 +52,7 @@ def counts_wrong(channel: Channel, log: CheckedLog) -> Issue | None:
 
 
 def _lasts(channel: Channel, level: float, period: float) -> bool:
-    """Whether a signal stays at a level for a while."""
+    """Return whether a signal stays at a level for a while."""
     longest = max((length for _, length in runs(np.abs(channel.values - level) < LEVEL)), default=0)
     return longest >= 3 and longest * period >= LASTING
 
@@ -137,7 +137,7 @@ def _angle(channel: Channel, log: CheckedLog) -> Iterator[Issue]:
 
 
 def _strains(channel: Channel, log: CheckedLog) -> bool:
-    """Whether the pressure difference of a joint swings by more than a little."""
+    """Return whether the pressure difference of a joint swings by more than a little."""
     difference, supply = log.difference(channel.joint), log.supply_gauge
     if difference is None or supply is None:
         return False
