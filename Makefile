@@ -3,10 +3,19 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
-BENCH_LAWS := tests/identify/benches/*/test_*_laws.py tests/identify/benches/vessel/test_real_gas.py
+# Tests that call kernels, and end without the compiler; a law that Python calls is plain Python in either case.
+KERNELS := tests/physics/test_driven.py tests/physics/test_line.py tests/physics/test_plant.py \
+  tests/physics/arms/chain/test_chain_description.py tests/control/tracking/test_tracking_description.py \
+  tests/identify/benches/rod/test_rod_laws.py
+# One after the other, as what was compiled stays in memory; more processes than processors, as tests of rigs and pages wait.
+PARTS := "tests/[a-h]*/" "tests/[i-o]*/" "tests/[p-z]*"
+SIDE_BY_SIDE := -n 3 --dist loadscope --no-loadscope-reorder
+NEWEST := build/newest-numba/venv/bin/python
+V ?= 3.13
+BY_NEWEST := --only "rollout paper-small" --only "ensemble paper-small" --only "stepped plant"
 
 .DEFAULT_GOAL := help
-.PHONY: help install wheel reproduce questions test test-nojit lint pictures bench conformance mutants calibrate clean
+.PHONY: help install wheel reproduce questions test test-python lint docs pictures bench newest-numba conformance mutants calibrate clean
 
 help:  ## show what can be made
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  make %-12s %s\n", $$1, $$2}'
@@ -28,22 +37,42 @@ questions: $(READY)  ## the same with the paper's open questions, studies of tho
 	$(BIN)/layflat reproduce --out build/reproduce --questions
 
 test: export PYTHONDONTWRITEBYTECODE :=  # hundreds of processes import the package
-test: $(READY)  ## run the tests: side by side, those in real time alone, and the laws' own without compiler
-	$(BIN)/python -m pytest -n 2 --dist loadscope -m "not realtime"
+test: $(READY)  ## run the tests: side by side, those in real time alone, and some of kernels without compiler
+	for part in $(PARTS); do $(BIN)/python -m pytest $(SIDE_BY_SIDE) -m "not realtime" $$part || exit 1; done
 	$(BIN)/python -m pytest -m realtime $$(grep -rl --include='*.py' mark.realtime tests)
-	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -n 2 --dist loadscope tests/physics tests/control $(BENCH_LAWS)
+	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest $(KERNELS)
 
-lint: $(READY)  ## style, types, import contracts
+test-python:  ## run the tests on another Python, such as V=3.13, with the newest of all that is needed
+	python$(V) -m venv build/python-$(V)
+	build/python-$(V)/bin/python -m pip install --quiet --disable-pip-version-check -e '.[dev]'
+	LAYFLAT_CACHE_DIR=build/python-$(V)/machine-code build/python-$(V)/bin/python -m pytest $(SIDE_BY_SIDE) -m "not realtime"
+
+lint: $(READY)  ## style, language, types, import contracts
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
+	$(BIN)/python -m lint.language
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+
+docs: $(READY)  ## build the documentation as a site: build/docs/index.html
+	$(BIN)/python -m docs.site
 
 pictures: $(READY)  ## take the pictures of the pages in docs anew, in a real browser (a minute, on a quiet computer)
 	$(BIN)/python -m docs.pictures
 
 bench: $(READY)  ## measure speed: build/bench.json
 	$(BIN)/python -m benchmarks.run --out build/bench.json
+
+newest-numba: export LAYFLAT_ANY_COMPILER := 1
+newest-numba: export LAYFLAT_CACHE_DIR := build/newest-numba/machine-code
+newest-numba: $(READY)  ## try the newest numba, candidates too: the compiler's tests, and the same bits (ten minutes)
+	$(BIN)/python -m benchmarks.digests $(BY_NEWEST) --out build/newest-numba/pinned.json
+	$(PYTHON) -m venv build/newest-numba/venv
+	$(NEWEST) -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[bench,cell,rig,study,test,tune]'
+	$(NEWEST) -m pip install --quiet --disable-pip-version-check --upgrade --pre numba llvmlite
+	$(NEWEST) -m pip list | grep -E '^(numba|llvmlite|numpy) '
+	$(NEWEST) -m pytest tests/jit tests/lanes
+	$(NEWEST) -m benchmarks.digests $(BY_NEWEST) --out build/newest-numba/newest.json --against build/newest-numba/pinned.json
 
 conformance:  ## compare arms of other packages as other tools read them: docs/arm-conformance.md (a quarter of an hour)
 	$(PYTHON) -m venv build/conformance

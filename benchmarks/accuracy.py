@@ -23,7 +23,7 @@ from benchmarks import mujoco_arm, scipy_plant
 from layflat.arrays import Array
 from layflat.description.change import value_at
 from layflat.machine import Machine, load
-from layflat.plot.style import HEAD, LINES, figure, mark, save
+from layflat.plot.style import HEAD_ROOM, SERIES_STYLES, draw_mark, save_figure, styled_figure
 from layflat.sim import Scenario
 from layflat.sim.ensemble import ensemble
 
@@ -149,11 +149,11 @@ MEANING = {
 
 def draw(curves: dict[str, list[Point]], title: str) -> Figure:
     """Speed over error, a curve for each way to simulate."""
-    with figure(width=6.4, height=4.2, above=2 * HEAD) as (made, (axes,)):
-        for (name, points), style, marker in zip(curves.items(), LINES, "os^vDx", strict=False):
+    with styled_figure(width=6.4, height=4.2, above=2 * HEAD_ROOM) as (made, (axes,)):
+        for (name, points), style, marker in zip(curves.items(), SERIES_STYLES, "os^vDx", strict=False):
             errors, speeds = [max(point.error, LEAST) for point in points], [point.speed for point in points]
             axes.loglog(errors, speeds, **style, marker=marker, ms=4, label=name)
-        mark(axes, GOOD, f"{GOOD:g} degrees", upright=True)
+        draw_mark(axes, GOOD, f"{GOOD:g} degrees", upright=True)
         axes.set_xlim(LEAST, 1.0)
         axes.set_xlabel(f"Error of the angles over {SECONDS:g} s (degrees rms; on the left edge: {LEAST:g} or less)")
         axes.set_ylabel("Arm-seconds per core-second")
@@ -209,7 +209,7 @@ def main() -> None:
         console.print(table)
     console.print(in_closed_loop(machine))
     given.out.parent.mkdir(parents=True, exist_ok=True)
-    sys.stdout.write(f"{save(draw(curves, given.machine), given.out)}\n")
+    sys.stdout.write(f"{save_figure(draw(curves, given.machine), given.out)}\n")
 
 
 if __name__ == "__main__":

@@ -5,7 +5,8 @@ from __future__ import annotations
 from benchmarks.timing import ROUNDS, median_seconds
 from layflat.bridge import MujocoPlant
 from layflat.cell import load
-from layflat.cell.perception import calibrate_scene, detector_of
+from layflat.cell.kinds import make_detector
+from layflat.cell.perception import calibrate_scene
 from layflat.cell.scene import Scene
 from layflat.cell.scene.camera import SimulatedCamera
 from layflat.errors import NoDrawingError
@@ -35,9 +36,9 @@ def measure(rounds: int = ROUNDS) -> dict[str, float]:
     except NoDrawingError:
         return found
     with camera:
-        calibration, detector = calibrate_scene(scene, camera), detector_of(scene.cell)
+        calibration, detector = calibrate_scene(scene, camera), make_detector(scene.cell)
         picture = camera.picture()
-        seen = median_seconds(lambda: detector.find(picture, calibration), rounds)
+        seen = median_seconds(lambda: detector.detect(picture, calibration), rounds)
         overview = median_seconds(lambda: camera.picture("overview"), rounds)
     return found | {
         "cell_detection_ms": 1e3 * seen,

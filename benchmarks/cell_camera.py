@@ -1,4 +1,4 @@
-"""How exactly and how fast the packing cell's own camera sees produce, over random scenes.
+"""Accuracy and speed with which the packing cell's own camera sees produce, over random scenes.
 
     python -m benchmarks.cell_camera --scenes 200
 
@@ -21,10 +21,11 @@ from rich.table import Table
 
 from layflat.cell import Cell, load
 from layflat.cell.extras import mujoco, opencv
-from layflat.cell.perception import calibrate_scene, detector_of, fruit_of
+from layflat.cell.kinds import make_detector
+from layflat.cell.perception import calibrate_scene, classify_fruit
 from layflat.cell.scene import FruitTruth, Scene
 from layflat.cell.scene.camera import SimulatedCamera
-from layflat.cell.vision import SURE, Calibration, Detection, draw
+from layflat.cell.vision import SURE_CONFIDENCE, Calibration, Detection, draw_detections
 
 NEAR = 0.5
 """Of a fruit's radius, within which a detection is of it."""
@@ -32,7 +33,7 @@ NEAR = 0.5
 
 @dataclass
 class Tally:
-    """What was seen of what was there."""
+    """Counts of produce that was there and was seen."""
 
     fruit: int = 0
     unknown: int = 0
@@ -57,7 +58,7 @@ class Tally:
             name = _nearest(truth, one)
             words = f"scene {seed}: {one.kind} at {one.position[0]:.3f}, {one.position[1]:.3f} m"
             if name is None or (one.kind is not None and name in seen):
-                if one.confidence < SURE:
+                if one.confidence < SURE_CONFIDENCE:
                     self.doubtful.append(f"{words}, {one.confidence:.2f}")
                 elif one.kind is not None:
                     self.false.append(words)
@@ -65,12 +66,12 @@ class Tally:
                     self.unknown_nothing.append(words)
                 continue
             fruit = truth[name]
-            known = cell.produce[fruit.kind].known
+            known = cell.produce[fruit.kind].recognised
             if one.kind is None:
                 self.unknown_reported += not known
                 continue
             seen.add(name)
-            if one.confidence < SURE:
+            if one.confidence < SURE_CONFIDENCE:
                 self.unsure += 1
             elif not known:
                 self.false.append(f"{words}: {name}")
@@ -78,7 +79,7 @@ class Tally:
                 self.kind.append(f"{words}: {name}")
             else:
                 self._measured(cell, words, fruit, one)
-        known_ones = {name for name, fruit in truth.items() if cell.produce[fruit.kind].known}
+        known_ones = {name for name, fruit in truth.items() if cell.produce[fruit.kind].recognised}
         self.fruit += len(known_ones)
         self.unknown += len(truth) - len(known_ones)
         self.missed += [f"scene {seed}: {name}" for name in sorted(known_ones - seen)]
@@ -86,10 +87,10 @@ class Tally:
     def _measured(self, cell: Cell, words: str, fruit: FruitTruth, one: Detection) -> None:
         self.off.append(1e3 * float(np.hypot(*(fruit.position[:2] - one.position[:2]))))
         self.wide.append(100.0 * (one.diameter / fruit.diameter - 1.0))
-        graded = fruit_of(cell, one)
-        self.graded += not graded.doubt
-        self.ungraded += bool(graded.doubt) and fruit.grade is not None
-        if not graded.doubt and graded.grade != fruit.grade:
+        graded = classify_fruit(cell, one)
+        self.graded += not graded.ungraded_reason
+        self.ungraded += bool(graded.ungraded_reason) and fruit.grade is not None
+        if not graded.ungraded_reason and graded.grade != fruit.grade:
             self.grade.append(f"{words}: {graded.grade}, is {fruit.grade}")
         place = cell.place_at(*one.position[:2])
         if place != fruit.place:
@@ -107,7 +108,7 @@ def _nearest(truth: dict[str, FruitTruth], one: Detection) -> str | None:
 
 def with_unknown(cell: Cell) -> Cell:
     """The cell with unknown fruit in its trays."""
-    unknown = tuple(name for name, kind in cell.produce.items() if not kind.known)
+    unknown = tuple(name for name, kind in cell.produce.items() if not kind.recognised)
     trays = {
         name: tray.model_copy(update={"produce": (*tray.produce, *unknown)}) for name, tray in cell.tray.items()
     }  # fmt: skip
@@ -117,7 +118,7 @@ def with_unknown(cell: Cell) -> Cell:
 def cluttered(cell: Cell, times: int) -> Cell:
     """The cell with so many times as much clutter."""
     more = {
-        name: one.model_copy(update={"count": one.count.model_copy(update={"most": times * one.count.most})})
+        name: one.model_copy(update={"count": one.count.model_copy(update={"max": times * one.count.max})})
         for name, one in cell.clutter.items()
     }
     return cell.model_copy(update={"clutter": more})
@@ -134,7 +135,7 @@ def pack_all(scene: Scene, rng: np.random.Generator) -> None:
             continue
         free.remove(at)
         start = int(model.joint(fruit.name).qposadr[0])
-        height = cell.container[at[0]].layout.wall + fruit.under + 1e-3
+        height = cell.container[at[0]].layout.wall + fruit.height_below + 1e-3
         data.qpos[start : start + 7] = [*at[1:], height, 1.0, 0.0, 0.0, 0.0]
     mujoco().mj_forward(model, data)
     scene.step(400)
@@ -149,7 +150,7 @@ def main() -> None:
     options = asked.parse_args()
     cell = cluttered(with_unknown(load("packing")), options.clutter)
     tallies, spent, calibration = {"tray": Tally(), "containers": Tally()}, [], None
-    detector = detector_of(cell)
+    detector = make_detector(cell)
     opencv().setNumThreads(1)
     shown = Console(stderr=True)
     scenes = range(options.seed, options.seed + options.scenes)
@@ -161,10 +162,10 @@ def main() -> None:
         with SimulatedCamera(scene) as camera:
             if calibration is None:
                 calibration = calibrate_scene(scene, camera)
-                detector.find(camera.picture(), calibration)
+                detector.detect(camera.picture(), calibration)
             picture = camera.picture()
         wall, processor = time.perf_counter(), time.process_time()
-        found = detector.find(picture, calibration)
+        found = detector.detect(picture, calibration)
         spent.append((time.perf_counter() - wall, time.process_time() - processor))
         tallies[where].compare(cell, seed, scene.truth().fruits, found)
         if options.draw:
@@ -175,7 +176,7 @@ def main() -> None:
 
 def _keep(folder: Path, seed: int, picture: np.ndarray, found: list[Detection]) -> None:
     folder.mkdir(parents=True, exist_ok=True)
-    opencv().imwrite(str(folder / f"{seed:04d}.png"), draw(picture, found)[..., ::-1])
+    opencv().imwrite(str(folder / f"{seed:04d}.png"), draw_detections(picture, found)[..., ::-1])
 
 
 def _report(tallies: dict[str, Tally], spent: np.ndarray, scenes: int, calibration: Calibration) -> None:

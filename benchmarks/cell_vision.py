@@ -16,7 +16,7 @@ from rich.console import Console
 from rich.progress import track
 from rich.table import Table
 
-from layflat.cell.vision import SURE, ColourDetector, Detection
+from layflat.cell.vision import SURE_CONFIDENCE, ColourDetector, Detection
 from tests.cell.vision.pictures import Scene, take
 from tests.cell.vision.vision_scenes import BACKGROUND, CAMERA, KINDS, TABLE, calibrated, random_scene
 
@@ -45,13 +45,13 @@ def compare(scene: Scene, found: list[Detection], tally: Tally) -> None:
         at = int(np.argmin(gaps)) if gaps else -1
         right = at >= 0 and gaps[at] < 0.5 and (scene.balls[at].kind or None) == one.kind
         if not right:
-            tally.false += one.kind is not None and one.confidence >= SURE
+            tally.false += one.kind is not None and one.confidence >= SURE_CONFIDENCE
         elif one.kind is None:
             tally.unknown_reported += 1
         else:
             tally.false += at in seen
             seen.add(at)
-            if one.confidence < SURE:
+            if one.confidence < SURE_CONFIDENCE:
                 tally.unsure += 1
                 continue
             ball = scene.balls[at]
@@ -68,13 +68,13 @@ def measure(scenes: int, first: int) -> Tally:
     calibration = calibrated()
     detector = ColourDetector(KINDS, TABLE, BACKGROUND)
     tally = Tally()
-    detector.find(take(random_scene(first), CAMERA, first), calibration)
+    detector.detect(take(random_scene(first), CAMERA, first), calibration)
     shown = Console(stderr=True)
     for seed in track(range(first, first + scenes), "scenes", console=shown, disable=not shown.is_terminal):
         scene = random_scene(seed)
         picture = take(scene, CAMERA, seed)
         wall, processor = time.perf_counter(), time.process_time()
-        found = detector.find(picture, calibration)
+        found = detector.detect(picture, calibration)
         tally.wall.append(time.perf_counter() - wall)
         tally.processor.append(time.process_time() - processor)
         compare(scene, found, tally)

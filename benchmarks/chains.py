@@ -23,7 +23,7 @@ from layflat.machine.loader import tables
 from layflat.machine.model import build
 from layflat.sim import Scenario
 from layflat.sim.ensemble import ensemble
-from layflat.sim.run import prepare
+from layflat.sim.run import prepare_run
 
 SECONDS = 4.0
 STEPS = round(SECONDS / STEP)
@@ -37,7 +37,7 @@ def four() -> Machine:
     plain, sources = tables("picking-arm")
     base, of_base = tables(PAPER)
     joints = {name: {**joint, "gains": base["joint"]["small"]["gains"]} for name, joint in plain["joint"].items()}
-    changed = {**plain, "controller": {**base["controller"], "known_load": True}, "joint": joints}
+    changed = {**plain, "controller": {**base["controller"], "load_compensation": True}, "joint": joints}
     return build(changed, {**of_base, **sources}, "picking-arm-paper")
 
 
@@ -48,7 +48,7 @@ def seven() -> Machine:
     links = {
         name: {
             "axis": [0.0, 0.0, 1.0] if i % 2 == 0 else [0.0, -1.0, 0.0],
-            "place": ["0 m", "0 m", "0 m" if i == 0 else "0.15 m"],
+            "position": ["0 m", "0 m", "0 m" if i == 0 else "0.15 m"],
             "mass": "0.2 kg",
             "centre": ["0 m", "0 m", "0.075 m"],
             "inertia": ["0.0004 kg m^2", "0.0004 kg m^2", "0.0001 kg m^2"],
@@ -77,7 +77,7 @@ def moves(machine: Machine) -> Scenario:
 
 def step_seconds(machine: Machine) -> float:
     """Time of a step of 0.25 ms in a rollout, s."""
-    return median_seconds(prepare(machine, moves(machine), step=STEP).run) / STEPS
+    return median_seconds(prepare_run(machine, moves(machine), step=STEP).run) / STEPS
 
 
 def ensemble_seconds(machine: Machine, runs: int, precision: str = "double") -> float:
@@ -143,5 +143,5 @@ MEANING = {
 if __name__ == "__main__":
     machine = {"paper": four, "tracking": lambda: load("picking-arm")}[sys.argv[1]]()
     begun = time.perf_counter()
-    prepare(machine, moves(machine)).run()
+    prepare_run(machine, moves(machine)).run()
     sys.stdout.write(f"{time.perf_counter() - begun:.1f}\n")

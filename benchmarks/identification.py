@@ -21,13 +21,13 @@ import xarray
 
 from layflat.arrays import Array
 from layflat.description.change import changed, changed_all
+from layflat.design.arm import read_task
 from layflat.design.arm.sizing import size_arm
-from layflat.design.arm.task import read_task
 from layflat.identify import Fit, Unknown, fit
-from layflat.identify.benches.moving.blocks import unknowns
-from layflat.identify.benches.moving.model import ArmModel
-from layflat.identify.benches.moving.spread import possible
-from layflat.identify.excite import sequence
+from layflat.identify.benches.moving import ArmModel
+from layflat.identify.benches.moving.blocks import machine_unknowns
+from layflat.identify.benches.moving.bodies import feasible_columns
+from layflat.identify.excite import plan_sequence
 from layflat.machine import Machine, load
 from layflat.sim import rollout
 
@@ -73,13 +73,13 @@ def drawn(machine: Machine, sought: list[Unknown], random: np.random.Generator) 
         away = random.uniform(-SPREAD, SPREAD)
         value = unknown.guess * np.exp(away) if unknown.log else unknown.guess + away * (unknown.high - unknown.low)
         truth[unknown.path] = float(np.clip(value, unknown.low, unknown.high))
-    columns = possible(machine, {path: np.array([value]) for path, value in truth.items()})
+    columns = feasible_columns(machine, {path: np.array([value]) for path, value in truth.items()})
     truth = {path: float(values[0]) for path, values in columns.items()}
     return changed_all(machine, truth), truth
 
 
 def log_of(machine: Machine, base: Machine, followed: tuple[Array, Array], seed: int) -> xarray.Dataset:
-    """What the sensors see of a machine that follows a bench sequence, controlled as the described one would be."""
+    """Return a log of a machine that follows a bench sequence, controlled as the described one would be."""
     times, demand = followed
     duration = float(len(times) * (times[1] - times[0]))
     run = rollout(machine, demand, duration=duration, start=0.0, seed=seed, controller=base)
@@ -88,7 +88,7 @@ def log_of(machine: Machine, base: Machine, followed: tuple[Array, Array], seed:
 
 def logs_of(machine: Machine, base: Machine, seed: int, *, bare: bool) -> dict[str, xarray.Dataset]:
     """Logs of a machine with its payload and, if it is to go `bare` too, of the same sequence without."""
-    followed = sequence(base)
+    followed = plan_sequence(base)
     logs = {"loaded": log_of(machine, base, followed, seed)}
     if bare:
         unloaded, described = (changed(one, "arm.payload", 0.0) for one in (machine, base))
@@ -101,9 +101,9 @@ def validation(found: Fit, truth: dict[str, float]) -> list[dict[str, Any]]:
     return [
         {
             "path": path,
-            "identified": bool(found.of(path).identified),
-            "inside": bool(found.of(path).low <= value <= found.of(path).high),
-            "error": abs(found.of(path).value - value) / abs(value) if value else 0.0,
+            "identified": bool(found.estimate(path).identified),
+            "inside": bool(found.estimate(path).low <= value <= found.estimate(path).high),
+            "error": abs(found.estimate(path).value - value) / abs(value) if value else 0.0,
         }
         for path, value in truth.items()
     ]
@@ -115,7 +115,7 @@ def _middle(told: list[dict[str, Any]]) -> float:
 
 
 def _named(path: str) -> str:
-    """What a path names, without the joint that it is of."""
+    """Return the end of a path, without the joint before it."""
     first, *rest = path.split(".")
     return ".".join(rest[-2:]) if first in ("joint", "arm") else path
 
@@ -134,7 +134,7 @@ def main() -> None:
     rows: list[dict[str, Any]] = []
     for number in range(given.first, given.first + given.count):
         base = random_arm(number) if given.arms else load(given.machine)
-        sought = unknowns(base, BLOCKS)
+        sought = machine_unknowns(base, BLOCKS)
         random = np.random.default_rng((given.seed, number))
         machine, truth = drawn(base, sought, random)
         logs = logs_of(machine, base, number, bare=given.arms and not given.loaded)
@@ -142,7 +142,7 @@ def main() -> None:
         found = fit(ArmModel(base, logs, blocks=BLOCKS), seed=number)
         taken = time.perf_counter() - begun
         values = validation(found, truth)
-        worst = max(quality.share for quality in found.qualities() if quality.validation)
+        worst = max(quality.relative_rms for quality in found.qualities() if quality.validation)
         rows.append({"seconds": taken, "converged": found.converged, "judged_share": worst, "values": values})
         told = [value for value in values if value["identified"]]
         inside = sum(value["inside"] for value in told)

@@ -1,4 +1,4 @@
-"""How much better a repeated move is done: error along the path after five repeats over that of the first run.
+"""Gain by repeating a move: error along the path after five repeats over that of the first run.
 
     python -m benchmarks.learning [PLANTS]
 
@@ -12,54 +12,54 @@ import numpy as np
 
 from layflat.arrays import Array
 from layflat.machine import Machine, load
-from layflat.motion.curve import Arc, Line
+from layflat.motion.curve import ArcCurve, LineCurve
 from layflat.motion.kinematics import tip_position
-from layflat.motion.learning import begin
-from layflat.motion.limits import RESERVE
-from layflat.motion.optimal import time_optimal
+from layflat.motion.learning import begin_learning
+from layflat.motion.limits import FEEDBACK_RESERVE
+from layflat.motion.optimal import plan_time_optimal
 from layflat.motion.path import JointLine, JointSpline
-from layflat.motion.planar_path import PlanarPath
+from layflat.motion.planar import PlanarPath
 from layflat.motion.trajectory import Trajectory
 from layflat.sim.repeats import learnt_error_ratio, simulated_repeats, true_error
-from layflat.tune.robust import plants
+from layflat.tune.robust import robust_plants
 
 START = np.radians([-20.0, 0.0])
 VIA = [[-30.0, 0.0], [0.0, 30.0], [20.0, 0.0], [30.0, -20.0]]
 
 
-def motions(arm: Machine, reserve: float = RESERVE) -> dict[str, Trajectory]:
+def motions(arm: Machine, reserve: float = FEEDBACK_RESERVE) -> dict[str, Trajectory]:
     """Time-optimal motions."""
     x, y = tip_position(arm, START).tolist()
-    line = Line.to((x, y), (x + 0.05, y + 0.25), "line")
-    arc = Arc.through((x, y), (x + 0.08, y + 0.1), (x, y + 0.22), "arc")
+    line = LineCurve.from_points((x, y), (x + 0.05, y + 0.25), "line")
+    arc = ArcCurve.from_points((x, y), (x + 0.08, y + 0.1), (x, y + 0.22), "arc")
     paths = {
-        "line": PlanarPath(arm, line, START, "line").checked(),
-        "arc": PlanarPath(arm, arc, START, "arc").checked(),
+        "line": PlanarPath(arm, line, START, "line").check_reachable(),
+        "arc": PlanarPath(arm, arc, START, "arc").check_reachable(),
         "via": JointSpline(arm, [np.radians(at) for at in VIA]),
         "joints": JointLine(np.radians([-20.0, -20.0]), np.radians([20.0, 20.0])),
     }
-    return {name: time_optimal(arm, path, reserve=reserve) for name, path in paths.items()}
+    return {name: plan_time_optimal(arm, path, reserve=reserve) for name, path in paths.items()}
 
 
 def results(arm: Machine, moved: list[Machine], motion: Trajectory) -> Array:
     """Ratio, true errors (m) of the first run and of the best, landings (s) of both, of each plant: (plants, 5)."""
     rows = []
     for number, plant in enumerate(moved):
-        learnt = begin(arm, motion.rows(arm.cycle))
+        learnt = begin_learning(arm, motion.rows(arm.cycle))
         done = list(simulated_repeats(learnt, 6, plant=plant, seed=1000 * number))
         history = done[-1].learnt.history
         best = max(k for k, repeat in enumerate(history) if repeat.kept)
         errors = [true_error(learnt, one.angles) for one in done]
         ratio = learnt_error_ratio(arm, plant, motion, seeds=[number])
-        rows.append([ratio, errors[0], errors[best], history[0].landed, history[best].landed])
+        rows.append([ratio, errors[0], errors[best], history[0].arrival, history[best].arrival])
     return np.array(rows)
 
 
 if __name__ == "__main__":
     arm, count = load("paper-arm-tracking"), int(sys.argv[1]) if len(sys.argv) > 1 else 48
-    others_, same = plants(arm, count), [arm] * 12
+    others_, same = robust_plants(arm, count), [arm] * 12
     print("ratio: median, three quarters, 90 %, worst; first and last rms error (mm), landing (s): medians")
-    for reserve in (RESERVE, 0.5):
+    for reserve in (FEEDBACK_RESERVE, 0.5):
         together = []
         for name, motion in motions(arm, reserve).items():
             for what, moved in (("others", others_), ("as described", same)):

@@ -57,7 +57,7 @@ def vary(machine: Machine, runs: int) -> dict[str, Any]:
     }
 
 
-def seconds(machine: Machine, runs: int, threads: int, **options: str) -> float:
+def seconds(machine: Machine, runs: int, threads: int, **options: Any) -> float:
     """Time of so many runs of 4 s, s."""
     begin = time.perf_counter()
     ensemble(machine, MOVES, vary(machine, runs), threads=threads, step=STEP, **options)

@@ -11,14 +11,14 @@ import sys
 import numpy as np
 
 from layflat.arrays import Array
-from layflat.experiments.beyond.moves import steps
+from layflat.experiments.beyond.moves import first_moves
 from layflat.machine import Machine, load
 from layflat.machine.exchanged import with_tracking
-from layflat.motion.gentle import jerk_limited
+from layflat.motion.jerk_limited import plan_jerk_limited
 from layflat.motion.kinematics import tip_position
-from layflat.motion.optimal import time_optimal
+from layflat.motion.optimal import plan_time_optimal
 from layflat.motion.path import JointLine
-from layflat.motion.trajectory import Chain, Rest, Trajectory
+from layflat.motion.trajectory import MotionSequence, RestMotion, Trajectory
 from layflat.sim import rollout
 
 RESERVES = (0.0, 0.2, 0.35, 0.5)
@@ -29,7 +29,7 @@ NOISES, CLOSE = 2, 2e-3
 def performed(machine: Machine, motion: Trajectory, start: Array, end: Array, seed: int) -> tuple[float, float]:
     """Return the rms distance of the tip from its demand while it moves (m), and when it is at the end for good (s)."""
     cycle = machine.cycle
-    whole = Chain.of(Rest(BEFORE, start), motion, Rest(AFTER, end)).rows(cycle)
+    whole = MotionSequence.join(RestMotion(BEFORE, start), motion, RestMotion(AFTER, end)).rows(cycle)
     run = rollout(
         machine,
         whole.angles,
@@ -53,11 +53,11 @@ def main() -> None:
         raise SystemExit("no tracking controller can drive this machine")
     for reserve in RESERVES:
         found, durations, gentle = [], [], []
-        for start, end in steps(machine):
+        for start, end in first_moves(machine):
             path = JointLine(start, end)
-            motion = time_optimal(machine, path, reserve=reserve)
+            motion = plan_time_optimal(machine, path, reserve=reserve)
             durations.append(motion.duration)
-            gentle.append(jerk_limited(machine, path, reserve=reserve).duration)
+            gentle.append(plan_jerk_limited(machine, path, reserve=reserve).duration)
             found += [performed(machine, motion, start, end, seed) for seed in range(NOISES)]
         rms, settled = np.array(found).T
         print(

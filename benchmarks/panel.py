@@ -17,11 +17,11 @@ from typing import Any
 import numpy as np
 from playwright.sync_api import TimeoutError
 
-from layflat.cli.panel import VirtualBench
+from layflat.cli.pages import VirtualBench
 from layflat.identify.logs.formats import read_table
 from layflat.machine import load
-from layflat.rig.recorded import Recorded
-from layflat.rig.safety.states import State
+from layflat.rig.recorded import RecordedSession
+from layflat.rig.safety.faults import RigState
 from tests.pages.browsers import Served, chromium, served
 
 LOOKS = 5.0  # between two looks at the page, s
@@ -52,7 +52,7 @@ def megabytes(root: int) -> float:
 
 
 def kept_going(page: Any) -> bool:
-    """Let the arm go on with its sequence; whether it was held meanwhile."""
+    """Continue the arm's sequence; return whether it was held before."""
     page.get_by_role("tab", name="Moves", exact=True).click()
     if "at step" in page.inner_text("main"):
         return False
@@ -95,17 +95,17 @@ def with_page(found: Served, minutes: float) -> None:
 
 
 def alone(name: str, minutes: float, log: Path) -> None:
-    """Let the loop of the same rig run for so long without a page: joints to and fro."""
+    """Run the loop of the same rig for so long without a page: joints to and fro."""
     machine = load(name)
     bench = VirtualBench(machine)
-    driver, address = bench.reached(machine)
-    with closing(bench), Recorded(machine, driver, address, log) as recorded:
+    driver, address = bench.connect(machine)
+    with closing(bench), RecordedSession(machine, driver, address, log) as recorded:
         rig = recorded.session
         rig.start()
         begun = time.monotonic()
         while (passed := time.monotonic() - begun) < 60.0 * minutes:
             shot = rig.snapshot()
-            if shot is not None and shot.state in {State.READY, State.MOVING}:
+            if shot is not None and shot.state in {RigState.READY, RigState.MOVING}:
                 rig.ask([0.3 * np.sin(0.5 * passed)] * len(machine.joints))
             time.sleep(0.05)
 

@@ -1,4 +1,4 @@
-"""How well the tracking controller brings an arm's tip to places that it reaches, and along straight lines.
+"""Accuracy with which the tracking controller brings an arm's tip to places that it reaches, and along straight lines.
 
     python -m benchmarks.picking [NAME] [COUNT]
 
@@ -16,16 +16,16 @@ from numpy.typing import ArrayLike
 from layflat.arrays import Array
 from layflat.errors import InputError
 from layflat.machine import Machine, load
-from layflat.motion.curve import Line
-from layflat.motion.inverse import SINGULAR, Inverse
+from layflat.motion.curve import LineCurve
+from layflat.motion.inverse import MIN_MOBILITY, InverseKinematics
 from layflat.motion.kinematics import tip_position
 from layflat.motion.limits import TipLimits
-from layflat.motion.optimal import time_optimal
-from layflat.motion.space_path import SpacePath
-from layflat.motion.trajectory import Chain, Rest, States
+from layflat.motion.optimal import plan_time_optimal
+from layflat.motion.tip_path import SpacePath
+from layflat.motion.trajectory import MotionSequence, RestMotion, States
 from layflat.sim import Scenario
 from layflat.sim.ensemble import ensemble
-from layflat.tune.robust import Differing, robust_set
+from layflat.tune.robust import PlantGroup, robust_plant_groups
 
 HEAVIEST = 1.0  # payload, kg
 CLOSE = 5e-3  # to a place, m
@@ -42,13 +42,13 @@ def late(values: Array) -> float:
 
 def places(machine: Machine, count: int, seed: int = 1) -> Array:
     """Return postures (count, joints), rad, with tips even in the volume of the reach, each near the one before."""
-    inverse, draw = Inverse(machine), np.random.default_rng(seed)
+    inverse, draw = InverseKinematics(machine), np.random.default_rng(seed)
     low, high = inverse.tips.min(axis=0), inverse.tips.max(axis=0)
     found: list[Array] = []
     near = np.zeros(len(machine.joints))
     while len(found) < count:
-        posture = inverse.anywhere(draw.uniform(low, high)[None], near)
-        if posture.there[0] and inverse.mobility(posture.angles)[0] > SINGULAR:
+        posture = inverse.solve_globally(draw.uniform(low, high)[None], near)
+        if posture.reached[0] and inverse.mobility(posture.angles)[0] > MIN_MOBILITY:
             near = posture.angles[0]
             found.append(near)
     return np.array(found)
@@ -63,7 +63,7 @@ def moves(postures: Array, count: int) -> list[Scenario]:
 
 def lines(machine: Machine, count: int, seed: int = 2) -> list[States]:
     """Return motions along straight lines of the tip, from and to rest, a row a control cycle, all equally long."""
-    draw, inverse, found = np.random.default_rng(seed), Inverse(machine), list[States]()
+    draw, inverse, found = np.random.default_rng(seed), InverseKinematics(machine), list[States]()
     lasts = REST + LENGTHS[1] / SPEED + SPEED / ACCELERATION + 0.3
     cycles = round(lasts / machine.cycle)
     while len(found) < count:
@@ -71,14 +71,16 @@ def lines(machine: Machine, count: int, seed: int = 2) -> list[States]:
         way, length = draw.normal(size=3), draw.uniform(*LENGTHS)
         tip = tip_position(machine, start)
         end = tip + length * way / np.linalg.norm(way)
-        if not inverse.anywhere(end[None], start).there[0]:
+        if not inverse.solve_globally(end[None], start).reached[0]:
             continue
         try:
-            path = SpacePath(machine, Line.to(tuple(tip), tuple(end), "line"), start, "line").checked()
+            path = SpacePath(
+                machine, LineCurve.from_points(tuple(tip), tuple(end), "line"), start, "line"
+            ).check_reachable()
         except InputError:  # the arm does not get along it
             continue
-        motion = time_optimal(machine, path, tip=TipLimits(SPEED, ACCELERATION))
-        rows = Chain.of(Rest(REST, start), motion).rows(machine.cycle)
+        motion = plan_time_optimal(machine, path, tip=TipLimits(SPEED, ACCELERATION))
+        rows = MotionSequence.join(RestMotion(REST, start), motion).rows(machine.cycle)
         if len(rows.angles) < cycles:
             pads = (0, cycles - len(rows.angles)), (0, 0)
             found.append(States(np.pad(rows.angles, pads, mode="edge"), *(np.pad(of, pads) for of in rows[1:])))
@@ -125,7 +127,7 @@ def _plants(
     """Return plants, numbers of the scenarios that they run, and what varies."""
     draw, first = np.random.default_rng(seed), 0
     found: list[tuple[Machine, list[int], dict[str, ArrayLike]]] = []
-    sets = robust_set(machine, count, seed=seed) if differing else [Differing(machine, {})]
+    sets = robust_plant_groups(machine, count, seed=seed) if differing else [PlantGroup(machine, {})]
     for plant, own in [(of.machine, of.vary) for of in sets]:
         size = len(own["valve.delay"]) if own else count
         rows = np.arange(first, first + size)

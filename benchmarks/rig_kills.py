@@ -21,16 +21,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-from layflat.cli.virtual_rig import VirtualRig
+from layflat.cli.rig import VirtualRig
 from layflat.machine import Machine, changed, load
 from layflat.rig.device.process import DeviceProcess, ModbusPort
 from layflat.rig.device.virtual import VirtualDevice
-from layflat.rig.drivers.address import driver_of
+from layflat.rig.drivers import create_driver
 from layflat.rig.mailbox import Mailbox
-from layflat.rig.plan import EarlyEndError, Plan, PlanRunner
-from layflat.rig.record import Layout
-from layflat.rig.recorded import Recorded
-from layflat.rig.recorder.process import part_of
+from layflat.rig.plan import DemandPlan, EarlyEndError, PlanRunner
+from layflat.rig.record import RowLayout
+from layflat.rig.recorded import RecordedSession
+from layflat.rig.recorder.process import part_path
 from layflat.rig.recorder.repair import repair
 from layflat.rig.recorder.run import read_run
 
@@ -47,7 +47,7 @@ PATIENCE = 30.0
 
 
 class Result(NamedTuple):
-    """What came of a trial."""
+    """Result of a trial."""
 
     victim: str
     missing: float
@@ -72,15 +72,15 @@ def patient(machine: Machine) -> Machine:
 
 
 def host(machine: Machine, address: str, place: str, pipe: Connection) -> None:
-    """What the host's process does: it swings the arm until the run ends, or it is killed."""
-    with Recorded(machine, partial(driver_of, address, machine), address, Path(place)) as rig:
+    """Run the host's process: swing the arm until the run ends, or it is killed."""
+    with RecordedSession(machine, partial(create_driver, address, machine), address, Path(place)) as rig:
         performance = PlanRunner(rig)
-        performance.bring_air()
+        performance.start_air()
         pipe.send((rig.session.process.pid, rig.recorder.pid, str(rig.session.mailbox)))
         times = np.arange(0.1, 20.0, 0.7)
         swings = [[0.2 * (-1) ** k, 0.15 * (-1) ** k] for k in range(len(times))]
         try:
-            performance.follow(Plan(times.tolist(), swings, 20.0))
+            performance.follow(DemandPlan(times.tolist(), swings, 20.0))
         except EarlyEndError as error:
             pipe.send(str(error))
 
@@ -114,10 +114,10 @@ def trial(device: DeviceProcess, machine: Machine, victim: str, instant: float, 
     if not mine.poll(2.0 * PATIENCE):
         raise TimeoutError("the rig did not start")
     loop, recorder, mailbox = mine.recv()
-    shown = Mailbox(Path(mailbox), Layout.of(machine))
+    shown = Mailbox(Path(mailbox), RowLayout.for_machine(machine))
     time.sleep(0.1 + instant)
     assert process.pid is not None
-    row = shown.shown()
+    row = shown.read_row()
     assert row is not None
     known = float(row[0])
     os.kill({"loop": loop, "recorder": recorder, "host": process.pid}[victim], signal.SIGKILL)
@@ -125,7 +125,7 @@ def trial(device: DeviceProcess, machine: Machine, victim: str, instant: float, 
     _until(lambda: not any(_runs(pid) for pid in (loop, recorder)))
     process.join(PATIENCE)
     shown.close()
-    part = part_of(place)
+    part = part_path(place)
     cut = part.exists()
     if cut:
         done = repair(part)

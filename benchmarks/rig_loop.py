@@ -13,10 +13,10 @@ import numpy as np
 
 from layflat.machine import load
 from layflat.rig.clock import PunctualClock
-from layflat.rig.loop import Loop
+from layflat.rig.loop import RigLoop
 from layflat.rig.mailbox import Mailbox, RemoteHost, Setpoints
-from layflat.rig.process import Resting, WarmupLoop
-from layflat.rig.record import Layout
+from layflat.rig.process import RestingDriver, WarmupLoop
+from layflat.rig.record import RowLayout
 from layflat.rig.system import go_realtime
 
 SECONDS = 10.0
@@ -28,11 +28,11 @@ PANEL_RATE = 30.0
 
 def panel(mailbox: str, over: Event) -> None:
     """What a panel does: it asks, looks on, and computes pictures."""
-    box, n = Mailbox(Path(mailbox), Layout.of(load("paper-arm"))), 400
+    box, n = Mailbox(Path(mailbox), RowLayout.for_machine(load("paper-arm"))), 400
     while not over.is_set():
         begin = time.perf_counter()
-        box.ask(Setpoints([0.0, 0.0]))
-        box.shown()
+        box.write_setpoints(Setpoints([0.0, 0.0]))
+        box.read_row()
         for _ in range(3):
             picture = np.random.default_rng(0).standard_normal((n, n))
             picture @ picture
@@ -42,16 +42,16 @@ def panel(mailbox: str, over: Event) -> None:
 def work(mailbox: str, sender: Connection) -> None:
     """The loop's process: cycles of an arm at rest, with air and demands."""
     machine = load("paper-arm")
-    clock, driver = PunctualClock(WarmupLoop(machine)), Resting(machine)
+    clock, driver = PunctualClock(WarmupLoop(machine)), RestingDriver(machine)
     driver.configure()
     driver.activate()
-    shared = Mailbox(Path(mailbox), Layout.of(machine))
-    loop = Loop(machine, driver, clock, RemoteHost(shared, clock, 2))
+    shared = Mailbox(Path(mailbox), RowLayout.for_machine(machine))
+    loop = RigLoop(machine, driver, clock, RemoteHost(shared, clock, 2))
     refused = go_realtime()
-    loop.begin(driver.read())
+    loop.start_filled(driver.read())
     for _ in range(100):
         loop.cycle()
-    loop.deadlines.forget()
+    loop.deadlines.reset_statistics()
     for _ in range(round(SECONDS / loop.deadlines.cycle)):
         loop.cycle()
     late, busy = loop.deadlines.lateness_at, loop.deadlines.compute_at
@@ -71,7 +71,7 @@ def work(mailbox: str, sender: Connection) -> None:
 def measure() -> dict[str, float]:
     """All figures by name."""
     os.environ.setdefault("OMP_NUM_THREADS", "1")
-    context, path = multiprocessing.get_context("spawn"), Mailbox.create(Layout.of(load("paper-arm")))
+    context, path = multiprocessing.get_context("spawn"), Mailbox.create(RowLayout.for_machine(load("paper-arm")))
     over, (mine, its) = context.Event(), context.Pipe()
     busy = context.Process(target=panel, args=(str(path), over), daemon=True)
     loop = context.Process(target=work, args=(str(path), its), daemon=True)

@@ -14,32 +14,31 @@ from typing import Any
 import numpy as np
 
 from layflat.arrays import Array
-from layflat.cli.virtual_rig import VirtualRig
-from layflat.experiments.beyond.belts import to_and_fro
-from layflat.experiments.beyond.moves import sequences
+from layflat.cli.rig import VirtualRig
+from layflat.experiments.beyond.moves import belt_motion, move_sequences
 from layflat.machine import Machine, changed, load
 from layflat.motion.kinematics import tip_position
 from layflat.rig.clock import VirtualClock
 from layflat.rig.device.process import DeviceProcess, ModbusPort, SerialPort
+from layflat.rig.device.virtual import SimulatedDriver
 from layflat.rig.driver import Driver
-from layflat.rig.drivers.address import driver_of
-from layflat.rig.drivers.simulated import SimulatedDriver
-from layflat.rig.loop import Loop
+from layflat.rig.drivers import create_driver
+from layflat.rig.loop import RigLoop
 from layflat.rig.safety.supervisor import HostRequest
-from layflat.rig.trials.rig import Script, SharedClock
+from layflat.rig.trials.rig import ScriptedHost, SharedClock
 
 CLOSE, PAUSE, TO_START = 2e-3, 1.5, 2.0  # m; s after a step; s until the arm is where a trial begins
 DRIVERS = ("simulated", "modbus", "serial")
 STARTS = 4.0  # a soft start takes less, s
 
 
-class Streamed(Script):
+class Streamed(ScriptedHost):
     """A host that streams angles with their rates, or angles alone."""
 
     rates: tuple[list[float], list[float]] | None = None
 
     def request(self, now: int) -> HostRequest:
-        """What is wanted now."""
+        """Return the host's request at an instant."""
         asked = super().request(now)
         return asked if self.rates is None else asked._replace(velocities=self.rates[0], accelerations=self.rates[1])
 
@@ -47,11 +46,11 @@ class Streamed(Script):
 class Bench:
     """A loop and what it moves, in step; the angles of the arm as they are in truth."""
 
-    def __init__(self, machine: Machine, loop: Loop, host: Streamed, angles: Callable[[], Any]) -> None:
+    def __init__(self, machine: Machine, loop: RigLoop, host: Streamed, angles: Callable[[], Any]) -> None:
         self.machine, self.loop, self.host, self._angles = machine, loop, host, angles
 
     def at(self) -> Array:
-        """Where the joints are, rad."""
+        """Joint angles, rad."""
         return np.array(self._angles())
 
     def go(self, angles: Array, seconds: float) -> Array:
@@ -88,9 +87,9 @@ def bench(machine: Machine, driver: str, seed: int) -> Iterator[Bench]:
             port = ModbusPort() if driver == "modbus" else SerialPort()
             served = stack.enter_context(DeviceProcess(VirtualRig(machine, seed), machine, port, lockstep=True))
             clock = SharedClock(served)
-            made, angles = driver_of(served.address, machine), lambda: clock.truth.angles
+            made, angles = create_driver(served.address, machine), lambda: clock.truth.angles
         made.configure()
-        loop = Loop(machine, made, clock, host)
+        loop = RigLoop(machine, made, clock, host)
         made.activate()
         stack.callback(made.finalize)
         loop.cycle()
@@ -115,7 +114,7 @@ def settling(machine: Machine, angles: Array, goal: Array) -> float:
 def steps(at: Bench, count: int) -> Array:
     """Settling times of so many steps in each posture, s."""
     found = []
-    for scenario in sequences(at.machine, count):
+    for scenario in move_sequences(at.machine, count):
         demand: Any = scenario.demand
         places = [np.array(angles) for _, angles in demand]
         at.go(places[0], TO_START)
@@ -125,7 +124,7 @@ def steps(at: Bench, count: int) -> Array:
 
 def distances(at: Bench, speed: float, *, rates: bool) -> Array:
     """Distance of the tip from what it follows, from a second after it set out on, m."""
-    motion, machine = to_and_fro(at.machine, speed), at.machine
+    motion, machine = belt_motion(at.machine, speed), at.machine
     at.go(motion[0][0], TO_START)
     found = at.follow(motion, rates=rates)
     off: Array = np.linalg.norm(tip_position(machine, found) - tip_position(machine, motion[0]), axis=1)

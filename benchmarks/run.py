@@ -14,12 +14,12 @@ from rich.table import Table
 
 from benchmarks import accuracy, cell, chains, many, mujoco_arm, rig_loop, scipy_plant
 from benchmarks.timing import STEP, median_seconds
-from layflat.experiments.controller import CYCLES
+from layflat.experiments.controller import TIMED_CYCLES
 from layflat.experiments.kernels import control_cycles
 from layflat.files import whole_file
 from layflat.machine import load, parameters
 from layflat.sim import Scenario
-from layflat.sim.run import prepare
+from layflat.sim.run import prepare_run
 
 SECONDS = 4.0
 SCIPY_SECONDS = 0.2
@@ -30,7 +30,7 @@ def measure() -> dict[str, float | str]:
     machine = load("paper-arm")
     moves = Scenario(demand=[(0.0, (-0.35, -0.35)), (0.5, (0.35, -0.35)), (2.0, (0.35, 0.35))], duration=SECONDS)
     steps = round(SECONDS / STEP)
-    rollout = median_seconds(prepare(machine, moves, step=STEP).run) / steps
+    rollout = median_seconds(prepare_run(machine, moves, step=STEP).run) / steps
 
     arm = mujoco_arm.build(machine)
     mujoco = median_seconds(lambda: mujoco_arm.run(arm, 4000)) / 4000
@@ -42,7 +42,7 @@ def measure() -> dict[str, float | str]:
     settings = parameters.control(machine)
     noise = np.random.default_rng(5).standard_normal((3, 256))
     samples = (0.1 * noise[0], 1e5 * noise[1], 0.5 * noise[2])
-    controller = median_seconds(lambda: control_cycles(settings, *samples, CYCLES)) / CYCLES
+    controller = median_seconds(lambda: control_cycles(settings, *samples, TIMED_CYCLES)) / TIMED_CYCLES
     return {
         "rollout_ns_per_step": 1e9 * rollout,
         "mujoco_arm_ns_per_step": 1e9 * mujoco,

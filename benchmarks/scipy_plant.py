@@ -18,7 +18,7 @@ from layflat.physics.chamber import air_mass, energy, pressure, temperature, wal
 from layflat.physics.flow import root_temperature
 from layflat.physics.hose import swept_volume, torque_per_pressure
 from layflat.physics.valves import chamber_flow
-from layflat.physics.valves.spool_ports import path_conductance
+from layflat.physics.valves.spool_laws import path_conductance
 
 STATES = 14
 """Per joint: q, v, x, x', then E, m and three element torques of each hose."""

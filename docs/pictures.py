@@ -87,7 +87,7 @@ def main() -> None:
     """Take all pictures."""
     taken(("panel", "picking-arm"), "panel", panel)
     taken(("studio", "paper-arm"), "studio", studio)
-    taken(("pack", "--watch", "--picks", "5"), "watch", watch, ended)
+    taken(("cell", "pack", "--watch", "--picks", "5"), "watch", watch, ended)
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""Frames on the serial line: each whole, or not taken. The host's are in src/layflat/rig/wire/frames.py.
+"""Frames on the serial line: each whole, or not taken. The host's are in src/layflat/rig/frames.py.
 
 A frame is COBS(version, kind, sequence number, payload, CRC-32) between two zeros.
 """

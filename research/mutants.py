@@ -1,4 +1,4 @@
-"""Do the tests see what the laws say? `python -m research.mutants --count 300 --seed 1 --out build/mutants.json`.
+"""Mutation test of the laws: `python -m research.mutants --count 300 --seed 1 --out build/mutants.json`.
 
 A mutant is the source with one small mistake, made by cosmic-ray. Of all mutants of `physics` and `control` some are
 drawn, and the laws' own tests are run with each, the quickest first: those of the same name without compiler, then all
@@ -25,22 +25,26 @@ from cosmic_ray.plugins import get_operator, operator_names
 from cosmic_ray.work_item import MutationSpec, TestOutcome
 
 ROOT = Path(__file__).parents[1]
-COPIED = ("src", "tests", "pyproject.toml", "Makefile", "docs", "firmware", "benchmarks", "research")
-WATCHED = ("physics", "control")
-SAME = ("core/RemoveDecorator",)  # without compiler its decorators do nothing
-BITWISE = ("BitAnd", "BitOr", "BitXor", "LShift", "RShift")  # no float has them: anything sees such a mistake
-PLAIN, COMPILED = "NUMBA_DISABLE_JIT=1", "LAYFLAT_CACHE_DIR=cache"
-WHOLE = ("tests/physics/test_plant.py", "tests/sim/test_stepped_plant.py", "tests/rig/test_laws_of_ones_own.py")
-LONGEST = 900.0  # of a group of tests with one mutant, s
+COPIED_PATHS = ("src", "tests", "pyproject.toml", "Makefile", "docs", "firmware", "benchmarks", "research")
+MUTATED_ROOMS = ("physics", "control")
+EQUIVALENT_OPERATORS = ("core/RemoveDecorator",)  # no effect: without the compiler decorators do nothing
+BITWISE_OPERATORS = ("BitAnd", "BitOr", "BitXor", "LShift", "RShift")  # no float has them: anything sees such a mistake
+INTERPRETED_ENVIRONMENT, COMPILED_ENVIRONMENT = "NUMBA_DISABLE_JIT=1", "LAYFLAT_CACHE_DIR=cache"
+END_TO_END_TESTS = (
+    "tests/physics/test_plant.py",
+    "tests/sim/test_stepped_plant.py",
+    "tests/rig/test_laws_of_ones_own.py",
+)
+TEST_TIMEOUT = 900.0  # of a group of tests with one mutant, s
 
 
 def mutants(root: Path) -> Iterator[MutationSpec]:
-    """Every mutant of a copy of the project, but of annotations, docstrings and decorators: no law runs by them."""
-    for path in sorted(one for name in WATCHED for one in (root / "src/layflat" / name).rglob("*.py")):
+    """Return every mutant of a copy of the project, except of annotations, docstrings and decorators."""
+    for path in sorted(one for name in MUTATED_ROOMS for one in (root / "src/layflat" / name).rglob("*.py")):
         says = _beside_the_law(path)
         for name in operator_names():
             operator = get_operator(name)
-            if name in SAME or name.endswith(BITWISE) or operator.arguments():
+            if name in EQUIVALENT_OPERATORS or name.endswith(BITWISE_OPERATORS) or operator.arguments():
                 continue
             made = operator()
             places = (where for node in ast_nodes(get_ast_from_path(path)) for where in made.mutation_positions(node))
@@ -57,7 +61,7 @@ def _beside_the_law(path: Path) -> list[tuple[tuple[int, int], tuple[int, int]]]
 
 
 def drawn(every: list[MutationSpec], count: int, seed: int) -> list[MutationSpec]:
-    """Mutants at so many places, of each place at most one."""
+    """Return mutants at so many random places, at most one of each place."""
     rng, places = np.random.default_rng(seed), dict[object, list[MutationSpec]]()
     for mutant in every:
         places.setdefault((mutant.module_path, mutant.start_pos, mutant.end_pos), []).append(mutant)
@@ -66,12 +70,16 @@ def drawn(every: list[MutationSpec], count: int, seed: int) -> list[MutationSpec
 
 
 def tests_of(module: Path) -> list[tuple[str, list[str]]]:
-    """Groups of tests, the quickest that are likely to see a mistake in a module first, and with what in front."""
+    """Return groups of tests with their environment, those first that detect a mistake in a module soonest."""
     inner = module.relative_to("src/layflat")
     own = [f"tests/{inner.parent}/test_{inner.stem}.py", f"tests/{inner.parent}"]
     near = next(one for one in own if (ROOT / one).exists())
-    every = [*(f"tests/{name}" for name in WATCHED), "tests/machine/test_parameters.py"]
-    return [(PLAIN, [near]), *([(PLAIN, every)] if near not in every else []), (COMPILED, [near, *WHOLE])]
+    every = [*(f"tests/{name}" for name in MUTATED_ROOMS), "tests/machine/test_parameters.py"]
+    return [
+        (INTERPRETED_ENVIRONMENT, [near]),
+        *([(INTERPRETED_ENVIRONMENT, every)] if near not in every else []),
+        (COMPILED_ENVIRONMENT, [near, *END_TO_END_TESTS]),
+    ]
 
 
 def tried(mutant: MutationSpec, copy: Path) -> dict[str, object]:
@@ -82,7 +90,7 @@ def tried(mutant: MutationSpec, copy: Path) -> dict[str, object]:
     outcome, diff = TestOutcome.SURVIVED, ""
     for how, group in tests_of(mutant.module_path):
         tests = f"{sys.executable} -m pytest -x -q -p no:cacheprovider {' '.join(group)}"
-        result = mutate_and_test([spec], f'sh -c "cd {copy} && PYTHONPATH=src {how} {tests}"', LONGEST)
+        result = mutate_and_test([spec], f'sh -c "cd {copy} && PYTHONPATH=src {how} {tests}"', TEST_TIMEOUT)
         outcome, diff = result.test_outcome or TestOutcome.INCOMPETENT, result.diff or ""
         if outcome is not TestOutcome.SURVIVED:
             break
@@ -91,7 +99,7 @@ def tried(mutant: MutationSpec, copy: Path) -> dict[str, object]:
 
 
 def main() -> None:
-    """Draw, try, tell."""
+    """Draw mutants, test them, and report."""
     asked = argparse.ArgumentParser(prog="python -m research.mutants", description=__doc__)
     asked.add_argument("--count", type=int, default=300)
     asked.add_argument("--seed", type=int, default=1)
@@ -103,7 +111,7 @@ def main() -> None:
         copies: SimpleQueue[Path] = SimpleQueue()
         for number in range(given.workers):
             copy = Path(folder) / str(number)
-            for name in COPIED:
+            for name in COPIED_PATHS:
                 copier = shutil.copytree if (ROOT / name).is_dir() else shutil.copy
                 copy.mkdir(exist_ok=True)
                 copier(ROOT / name, copy / name)

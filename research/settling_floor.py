@@ -1,4 +1,4 @@
-"""A time that no step can undercut by much: rigid links, and torques that are limited, and so are their rates.
+"""Lower bound of a step's settling time: rigid links with limited torques and rates of torque.
 
 A linear program decides whether so many control cycles are enough. It is optimistic where the plant is not linear: the
 mass matrix is that of the elbow angle, anywhere in the stroke, at which the step is over soonest; hoses have all of the
@@ -23,24 +23,24 @@ from scipy.optimize import Bounds, LinearConstraint, milp
 from scipy.sparse import csr_array
 
 from layflat.arrays import Array
-from layflat.experiments.beyond.shooting import Shooting
+from layflat.experiments.beyond.search import Shooting
 from layflat.machine import Joint as JointPart
 from layflat.machine import Machine, parameters
 from layflat.motion.kinematics import tip_position
 from layflat.physics.air import GAMMA, GAS_CONSTANT, REFERENCE_DENSITY, REFERENCE_TEMPERATURE
 from layflat.physics.hose import swept_volume, torque_per_pressure
-from layflat.physics.joint import FILLED, Hose, Joint, Surroundings
+from layflat.physics.joint import REST_PRESSURE_RATIO, HoseParameters, JointParameters, Surroundings
 
-ELBOWS = 5  # angles of the last joint over its stroke
-FIRST = 40  # cycles that are tried at first
-DIRECTIONS = 16  # sides of the polygon about the band
-STAYING = 20  # cycles that the tip stays in its band
-FASTEST = 5.0  # velocity up to which damping is counted, rad/s
+ELBOW_ANGLES = 5  # number of angles of the last joint over its stroke
+FIRST_CYCLES = 40  # number that is tried first
+POLYGON_SIDES = 16  # of the polygon around the band
+HOLD_CYCLES = 20  # for which the tip stays in its band
+MAX_DAMPED_SPEED = 5.0  # up to which damping counts, rad/s
 
 
 @dataclass(frozen=True)
 class Actuator:
-    """What a joint's air and friction can do.
+    """Limits that air and friction set to a joint.
 
     Args:
         torque: greatest, N m.
@@ -59,7 +59,7 @@ class Actuator:
 
 @dataclass(frozen=True)
 class Motion:
-    """A step of joints that are driven so.
+    """Step of joints with such limits.
 
     Args:
         mass: M, (joints, joints), kg m2.
@@ -79,24 +79,24 @@ class Motion:
 
 
 def is_enough(motion: Motion, cycles: int) -> bool:
-    """Tell whether the tip can stay in its band after so many cycles: whether a linear program has a solution.
+    """Return whether the tip can stay in its band after so many cycles: whether a linear program is feasible.
 
     Its unknowns are q, v, tau and f of all cycles. Friction may only help against the way.
     """
-    n, K, T = len(motion.actuators), cycles + STAYING, motion.cycle
+    n, K, T = len(motion.actuators), cycles + HOLD_CYCLES, motion.cycle
     one, none = np.identity(n * K), np.zeros((n * K, n * K))
     before = np.eye(n * K, k=-n)
     push = np.kron(np.identity(K), T * np.linalg.inv(motion.mass))
     torque, rate, stiffness, friction, damping = (np.tile(each, K) for each in _columns(motion.actuators))
     onward = np.tile(-np.sign(motion.way), K)
-    late = np.eye(STAYING + 1, K, k=cycles - 1)
+    late = np.eye(HOLD_CYCLES + 1, K, k=cycles - 1)
     near = np.kron(late, motion.sides)
     moved = np.hstack([one - before, -0.5 * T * (one + before), none, none])
     pushed = np.hstack([none, one - before, -push, -push])
     changed = np.hstack([none, np.diag(T * stiffness), one - before, none])
     rubbed = np.hstack([none, np.diag(-onward * damping), none, np.diag(-onward)])
     stays = np.hstack([near, np.zeros((len(near), 3 * n * K))])
-    most = friction + FASTEST * damping
+    most = friction + MAX_DAMPED_SPEED * damping
     limits = np.concatenate([T * rate, T * rate, friction, np.full(len(near), motion.band)])
     start = np.concatenate([motion.way, np.zeros(2 * n * K - n)])
     bounds = np.concatenate([np.full(2 * n * K, np.inf), torque, most])
@@ -112,12 +112,12 @@ def is_enough(motion: Motion, cycles: int) -> bool:
 
 
 def _columns(actuators: Sequence[Actuator]) -> Array:
-    """Numbers of the actuators, a row each, (5, joints)."""
+    """Return parameters of the actuators, a row each, (5, joints)."""
     return np.array([[a.torque, a.rate, a.stiffness, a.friction, a.damping] for a in actuators]).T
 
 
 def settling_floor(shooting: Shooting, band: float) -> float:
-    """Return a time below the least after which the tip can stay within its band, s.
+    """Return a lower bound of the time after which the tip can stay within its band, s.
 
     Args:
         shooting: the step.
@@ -126,11 +126,11 @@ def settling_floor(shooting: Shooting, band: float) -> float:
     machine = shooting.machine
     actuators = _actuators(shooting)
     stroke = list(machine.joints.values())[-1].stops.working_stroke
-    elbows = np.linspace(-0.5, 0.5, ELBOWS) * stroke if len(actuators) > 1 else np.zeros(1)
+    elbows = np.linspace(-0.5, 0.5, ELBOW_ANGLES) * stroke if len(actuators) > 1 else np.zeros(1)
     way = np.subtract(shooting.start, shooting.end)
     sides = _sides(machine, np.array(shooting.end))
     motions = [Motion(mass_matrix(machine, q), actuators, way, sides, band, machine.cycle) for q in elbows.tolist()]
-    few, cycles = 0, FIRST
+    few, cycles = 0, FIRST_CYCLES
     while not any(is_enough(motion, cycles) for motion in motions):
         few, cycles = cycles, 2 * cycles
     for motion in motions:
@@ -140,10 +140,10 @@ def settling_floor(shooting: Shooting, band: float) -> float:
 
 
 def _sides(machine: Machine, q: Array) -> Array:
-    """Distances of the tip from a goal in all directions by small changes of the angles, (sides, joints), m/rad."""
+    """Return derivatives of the tip's distances from a goal in all directions by the angles, (sides, joints), m/rad."""
     small = 1e-5 * np.identity(len(q))
     jacobian = (tip_position(machine, q + small) - tip_position(machine, q - small)).T / 2e-5
-    angles = 2.0 * np.pi * np.arange(DIRECTIONS) / DIRECTIONS
+    angles = 2.0 * np.pi * np.arange(POLYGON_SIDES) / POLYGON_SIDES
     return np.stack([np.cos(angles), np.sin(angles)], axis=1) @ jacobian
 
 
@@ -154,25 +154,27 @@ def _actuators(shooting: Shooting) -> list[Actuator]:
     return [actuator(*each, around) for each in zip(parts, joints, ends, strict=True)]
 
 
-def actuator(described: JointPart, joint: Joint, angles: tuple[float, float], around: Surroundings) -> Actuator:
-    """Return what a joint can do at best between two angles, rad."""
+def actuator(
+    described: JointPart, joint: JointParameters, angles: tuple[float, float], around: Surroundings
+) -> Actuator:
+    """Return the widest limits of a joint between two angles, rad."""
     p_s, p_a = around.supply_pressure, around.ambient_pressure
     hoses = [(hose, hose.neutral + sign * q) for hose, sign in ((joint.hose_a, 1), (joint.hose_b, -1)) for q in angles]
     K = max(torque_per_pressure(hose.stroke, travel) for hose, travel in hoses)
-    volumes = [_volume(hose, travel, FILLED * p_s) for hose, travel in hoses]
+    volumes = [_volume(hose, travel, REST_PRESSURE_RATIO * p_s) for hose, travel in hoses]
     fed = joint.valve.conductance * (REFERENCE_DENSITY * GAS_CONSTANT * REFERENCE_TEMPERATURE)
     a, b = joint.hose_a.damping, joint.hose_b.damping
     return Actuator(
         torque=K * (p_s - p_a),
         rate=2.0 * GAMMA * K * fed * p_s / min(volumes),
-        stiffness=2.0 * GAMMA * K * K * FILLED * p_s / float(np.mean(volumes)),
-        friction=joint.brake_torque + parameters.loss_share(described) * K * (p_s - p_a),
+        stiffness=2.0 * GAMMA * K * K * REST_PRESSURE_RATIO * p_s / float(np.mean(volumes)),
+        friction=joint.brake_torque + parameters.loss_fraction(described) * K * (p_s - p_a),
         damping=joint.viscous_friction + a.base + b.base + (a.slope + b.slope) * (p_s - p_a),
     )
 
 
-def _volume(hose: Hose, travel: float, p: float) -> float:
-    """Volume of air in a hose, with what its wall gives way as the pressure changes, m3."""
+def _volume(hose: HoseParameters, travel: float, p: float) -> float:
+    """Return the effective volume of air in a hose, with the compliance of its wall, m3."""
     return float(hose.chamber.dead_volume + swept_volume(hose.stroke, travel) + GAMMA * hose.chamber.compliance * p)
 
 

@@ -1,4 +1,5 @@
 import gc
+import os
 import signal
 from collections.abc import Iterator
 from pathlib import Path
@@ -7,6 +8,8 @@ import pytest
 from hypothesis import settings
 
 from layflat.lanes import interpreted
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as there are tests on all cores, threads would wait for each other
 
 settings.register_profile("layflat", deadline=None, derandomize=True, max_examples=60)
 settings.load_profile("layflat")

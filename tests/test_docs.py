@@ -3,12 +3,10 @@
 import os
 import pkgutil
 import re
-import shlex
 import subprocess
 import sys
 from collections.abc import Iterator
 from contextlib import suppress
-from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -16,50 +14,11 @@ import pytest
 import typer.main
 
 from layflat.cli import app
-from tests.cli.commands import layflat
+from layflat.cli.lazy import LazyTyper
+from tests.docs.blocks import PAGES, ROOT, TUTORIALS, commands, read_blocks, words_of
 
-ROOT = Path(__file__).parents[1]
-PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
-TUTORIALS = [page for page in PAGES if page.parent.name == "tutorials"]
-
-CHEAP = {
-    "machines",
-    "show",
-    "check",
-    "schema",
-    "design",
-    "size",
-    "loop",
-    "simulate",
-    "studies",
-    "cells",
-    "arm-model",
-    "excite",
-    "identify",
-}
-"""Commands that are run where a tutorial has them; the others are parsed only."""
-
+GROUPS = {name for name, place in app.places.items() if isinstance(place, LazyTyper)}
 SOURCES = re.compile(r"\(((?:[a-z]+\d{4}[a-z]?)(?:, [a-z]+\d{4}[a-z]?)*)\)")  # keys of docs/references.bib
-PUNCTUATION = {"<", ">", "&", "2>", ">>"}
-
-
-def blocks(page: Path, kind: str) -> list[str]:
-    return re.findall(rf"^```{kind}\n(.*?)^```", page.read_text(encoding="utf-8"), flags=re.MULTILINE | re.DOTALL)
-
-
-def commands(page: Path) -> Iterator[str]:
-    """Lines of a page's shell blocks that call layflat."""
-    for block in blocks(page, "sh"):
-        for line in block.replace("\\\n", " ").splitlines():
-            if line.strip().startswith("layflat "):
-                yield line.strip()
-
-
-def words_of(line: str) -> list[str]:
-    """A command's words, without comment and redirections."""
-    words = shlex.split(line, comments=True)
-    ends = [i for i, word in enumerate(words) if word in PUNCTUATION]
-    return words[: ends[0]] if ends else words
 
 
 def parsed(words: list[str]) -> Any:
@@ -72,26 +31,10 @@ def parsed(words: list[str]) -> Any:
     return context
 
 
-def rows_of(text: str) -> list[list[str]]:
-    """Rows of the tables that a command prints, cell by cell."""
-    return [[cell.strip() for cell in re.split("[┃│]", line)] for line in text.splitlines() if re.search("[┃│]", line)]
-
-
-def is_shown_as(cells: list[str], shown: list[str]) -> bool:
-    """Return whether a page may show a row so: "..." stands for any cell."""
-    return len(cells) == len(shown) and all(b in {a, "..."} for a, b in zip(cells, shown, strict=True))
-
-
-def printed_rows(page: Path, line: str) -> list[list[str]]:
-    """Rows of the table that a page shows behind a block whose last command this is."""
-    fenced = re.findall(r"^```(\w*)\n(.*?)^```", page.read_text(encoding="utf-8"), flags=re.MULTILINE | re.DOTALL)
-    for (_, block), (kind, shown) in pairwise(fenced):
-        if kind == "" and block.strip().endswith(line):
-            return rows_of(shown)
-    return []
-
-
-ALL = [pytest.param(line, id=f"{page.stem}: {line[:60]}") for page in PAGES for line in commands(page)]
+ALL = [
+    pytest.param(line, id=f"{page.stem}: {line[:60]}")
+    for page in PAGES for block in read_blocks(page) for _, line in commands(block)
+]  # fmt: skip
 
 
 def test_there_are_commands() -> None:
@@ -101,7 +44,7 @@ def test_there_are_commands() -> None:
 @pytest.mark.parametrize("line", ALL)
 def test_commands_can_be_typed(line: str) -> None:
     with suppress(typer.Exit):  # --version ends early
-        parsed(words_of(line))
+        parsed(words_of(line)[0])
 
 
 def test_an_unknown_option_would_be_found() -> None:
@@ -110,34 +53,10 @@ def test_an_unknown_option_would_be_found() -> None:
 
 
 def test_commands_in_tables_are_there() -> None:
-    known = typer.main.get_command(app)
+    names = GROUPS | app.places.keys() | {f"{group} {name}" for group in GROUPS for name in app.places[group].places}  # type: ignore[union-attr]
     for page in PAGES:
-        for name in re.findall(r"`layflat ([a-z][a-z-]*)", page.read_text(encoding="utf-8")):
-            assert name in known.commands, f"{page.name}: layflat {name}"  # type: ignore[attr-defined]
-
-
-@pytest.mark.parametrize("page", TUTORIALS, ids=lambda page: page.stem)
-def test_a_tutorial_works_as_typed(page: Path, tmp_path: Path) -> None:
-    """In a fresh folder, with the files that it tells to write; without what takes long, and what builds on that."""
-    text = page.read_text(encoding="utf-8")
-    names = re.findall(r"`([\w-]+\.toml)`[^`]*:\n\n```toml", text)
-    for name, block in zip(names, blocks(page, "toml"), strict=True):
-        (tmp_path / name).write_text(block, encoding="utf-8")
-    left_out: list[str] = []
-    for line in commands(page):
-        words = words_of(line)
-        if words[1] not in CHEAP or any("tuned" in word for word in words):
-            left_out.append(words[1])
-            continue
-        done = layflat(*words[1:], cwd=tmp_path)
-        assert done.returncode == 0, f"{line}\n{done.stderr}"
-        printed = rows_of(done.stdout)
-        for row in printed_rows(page, line):
-            assert any(is_shown_as(cells, row) for cells in printed), f"{line} prints no row {row}"
-        _, _, into = " ".join(shlex.split(line, comments=True)).partition(" > ")
-        if into:
-            (tmp_path / into).write_text(done.stdout, encoding="utf-8")
-    assert set(left_out) <= {"tune", "pack", "simulate"}
+        for name in re.findall(rf"`layflat ((?:{'|'.join(GROUPS)}) [a-z]+|[a-z]+)", page.read_text(encoding="utf-8")):
+            assert name in names, f"{page.name}: layflat {name}"
 
 
 def test_a_tutorials_first_command_works_in_a_shell(tmp_path: Path) -> None:
@@ -146,22 +65,11 @@ def test_a_tutorials_first_command_works_in_a_shell(tmp_path: Path) -> None:
     script.write_text(f"#!{sys.executable}\nfrom layflat.cli import main\nmain()\n", encoding="utf-8")
     script.chmod(0o755)
     environment = os.environ | {"PATH": f"{script.parent}:{os.environ['PATH']}", "MPLBACKEND": "agg"}
-    first = next(line for line in commands(TUTORIALS[0]) if words_of(line)[1] in CHEAP)
+    first = next(line for block in read_blocks(TUTORIALS[0]) for _, line in commands(block))
     done = subprocess.run(
         ["/bin/sh", "-c", first], cwd=tmp_path, env=environment, capture_output=True, text=True, check=False
     )
     assert done.returncode == 0, done.stderr
-
-
-def test_the_readmes_ten_lines_give_numbers_and_a_picture(tmp_path: Path) -> None:
-    (code,) = blocks(ROOT / "README.md", "python")
-    environment = os.environ | {"MPLBACKEND": "agg"}
-    done = subprocess.run(
-        [sys.executable, "-c", code], cwd=tmp_path, env=environment, capture_output=True, text=True, check=False
-    )
-    assert done.returncode == 0, done.stderr
-    assert re.fullmatch(r"large: settled in .* s\nair: .* normal litres\n", done.stdout)
-    assert [path.name for path in tmp_path.iterdir()] == ["angles.png"]
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)

@@ -1,5 +1,6 @@
 import resource
 import signal
+import sys
 from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
@@ -10,7 +11,7 @@ import xarray
 
 from layflat.errors import OutputError
 from layflat.files import check_file, check_folder, whole_file
-from layflat.sim.dataset import save
+from layflat.sim.dataset import save_run
 
 
 def test_a_file_appears_whole(tmp_path: Path) -> None:
@@ -50,8 +51,9 @@ def test_a_place_that_can_not_be_made(tmp_path: Path) -> None:
 
 
 @pytest.fixture
-def nearly_full() -> Iterator[None]:
+def nearly_full(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     """No file may grow beyond 4 KiB, as on a disk with no more space."""
+    monkeypatch.setattr(sys, "dont_write_bytecode", True)  # a compiled module that is cut off stays
     before, handler = resource.getrlimit(resource.RLIMIT_FSIZE), signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
     resource.setrlimit(resource.RLIMIT_FSIZE, (4096, before[1]))
     yield
@@ -91,7 +93,7 @@ def test_a_full_disk_is_told_where_a_library_does_not_say_so(tmp_path: Path) -> 
 def test_a_data_set_on_a_full_disk(tmp_path: Path) -> None:
     """HDF5 ends the process with a segmentation fault where it writes to the disk itself."""
     with pytest.raises(OutputError, match="free some space"):
-        save(xarray.Dataset({"x": ("time", np.random.default_rng(1).random(5000))}), tmp_path / "run.nc")
+        save_run(xarray.Dataset({"x": ("time", np.random.default_rng(1).random(5000))}), tmp_path / "run.nc")
     assert list(tmp_path.iterdir()) == []
 
 

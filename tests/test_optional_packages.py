@@ -27,14 +27,14 @@ def packages(extra: str) -> set[str]:
     return found - BASE
 
 
-@pytest.mark.parametrize("extra", extras.EXTRAS)
+@pytest.mark.parametrize("extra", extras.EXTRA_PACKAGES)
 def test_the_table_is_what_pip_installs(extra: str) -> None:
-    assert {name.lower() for name in extras.EXTRAS[extra].values()} - BASE == packages(extra)
+    assert {name.lower() for name in extras.EXTRA_PACKAGES[extra].values()} - BASE == packages(extra)
 
 
 def test_every_extra_for_use_is_in_the_table() -> None:
-    assert set(PROJECT["optional-dependencies"]) - {"test", "lint", "mutants", "conformance", "dev"} == set(
-        extras.EXTRAS
+    assert set(PROJECT["optional-dependencies"]) - {"docs", "test", "lint", "mutants", "conformance", "dev"} == set(
+        extras.EXTRA_PACKAGES
     )
 
 
@@ -54,8 +54,8 @@ def test_a_missing_package_is_named_with_its_extra(monkeypatch: pytest.MonkeyPat
 def test_a_package_that_is_there() -> None:
     extras.require("tune")
     assert extras.available("tune", "cma")
-    assert extras.module("tune", "cma").__name__ == "cma"
-    assert extras.module("logs", "pyarrow.parquet").__name__ == "pyarrow.parquet"
+    assert extras.import_extra("tune", "cma").__name__ == "cma"
+    assert extras.import_extra("logs", "pyarrow.parquet").__name__ == "pyarrow.parquet"
 
 
 def test_a_package_that_can_not_be_imported(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -64,7 +64,7 @@ def test_a_package_that_can_not_be_imported(tmp_path: Path, monkeypatch: pytest.
     for name in [name for name in sys.modules if name.partition(".")[0] == "ezdxf"]:
         monkeypatch.delitem(sys.modules, name)
     with pytest.raises(MissingExtraError, match=r"needs ezdxf, can't be imported .No module named 'a_library_that"):
-        extras.module("drawing", "ezdxf", where="design")
+        extras.import_extra("drawing", "ezdxf", where="design")
 
 
 WITHOUT = """
@@ -82,7 +82,7 @@ main()
     ("words", "extra"),
     [
         ("tune paper-small-joint", "tune"),
-        ("study valves", "study"),
+        ("study run valves", "study"),
         ("rig run paper-arm --driver simulated", "rig"),
         ("rig serve paper-arm --modbus 0", "rig"),
         ("rig serve paper-arm --serial", "rig"),
@@ -90,16 +90,16 @@ main()
         ("log info run.mcap", "rig"),
         ("log check run.mcap", "logs"),
         ("log check run.parquet", "logs"),
-        ("motion tour paper-arm", "motion"),
-        ("pack --picks 1", "cell"),
-        ("view paper-arm", "view"),
-        ("view paper-arm --png arm.png", "view"),
+        ("motion plan tour paper-arm", "motion"),
+        ("cell pack --picks 1", "cell"),
+        ("arm view paper-arm", "view"),
+        ("arm view paper-arm --png arm.png", "view"),
     ],
 )
 def test_a_command_without_its_extra_says_so_at_once(words: str, extra: str, tmp_path: Path) -> None:
     (tmp_path / "run.mcap").write_bytes(b"\x89MCAP0\r\n")
     (tmp_path / "run.parquet").write_bytes(b"PAR1")
-    names = sorted({name for packages in extras.EXTRAS.values() for name in packages} - {"pandas"})
+    names = sorted({name for packages in extras.EXTRA_PACKAGES.values() for name in packages} - {"pandas"})
     code = WITHOUT.format(names=names, argv=["layflat", *words.split()])
     done = subprocess.run(
         [sys.executable, "-c", code], capture_output=True, text=True, check=False, cwd=tmp_path, timeout=120
@@ -112,8 +112,8 @@ def test_a_command_without_its_extra_says_so_at_once(words: str, extra: str, tmp
 
 
 def test_what_needs_no_extra_imports_none(tmp_path: Path) -> None:
-    names = sorted({name for packages in extras.EXTRAS.values() for name in packages} - {"pandas"})
-    code = WITHOUT.format(names=names, argv=["layflat", "design", "paper-small-joint"])
+    names = sorted({name for packages in extras.EXTRA_PACKAGES.values() for name in packages} - {"pandas"})
+    code = WITHOUT.format(names=names, argv=["layflat", "joint", "design", "paper-small-joint"])
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False, cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     assert (tmp_path / "build/design/paper-small-joint-small-cam.svg").exists()

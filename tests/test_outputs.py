@@ -7,14 +7,14 @@ import pytest
 
 from layflat.errors import OutputError
 from layflat.files import check_file, check_folder, whole_file, write_text
-from layflat.outputs import Command, command_of, running
-from layflat.study.folder import Folder
+from layflat.outputs import OutputCommand, parse_command, run_command
+from layflat.study.folder import StudyFolder
 from tests.cli.commands import layflat, refused
 
 WRITING = {
-    "size": ("size", "--torque", "12 N m", "--stroke", "110 deg", "--supply", "5 bar", "-o", "out"),
+    "joint size": ("joint", "size", "--torque", "12 N m", "--stroke", "110 deg", "--supply", "5 bar", "-o", "out"),
     "excite": ("excite", "paper-small-joint", "-o", "out/demand.csv"),
-    "schema": ("schema", "-o", "out/schema.json"),
+    "machine schema": ("machine", "schema", "-o", "out/schema.json"),
     "arm export": ("arm", "export", "picking-arm", "-o", "out/arm.urdf"),
 }
 
@@ -39,42 +39,45 @@ def test_a_command_may_repeat_itself_and_nothing_else_is_lost(words: tuple[str, 
     assert edited.read_bytes()[-2:] == written[name][-2:]
 
 
-def command(*typed: str, told: list[str] | None = None) -> Command:
-    return command_of(typed, ["arm", "rig"], (told if told is not None else []).append)
+def command(*typed: str, told: list[str] | None = None) -> OutputCommand:
+    return parse_command(typed, ["arm", "cell", "joint", "rig", "study"], (told if told is not None else []).append)
 
 
 def test_other_words_of_a_quick_command_say_what_they_replace(tmp_path: Path) -> None:
     told: list[str] = []
     for size in ("1", "2"):
-        with running(command("size", "--size", size, told=told)):
+        with run_command(command("joint", "size", "--size", size, told=told)):
             check_folder(tmp_path, "a.toml", "b.toml")
             for name in ("a.toml", "b.toml"):
                 write_text(tmp_path / name, size)
-    assert told == [f"{tmp_path / 'a.toml'}: replaced what `layflat size --size 1` wrote"]
+    assert told == [f"{tmp_path / 'a.toml'}: replaced what `layflat joint size --size 1` wrote"]
     assert (tmp_path / "b.toml").read_text(encoding="utf-8") == "2"
 
 
-@pytest.mark.parametrize("words", [("pack", "--study"), ("size",), ("rig", "faults")])
+@pytest.mark.parametrize("words", [("cell", "pack", "--study"), ("joint", "size"), ("rig", "faults")])
 def test_what_took_long_or_is_anothers_stays(words: tuple[str, ...], tmp_path: Path) -> None:
-    with running(command("pack", "--picks", "2")):
+    with run_command(command("cell", "pack", "--picks", "2")):
         write_text(tmp_path / "results.json", "1")
-    with running(command(*words)), pytest.raises(OutputError, match=r"holds what `layflat pack --picks 2` .* --force"):
+    with (
+        run_command(command(*words)),
+        pytest.raises(OutputError, match=r"holds what `layflat cell pack --picks 2` .* --force"),
+    ):
         check_folder(tmp_path, "results.json", costly=True)
-    with running(command(*words, "--force")):
+    with run_command(command(*words, "--force")):
         check_folder(tmp_path, "results.json", costly=True)
 
 
 def test_where_results_go_is_no_input(tmp_path: Path) -> None:
     for place in (("-o", "x"), ("--out", "y"), ("--out=z",), ()):
-        with running(command("pack", "--picks", "2", *place)):
+        with run_command(command("cell", "pack", "--picks", "2", *place)):
             check_folder(tmp_path, "results.json", costly=True)
             write_text(tmp_path / "results.json", "1")
 
 
 def test_what_is_there_already_may_be_written_again_and_stays_whose_it_is(tmp_path: Path) -> None:
-    with running(command("arm", "import", "a.urdf")):
+    with run_command(command("arm", "import", "a.urdf")):
         write_text(tmp_path / "link.stl", "solid")
-    with running(command("arm", "export", "a.toml")):
+    with run_command(command("arm", "export", "a.toml")):
         write_text(tmp_path / "link.stl", "solid")
         with pytest.raises(OutputError, match=r"holds what `layflat arm import a\.urdf` wrote"):
             write_text(tmp_path / "link.stl", "other")
@@ -85,23 +88,27 @@ def test_what_is_there_already_may_be_written_again_and_stays_whose_it_is(tmp_pa
 @pytest.mark.parametrize("change", ["edited", "protected", "somebody's", "moved here"])
 def test_what_a_person_did_is_kept(change: str, tmp_path: Path) -> None:
     path = tmp_path / "wrist.toml"
-    with running(command("size")):
+    with run_command(command("joint", "size")):
         if change in ("edited", "protected"):
             write_text(path, "first")
     if change == "protected":
         path.chmod(0o444)
     elif change == "moved here":
-        with running(command("size")):
+        with run_command(command("joint", "size")):
             write_text(tmp_path / "other.toml", "hand made").rename(path)
     else:
         path.write_text("hand made", encoding="utf-8")
     before = path.read_text(encoding="utf-8")
-    with running(command("size")), pytest.raises(OutputError, match="--force"), whole_file(path) as temporary:
+    with (
+        run_command(command("joint", "size")),
+        pytest.raises(OutputError, match="--force"),
+        whole_file(path) as temporary,
+    ):
         temporary.write_text("second", encoding="utf-8")
     assert path.read_text(encoding="utf-8") == before
-    with running(command("size", "--force")):
+    with run_command(command("joint", "size", "--force")):
         write_text(path, "second")
-    with running(command("size")):
+    with run_command(command("joint", "size")):
         write_text(path, "third")
 
 
@@ -118,7 +125,7 @@ def test_what_is_no_file_is_not_replaced(name: str, tmp_path: Path) -> None:
     place = tmp_path / name
     place.mkdir() if name == "folder" else os.mkfifo(place)
     for force in ([], ["--force"]):
-        assert "give the name of a file" in refused("schema", "-o", str(place), *force)
+        assert "give the name of a file" in refused("machine", "schema", "-o", str(place), *force)
     assert place.exists()
 
 
@@ -130,7 +137,7 @@ def test_python_writes_where_it_is_told(tmp_path: Path) -> None:
 def test_without_a_place_for_records_all_is_somebodys(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "file").write_text("", encoding="utf-8")
     monkeypatch.setenv("LAYFLAT_STATE_DIR", str(tmp_path / "file" / "state"))
-    with running(command("size")):
+    with run_command(command("joint", "size")):
         write_text(tmp_path / "a", "1")
         with pytest.raises(OutputError, match="not from this command"):
             write_text(tmp_path / "a", "2")
@@ -138,19 +145,23 @@ def test_without_a_place_for_records_all_is_somebodys(tmp_path: Path, monkeypatc
 
 def test_force_replaces_another_study_and_nothing_foreign(tmp_path: Path) -> None:
     place = tmp_path / "study"
-    with running(command("study")), Folder(place, 1).opened({"rows": 1}):
+    with run_command(command("study", "run")), StudyFolder(place, 1).lock({"rows": 1}):
         (place / "chunks").mkdir()
         (place / "chunks" / "00000.parquet").write_bytes(b"done")
-    with running(command("study")), pytest.raises(OutputError, match="--force"), Folder(place, 1).opened({"rows": 2}):
+    with (
+        run_command(command("study", "run")),
+        pytest.raises(OutputError, match="or the study as it was"),
+        StudyFolder(place, 1).lock({"rows": 2}),
+    ):
         pass
-    with running(command("study", "--force")):
+    with run_command(command("study", "run", "--force")):
         (place / "mine.txt").write_text("mine", encoding="utf-8")
-        with pytest.raises(OutputError, match=r"mine\.txt"), Folder(place, 1).opened({"rows": 2}):
+        with pytest.raises(OutputError, match=r"mine\.txt"), StudyFolder(place, 1).lock({"rows": 2}):
             pass
         (place / "mine.txt").unlink()
-        with Folder(place, 1).opened({"rows": 2}):
+        with StudyFolder(place, 1).lock({"rows": 2}):
             assert not (place / "chunks").exists()
-    with running(command("study", "--force")), Folder(place, 1).opened({"rows": 2}):
+    with run_command(command("study", "run", "--force")), StudyFolder(place, 1).lock({"rows": 2}):
         assert (place / "study.json").exists()
 
 

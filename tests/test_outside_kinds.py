@@ -13,18 +13,18 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 
-from layflat.control import CONTROL_LAWS, FULL, Command, ControlKind, Demand, Sensed
+from layflat.control import CONTROL_LAWS, FULL_FRACTIONS, Command, ControlKind, Demand, Sensed
 from layflat.control.checks import CycleClock, PlainStep
 from layflat.description.change import value_at
 from layflat.errors import KindError, LayflatError
 from layflat.jit import cache
-from layflat.kinds import Table
+from layflat.kinds import KindTable
 from layflat.machine import Machine, changed, load
-from layflat.physics.valves import VALVES
+from layflat.physics.valves import VALVE_KINDS
 from layflat.sim import Scenario, rollout
 from layflat.sim.ensemble import ensemble
 from layflat.sim.metrics import tip_settling
-from layflat.study import read, run, table
+from layflat.study import read_study, run_study, study_table
 from layflat.study.folder import ChangedError
 
 PAGE = Path(__file__).parents[1] / "docs" / "kinds.md"
@@ -120,31 +120,31 @@ OWN_NUMBERS = {
 def test_a_study_varies_the_numbers_of_a_kind(machine: Machine, name: str, examples: Path, tmp_path: Path) -> None:
     file = examples / f"{name}-study.toml"
     file.write_text(STUDY.format(machine=machine.name, path=OWN_NUMBERS[name]), encoding="utf-8")
-    study = read(file)
-    whole = run(study, tmp_path / "whole")
-    found = table(tmp_path / "whole")
+    study = read_study(file)
+    whole = run_study(study, tmp_path / "whole")
+    found = study_table(tmp_path / "whole")
     usual = value_at(study.machine, OWN_NUMBERS[name])
     vary = {OWN_NUMBERS[name]: usual * found[OWN_NUMBERS[name]], "scenario.payload": found["scenario.payload"]}
     alone = ensemble(study.machine, study.scenarios[0], vary, precision=study.precision)
     assert np.array_equal(found["air_used"], alone["air_used"])
     assert found["air_used"].nunique() == 4
-    run(read(file), tmp_path / "parts", chunk=3, threads=1)
-    assert table(tmp_path / "parts").equals(found)
+    run_study(read_study(file), tmp_path / "parts", chunk=3, threads=1)
+    assert study_table(tmp_path / "parts").equals(found)
     before = whole.read_bytes()
-    assert run(read(file), tmp_path / "whole").read_bytes() == before, "the folder knows its study again"
+    assert run_study(read_study(file), tmp_path / "whole").read_bytes() == before, "the folder knows its study again"
 
 
 def test_a_study_is_another_one_with_other_laws_of_a_kind(machine: Machine, examples: Path, tmp_path: Path) -> None:
     """What the kind's file holds counts, not where it is."""
     file = examples / "again-study.toml"
     file.write_text(STUDY.format(machine=machine.name, path="controller.level"), encoding="utf-8")
-    run(read(file), tmp_path)
+    run_study(read_study(file), tmp_path)
     held = json.loads((tmp_path / "study.json").read_text(encoding="utf-8"))
     assert str(examples) not in json.dumps(held)
     now, held["made_with"]["relay.py"] = held["made_with"]["relay.py"], "0123"
     (tmp_path / "study.json").write_text(json.dumps(held), encoding="utf-8")
     with pytest.raises(ChangedError) as caught:
-        run(read(file), tmp_path)
+        run_study(read_study(file), tmp_path)
     assert caught.value.differences == [f"made_with.relay.py: 0123 -> {now}"]
 
 
@@ -153,17 +153,17 @@ def test_a_study_says_that_a_law_in_plain_python_can_not_run(examples: Path) -> 
     text = STUDY.format(machine="plain_relay", path="joint.small.brake.torque")
     file.write_text(text, encoding="utf-8")
     with pytest.raises(KindError, match=r"'plain-relay' is plain Python; .*layflat\.jit\.law"):
-        read(file)
+        read_study(file)
 
 
 def test_a_law_of_ones_own_is_compared_with_others(examples: Path) -> None:
-    from layflat.experiments.beyond.comparison import TRACKING, comparison
+    from layflat.experiments.beyond.comparison import TRACKING_LABEL, prepare_comparison
 
-    compared = comparison(str(examples / "relay.toml"))
-    assert list(compared.laws) == ["relay", TRACKING]
+    compared = prepare_comparison(str(examples / "relay.toml"))
+    assert list(compared.laws) == ["relay", TRACKING_LABEL]
     assert "steps, relay" in [name for name, _ in compared.stages()]
     with pytest.raises(KindError, match=r"'plain-relay' is plain Python; it can't run in comparisons"):
-        comparison(str(examples / "plain_relay.toml"))
+        prepare_comparison(str(examples / "plain_relay.toml"))
 
 
 def test_a_law_of_ones_own_reports_under_its_own_names(machine: Machine) -> None:
@@ -310,7 +310,7 @@ RETURNED = [
     ("(memory, Command((1j,), command.shares), reports)", "is 1j, not a number"),
     ("(memory, Command((1e999,), command.shares), reports)", "is inf, not a finite number"),
     ("(memory, Command((0.0 * 1e999,), command.shares), reports)", "is nan, not a finite number"),
-    ("(memory, Command(voltages, (1.0,)), reports)", "an item of `shares` is a float, not a Shares"),
+    ("(memory, Command(voltages, (1.0,)), reports)", "an item of `shares` is a float, not a DriveFractions"),
     ("exit(0)", "fails: SystemExit: 0"),
     ("1 / 0", "fails: ZeroDivisionError"),
 ]
@@ -319,12 +319,12 @@ RETURNED = [
 @pytest.mark.parametrize("late", [False, True], ids=["at once", "later"])
 @pytest.mark.parametrize(("returned", "said"), RETURNED)
 def test_what_a_plain_law_returns_is_checked_in_every_cycle(returned: str, said: str, late: bool) -> None:
-    names: dict[str, Any] = {"Report": Report, "Cycles": Cycles, "Command": Command, "FULL": FULL}
+    names: dict[str, Any] = {"Report": Report, "Cycles": Cycles, "Command": Command, "FULL_FRACTIONS": FULL_FRACTIONS}
     condition = "memory.cycles > 2.0" if late else "True"
     lines = [
         "def step(settings, memory, sensed, demand, elapsed):",
         "    memory, voltages, reports = Cycles(memory.cycles + 1.0), (5.0,), (Report(0.0),)",
-        "    command = Command(voltages, (FULL,))",
+        "    command = Command(voltages, (FULL_FRACTIONS,))",
         f"    return {returned} if {condition} else (memory, command, reports)",
     ]
     exec("\n".join(lines), names)
@@ -375,9 +375,9 @@ def test_an_unknown_kind_names_the_known_ones_and_the_nearest(examples: Path) ->
 
 
 def test_a_table_refuses_what_it_has() -> None:
-    table: Table[ControlKind] = Table("control law", *CONTROL_LAWS)
+    table: KindTable[ControlKind] = KindTable("control law", *CONTROL_LAWS)
     kind = CONTROL_LAWS.named("paper")
     with pytest.raises(KindError, match="there is a kind 'paper'"):
         table.register(kind)
     with pytest.raises(KindError, match="known kinds are"):
-        VALVES.named("magic")
+        VALVE_KINDS.named("magic")

@@ -9,7 +9,7 @@ from time import monotonic, sleep
 
 import pytest
 
-from layflat.parallel import aside, process_pool, processors
+from layflat.parallel import generate_in_process, process_pool, processors
 
 
 def numbers(count: int) -> Iterator[int]:
@@ -46,7 +46,7 @@ needs_two = pytest.mark.skipif(processors() < 2, reason="needs two processors")
 
 @needs_two
 def test_another_process_gives_values_as_they_come() -> None:
-    with aside("tests.test_parallel:numbers", 3) as values:
+    with generate_in_process("tests.test_parallel:numbers", 3) as values:
         *found, process = values
     assert found == [0, 1, 2]
     assert process != os.getpid()
@@ -54,11 +54,11 @@ def test_another_process_gives_values_as_they_come() -> None:
 
 @needs_two
 def test_what_fails_there_ends_early_and_what_nobody_waits_for_is_killed(capfd: pytest.CaptureFixture[str]) -> None:
-    with aside("tests.test_parallel:broken") as values:
+    with generate_in_process("tests.test_parallel:broken") as values:
         assert list(values) == [1]
-    with aside("tests.test_parallel:nothing") as values:
+    with generate_in_process("tests.test_parallel:nothing") as values:
         assert list(values) == []
-    with aside("tests.test_parallel:endless") as values:
+    with generate_in_process("tests.test_parallel:endless") as values:
         process = next(values)
     with pytest.raises(ProcessLookupError):
         os.kill(process, 0)
@@ -67,7 +67,7 @@ def test_what_fails_there_ends_early_and_what_nobody_waits_for_is_killed(capfd: 
 
 def test_with_one_processor_everything_is_left_to_this_process(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("layflat.parallel.processors", lambda: 1)
-    with aside("tests.test_parallel:numbers", 3) as values:
+    with generate_in_process("tests.test_parallel:numbers", 3) as values:
         assert list(values) == []
 
 

@@ -6,9 +6,9 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from layflat.bridge.robots.read import read_robot
-from layflat.bridge.robots.robot import HINGE, Robot
+from layflat.bridge.robots.robot import HINGE_JOINT, Robot
 from layflat.errors import InputError
-from layflat.physics.arms.kind import MOST
+from layflat.physics.arms.kind import MAX_JOINTS
 
 FILES: Mapping[str, tuple[str, ...]] = {
     "pybullet": (
@@ -98,7 +98,7 @@ def arms(packages: Iterable[str] = FILES) -> Iterator[Arm | Refused]:
                 yield Refused(package, name, str(error).removeprefix(f"{file}: "))
                 continue
             to = _longest(robot)
-            joints = [link for link in robot.to(to) if link.kind == HINGE]
+            joints = [link for link in robot.links_to(to) if link.kind == HINGE_JOINT]
             free = [link.name for link in joints if link.limits is None or link.limits[0] >= link.limits[1]]
             yield Arm(package, name, file, to, dict.fromkeys(free, (-1.0, 1.0)))
 
@@ -118,8 +118,8 @@ def _longest(robot: Robot) -> str:
     """Return the body at the end of the chain with most hinges, up to seven, of which none is something else."""
     best, most = "", 0
     for link in robot.links:
-        joints = [one for one in robot.to(link.child) if one.kind != "fixed"]
-        plain = all(one.kind == HINGE and one.mimic is None for one in joints)
-        if plain and link.kind == HINGE and most < len(joints) <= MOST:
+        joints = [one for one in robot.links_to(link.child) if one.kind != "fixed"]
+        plain = all(one.kind == HINGE_JOINT and one.mimic is None for one in joints)
+        if plain and link.kind == HINGE_JOINT and most < len(joints) <= MAX_JOINTS:
             best, most = link.child, len(joints)
     return best

@@ -33,7 +33,7 @@ class PlannedHost:
         self.rows: list[Any] = []
 
     def request(self, _now: int) -> Any:
-        """What is wanted in this cycle."""
+        """Return the host's request in this cycle."""
         from layflat.rig.safety.supervisor import HostRequest  # noqa: PLC0415
 
         edges, self.edges = self.edges, {}
@@ -47,20 +47,20 @@ class PlannedHost:
 def played(machine_name: str, plan: dict[int, Any], cycles: int, *, filled: bool) -> Arrays:
     """The rows of a loop, by name; `plan` has what is done to host and device before a cycle."""
     from layflat import load  # noqa: PLC0415
-    from layflat.cli.virtual_rig import VirtualRig  # noqa: PLC0415
-    from layflat.rig.clock import SECOND, VirtualClock  # noqa: PLC0415
-    from layflat.rig.drivers.simulated import SimulatedDriver  # noqa: PLC0415
-    from layflat.rig.loop import Loop  # noqa: PLC0415
+    from layflat.cli.rig import VirtualRig  # noqa: PLC0415
+    from layflat.rig.clock import NS_PER_SECOND, VirtualClock  # noqa: PLC0415
+    from layflat.rig.device.virtual import SimulatedDriver  # noqa: PLC0415
+    from layflat.rig.loop import RigLoop  # noqa: PLC0415
 
     machine = load(machine_name)
-    clock, host = VirtualClock(3 * SECOND), PlannedHost(len(machine.joints))
+    clock, host = VirtualClock(3 * NS_PER_SECOND), PlannedHost(len(machine.joints))
     device = VirtualRig(machine, seed=5, filled=filled)(clock)
     driver: Any = SimulatedDriver(device)
     driver.configure()
     driver.activate()
-    loop: Any = Loop(machine, driver, clock, host)
+    loop: Any = RigLoop(machine, driver, clock, host)
     if filled:
-        loop.begin(driver.read())
+        loop.start_filled(driver.read())
     for k in range(cycles):
         plan.get(k, lambda *_: None)(host, device)
         loop.cycle()
@@ -84,20 +84,20 @@ def fails(name: str) -> Any:
     """The virtual rig fails in its last joint."""
 
     def do(host: PlannedHost, device: Any) -> None:
-        from layflat.rig.device.failures import failure  # noqa: PLC0415
+        from layflat.rig.device.failures import get_failure  # noqa: PLC0415
 
-        failure(name).begin(device, len(host.demands) - 1)
+        get_failure(name).inject(device, len(host.demands) - 1)
 
     return do
 
 
 def mends(name: str, **edges: bool) -> Any:
-    """What had failed is mended."""
+    """Return an action that mends a failure."""
 
     def do(host: PlannedHost, device: Any) -> None:
-        from layflat.rig.device.failures import failure  # noqa: PLC0415
+        from layflat.rig.device.failures import get_failure  # noqa: PLC0415
 
-        failure(name).end(device, len(host.demands) - 1)
+        get_failure(name).heal(device, len(host.demands) - 1)
         host.edges = edges
 
     return do

@@ -70,16 +70,16 @@ high = "2 kg"
 
 def studies() -> Arrays:
     """The tables of a grid with variants and of a sensitivity study."""
-    from layflat.study import read, run, table  # noqa: PLC0415
+    from layflat.study import read_study, run_study, study_table  # noqa: PLC0415
 
     found: Arrays = {}
     for text in (GRID, SALTELLI):
         with TemporaryDirectory() as folder:
             path = Path(folder) / "study.toml"
             path.write_text(text, encoding="utf-8")
-            study = read(path)
-            run(study, Path(folder) / "out", chunk=16)
-            rows = table(Path(folder) / "out").select_dtypes("number")
+            study = read_study(path)
+            run_study(study, Path(folder) / "out", chunk=16)
+            rows = study_table(Path(folder) / "out").select_dtypes("number")
             found |= {f"{study.name}: {name}": rows[name].to_numpy(dtype=float) for name in rows.columns}
     return found
 
@@ -87,8 +87,9 @@ def studies() -> Arrays:
 def identification() -> Arrays:
     """The friction of a joint, from logs of one that differs from its description."""
     from layflat import changed, load, rollout  # noqa: PLC0415
-    from layflat.identify.identification import begin  # noqa: PLC0415
+    from layflat.identify import identification as module  # noqa: PLC0415
 
+    prepare = getattr(module, "prepare_identification", None) or getattr(module, "begin")  # noqa: B009  # earlier revisions
     machine = changed(load("paper-small-joint"), "joint.small.brake.torque", 3.1)
     machine = changed(machine, "joint.small.brake.viscous", 0.05)
     levels = (0.0, 0.35, -0.25, 0.4, -0.4, 0.1, 0.15, 0.0)
@@ -102,7 +103,7 @@ def identification() -> Arrays:
                 one["time"], np.degrees(one["measured_angle"]), one["voltage"], 1e-5 * one["measured_pressure"]
             ]  # fmt: skip
             np.savetxt(path, np.stack(columns, axis=1), delimiter=",", header=header, comments="", fmt="%.9g")
-        session = begin(logs[:1], "paper-small-joint", Path(folder), blocks="friction", validate=logs[1:])
+        session = prepare(logs[:1], "paper-small-joint", Path(folder), blocks="friction", validate=logs[1:])
         found = session.fit(starts=0)
     return {
         "values": found.values,
@@ -115,11 +116,11 @@ def identification() -> Arrays:
 
 def tuning() -> Arrays:
     """Two generations of a search for gains."""
-    from layflat.tune import begin  # noqa: PLC0415
+    from layflat.tune import begin_tuning  # noqa: PLC0415
 
     with TemporaryDirectory() as folder:
-        found = begin("paper-small-joint", Path(folder), generations=2)
-        found.seek()
+        found = begin_tuning("paper-small-joint", Path(folder), generations=2)
+        found.search()
     history = getattr(found, "history", None) or getattr(found, "told")  # noqa: B009  # as earlier revisions name it
     return {"gains": [best.values for best in history], "costs": [best.cost for best in history]}
 
@@ -127,11 +128,11 @@ def tuning() -> Arrays:
 def packing() -> Arrays:
     """Two picks by a camera, and the state of the whole scene in every cycle."""
     from layflat.cell import load  # noqa: PLC0415
-    from layflat.cell.work.run import calibrated  # noqa: PLC0415
+    from layflat.cell.work.run import calibrate_cell  # noqa: PLC0415
     from layflat.errors import NoDrawingError  # noqa: PLC0415
 
     try:
-        calibration: Any = calibrated(load("packing"))
+        calibration: Any = calibrate_cell(load("packing"))
     except NoDrawingError as error:
         raise NotPossibleError(str(error)) from error
     return packed(calibration)
@@ -151,13 +152,13 @@ def packed(calibration: Any) -> Arrays:
     states: list[Any] = []
 
     class Watcher(Observer):
-        def begins(self, scene: Any, camera: Any) -> None:  # noqa: ARG002
+        def on_delivery_start(self, scene: Any, camera: Any) -> None:  # noqa: ARG002
             self.scene = scene
 
-        def cycle(self, time: float) -> None:
+        def on_control_cycle(self, time: float) -> None:
             states.append([time, *self.scene.data.qpos])
 
-    (delivery,) = work.packed(load("packing"), 0, 2, calibration, Watcher()).deliveries
+    (delivery,) = work.run_packing(load("packing"), 0, 2, calibration, Watcher()).deliveries
     seen = [pick.choice.fruit for pick in delivery.picks]
     true = delivery.verdicts
     return {
@@ -184,7 +185,7 @@ def designs() -> Arrays:
                     "torque": np.stack(design.torque),
                     "tension": design.tension,
                     "stresses": [stress.total for stress in design.stresses],
-                    "mass": [*design.mass.parts.values(), design.mass.rest],
+                    "mass": [*design.mass.parts.values(), design.mass.uncounted],
                     "air": design.air.normal_litres,
                     **({} if design.cam is None else {"cam": design.cam.profile}),
                 }.items()

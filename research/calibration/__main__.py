@@ -8,9 +8,9 @@ import argparse
 import sys
 
 from layflat.experiments.reproduction import reproduce
-from research.calibration.stages import calibrated, stages, told
+from research.calibration.stages import calibrate_machines, describe_shortfalls, stages
 from research.calibration.unknowns import LOSSES
-from research.calibration.written import loss_shares, put_into, put_loss_shares
+from research.calibration.written import loss_shares, write_loss_shares, write_values
 
 
 def main() -> None:
@@ -23,10 +23,11 @@ def main() -> None:
     asked.add_argument("--write", action="store_true", help="put the values into the built-in descriptions")
     given = asked.parse_args()
     if given.write:
-        put_loss_shares(loss_shares())
-    on, texts, found = calibrated(given.kind, given.seed, given.minutes, anew=given.anew)
+        write_loss_shares(loss_shares())
+    on, texts, found = calibrate_machines(given.kind, given.seed, given.minutes, anew=given.anew)
     lines = [
-        f"{stage.name}: short of {told(best.lacks)}; descent {best.descent}, generation {best.generation}"
+        f"{stage.name}: short of {describe_shortfalls(best.lacks)}; "
+        f"descent {best.descent}, generation {best.generation}"
         for stage, best in zip(stages(given.kind), found, strict=True)
     ]
     done = reproduce(on)
@@ -37,8 +38,8 @@ def main() -> None:
     if given.write:
         axis_one, arm = texts
         # The controller of section 4.1 is that of the earlier actuator; the arm was tuned by itself.
-        put_into("paper-small-joint", {path: text for path, text in axis_one.items() if ".gains." in path})
-        put_into("paper-arm", axis_one | arm)
+        write_values("paper-small-joint", {path: text for path, text in axis_one.items() if ".gains." in path})
+        write_values("paper-arm", axis_one | arm)
 
 
 if __name__ == "__main__":

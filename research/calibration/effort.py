@@ -1,4 +1,4 @@
-"""How closely machines are looked at, and with which noise."""
+"""Effort of an evaluation of machines: numbers of runs, step of integration, and noise."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -6,43 +6,46 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from layflat.arrays import Array
-from layflat.physics.step import COARSE, STEP
+from layflat.physics.step import COARSE_STEP, STEP
 
-APART = 1000  # seeds of the looks at a machine
+LOOK_SEED_STRIDE = 1000  # between the evaluations of a machine with other noise
 
 
 @dataclass(frozen=True)
-class Effort:
-    """How closely machines are looked at."""
+class EvaluationEffort:
+    """Effort of an evaluation of machines."""
 
     counts: tuple[int, int]  # inertias of the braked joint and of the earlier actuator
     repeats: int  # runs with each of them, with other noise
     approaches: int  # of the arm to one place
     step: float  # of the plant, s
-    looks: int = 1  # with other noise each, of which the worst counts: luck does not last
-    claimed: bool = False  # whether the claims' own runs count as well
-    elsewhere: bool = False  # whether inertias lie elsewhere between their neighbours with each seed
-    learns: bool = True  # whether the long-term integral is looked at, for a minute of its time
-    most: float = np.inf  # what a finding counts that is missed altogether
+    looks: int = 1  # evaluations with other noise each, of which the worst counts
+    claimed: bool = False  # True if the claims' own runs count as well
+    elsewhere: bool = False  # True if each seed shifts the inertias between their neighbours
+    learns: bool = True  # True if a minute of the long-term integral is simulated
+    most: float = np.inf  # upper limit of one finding's cost
 
     def counted(self, lacked: Array) -> Array:
-        """What findings count of which so much is lacked."""
+        """Return the cost of shortfalls, saturated at `most`."""
         return lacked / (1.0 + lacked / self.most)
 
-    def each(self, seed: int) -> "Iterator[tuple[int, Effort]]":
-        """Yield looks one after the other, each with the seed of its noise."""
-        yield from ((seed + APART * number, self) for number in range(self.looks))
+    def each(self, seed: int) -> "Iterator[tuple[int, EvaluationEffort]]":
+        """Yield each evaluation's seed and effort."""
+        yield from ((seed + LOOK_SEED_STRIDE * number, self) for number in range(self.looks))
         if self.claimed:
-            yield OWN_NOISE, EXACTLY
+            yield OWN_NOISE, EXACT_CLAIM_EFFORT
 
 
-ROUGH = Effort((8, 6), 1, 4, COARSE, elsewhere=True, learns=False, most=3.0)
-"""Far from all, it counts how many findings come out: who minds the farthest alone is led to where the others can't."""
-OWN_NOISE = 1  # the seed of the claims
-CLAIMED, ROUGHLY_CLAIMED = Effort((25, 16), 5, 20, COARSE), Effort((9, 6), 3, 8, COARSE, learns=False)
-"""With the claims' own noise their own runs, but for the step, and some of them."""
-ONCE = Effort((13, 8), 3, 20, COARSE)
-EXACTLY = replace(CLAIMED, step=STEP)
-"""The claims' own runs."""
-SURE = replace(ONCE, looks=2, claimed=True)
-"""With other noise each time, then as the claims do: who passes by luck has to have it three times."""
+ROUGH_EFFORT = EvaluationEffort((8, 6), 1, 4, COARSE_STEP, elsewhere=True, learns=False, most=3.0)
+"""First effort: costs saturate, so that the number of findings that are met counts more than the largest shortfall."""
+OWN_NOISE = 1  # seed of the claims' own noise
+CLAIM_EFFORT, ROUGH_CLAIM_EFFORT = (
+    EvaluationEffort((25, 16), 5, 20, COARSE_STEP),
+    EvaluationEffort((9, 6), 3, 8, COARSE_STEP, learns=False),
+)
+"""The claims' own runs with a coarse step, and a part of them."""
+SINGLE_EFFORT = EvaluationEffort((13, 8), 3, 20, COARSE_STEP)
+EXACT_CLAIM_EFFORT = replace(CLAIM_EFFORT, step=STEP)
+"""The claims' own runs with their own step."""
+FINAL_EFFORT = replace(SINGLE_EFFORT, looks=2, claimed=True)
+"""Two evaluations with other noise, then the claims' own: chance would have to repeat itself three times."""

@@ -1,4 +1,4 @@
-"""What machines lack of the paper's findings, the cheapest looks first: who lacks too much is not looked at again."""
+"""Shortfalls of machines against the paper's findings; machines that exceed a level are not evaluated further."""
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
@@ -7,7 +7,7 @@ import numpy as np
 
 from layflat.arrays import Array
 from research.calibration import shortfall
-from research.calibration.effort import Effort
+from research.calibration.effort import EvaluationEffort
 from research.calibration.evidence import Evidence
 
 Values = Callable[[Array], Mapping[str, Array]]
@@ -16,17 +16,17 @@ Values = Callable[[Array], Mapping[str, Array]]
 
 @dataclass(frozen=True)
 class Findings:
-    """The paper's findings, as machines are judged by them."""
+    """The paper's findings, by which machines are evaluated."""
 
     evidence: Evidence
     left_out: frozenset[str] = frozenset()  # by the names of their shortfalls
 
     def lack(
-        self, shares: Array, values: Values, *, arm: bool, seed: int, effort: Effort, level: Array | float
+        self, shares: Array, values: Values, *, arm: bool, seed: int, effort: EvaluationEffort, level: Array | float
     ) -> Array:
-        """Return what machines (machines, unknowns) lack, alone or as an arm, (machines,); above their level a part.
+        """Return the total shortfall of machines (machines, unknowns), (machines,); partial where above their level.
 
-        Of several looks the worst counts.
+        Of several evaluations the worst counts.
         """
         found, still, left = np.zeros(len(shares)), np.zeros(len(shares)), np.arange(len(shares))
         levels = np.broadcast_to(level, len(shares))
@@ -44,17 +44,19 @@ class Findings:
                 left = left[found[left] <= levels[left]]
         return found
 
-    def parts(self, shares: Array, values: Values, *, arm: bool, seed: int, effort: Effort) -> dict[str, Array]:
-        """Return all that machines lack by name."""
+    def parts(
+        self, shares: Array, values: Values, *, arm: bool, seed: int, effort: EvaluationEffort
+    ) -> dict[str, Array]:
+        """Return the shortfalls of machines, (machines,), by name."""
         found: dict[str, Array] = {}
         for _, look in self._looks(arm, seed, effort):
             found |= look(values(shares))
         return found
 
     def _looks(
-        self, arm: bool, seed: int, effort: Effort
+        self, arm: bool, seed: int, effort: EvaluationEffort
     ) -> Iterator[tuple[bool, Callable[[Mapping[str, Array]], dict[str, Array]]]]:
-        """Looks, and whether they have the noise of the seed."""
+        """Yield evaluations, the cheapest first, and whether they depend on the seed of the noise."""
         evidence, on = self.evidence, self.evidence.bench
         braked = on.arm if arm else on.axis_one
         yield False, lambda by_path: shortfall.held_short(by_path, evidence.frictions(braked))

@@ -1,4 +1,4 @@
-"""What is compiled for the calibration, in a file of its own: machine code depends on all that a file imports."""
+"""Compiled kernel of the calibration, in a file of its own: machine code depends on all that a file imports."""
 
 import numpy as np
 
@@ -6,10 +6,10 @@ from layflat.jit import kernel
 
 
 @kernel
-def looked_at(error, band, last, lost):  # type: ignore[no-untyped-def]
-    """Look at errors (runs, records): records until each stays inside the band, and of the last ones range and rms.
+def evaluate_errors(error, band, last, lost):  # type: ignore[no-untyped-def]
+    """Return records until errors (runs, records) stay inside the band, and range and rms of the last ones, (runs, 3).
 
-    `last` records count for the range, twice as many for the rms; an error that is not a number is `lost`.
+    `last` records count for the range, twice as many for the rms; nan counts as `lost`.
     """
     found = np.empty((len(error), 3))
     for i in range(len(error)):

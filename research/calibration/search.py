@@ -1,9 +1,9 @@
-"""Where nothing is short: CMA-ES (key hansen2016) goes down from anywhere, and who lacks least is asked for all claims.
+"""Search for a machine without shortfalls: CMA-ES (key hansen2016) from random points, then a check of all claims.
 
-Noise is other noise in every generation, so that luck helps nobody for long, and machines are looked at the more
-closely the less they lack. Where a descent ends depends on where it began: some begin, and those go on whose middle
-lacks least. The claims have noise of their own; a machine that has all findings with it has them surely if it lacks
-little in looks with other noise.
+Every generation has other noise, so that no machine is selected by chance for long, and the evaluation gets more
+accurate as the shortfall falls. The result of a descent depends on its beginning: several are begun, and those with
+the least shortfall at their mean continue. The claims have a noise of their own; a machine that meets all findings
+with it is accepted if its mean shortfall with other noise is small.
 """
 
 import itertools
@@ -15,35 +15,42 @@ import numpy as np
 
 from layflat.arrays import Array
 from layflat.tune.search import Strategy
-from research.calibration.effort import CLAIMED, ONCE, OWN_NOISE, ROUGH, ROUGHLY_CLAIMED, Effort
+from research.calibration.effort import (
+    CLAIM_EFFORT,
+    OWN_NOISE,
+    ROUGH_CLAIM_EFFORT,
+    ROUGH_EFFORT,
+    SINGLE_EFFORT,
+    EvaluationEffort,
+)
 
 POPULATION = 24  # of a generation
-ANYWHERE, NEAR = 0.25, 0.02  # spread of the first, share of the ranges; near a machine
-FIRST, AT_ONCE = 6000, 200  # places of which a descent begins at the best, and how many are looked at together
-BEGIN = 4  # descents that begin together
-STUCK, OVER = 0.97, 50  # share of what was lacked on an average of generations that these still lack after as many
-LATELY = 10  # generations by which the level is judged, and after which it is told
-FAR = 2.0  # times the level above which it does not matter how much a machine lacks
-NEARLY = 1.0  # what a machine may lack that may have all findings
-ASKED = 2  # of a generation, beside its middle
-OTHERS, APART = 12, 7919  # looks with other noise by which a machine is doubted, and seeds between them
-DESCENTS, GENERATIONS, NOISES = 256, 10_000, 10_007  # of a search, of a descent, and seeds from one to the next
-SURELY = 0.6  # what a machine may lack in these in the mean
+INITIAL_DEVIATION, NEAR_DEVIATION = 0.25, 0.02  # fractions of the ranges; the latter near a known machine
+INITIAL_SAMPLES, BATCH_SIZE = 6000, 200  # points, at the best of which a descent begins; evaluated together
+DESCENT_COUNT = 4  # that begin together
+STALL_RATIO, STALL_GENERATIONS = 0.97, 50  # ratio of mean shortfalls of consecutive spans, and length of a span
+LEVEL_GENERATIONS = 10  # over which the level is averaged, and after which it is reported
+LEVEL_FACTOR = 2.0  # times the level, beyond which a shortfall is not evaluated fully
+CLAIM_CHECK_LEVEL = 1.0  # shortfall up to which all claims are evaluated
+CHECKED_MACHINES = 2  # of a generation, besides its mean
+NOISE_CHECKS, SEED_STRIDE = 12, 7919  # evaluations of an accepted machine with other noise, and seeds between them
+MAX_DESCENTS, MAX_GENERATIONS = 256, 10_000  # of a search, and of a descent
+NOISE_STRIDE = 10_007  # seeds from one generation to the next
+MAX_RESIDUAL = 0.6  # mean shortfall with other noise up to which a machine is accepted
 
-HEATS = ((ROUGH, 1.0, 160, 2), (ROUGHLY_CLAIMED, 0.5, 60, 2))
-"""How closely machines are looked at one after the other, down to which level, for how many generations at most, and
-how many of the descents go on then."""
+SELECTION_STAGES = ((ROUGH_EFFORT, 1.0, 160, 2), (ROUGH_CLAIM_EFFORT, 0.5, 60, 2))
+"""Stages of a descent: effort, level at which the stage ends, limit of generations, and descents that continue."""
 
-Parts = Callable[[Array, int, Effort], dict[str, Array]]
-"""From shares (machines, unknowns), a seed of the noise and how closely to look to shortfalls by name."""
+Parts = Callable[[Array, int, EvaluationEffort], dict[str, Array]]
+"""Function from shares (machines, unknowns), seed of the noise and effort to shortfalls by name."""
 
-Lack = Callable[[Array, int, Effort, Array], Array]
-"""From the same and each machine's level to all that it lacks, (machines,); above the level a part of it."""
+Lack = Callable[[Array, int, EvaluationEffort, Array], Array]
+"""Function from the same and each machine's level to total shortfalls, (machines,); partial above the level."""
 
 
 @dataclass(frozen=True)
-class Sought:
-    """What is sought: shortfalls by name, their sum, and what a machine (unknowns,) is denied when asked for all."""
+class SearchTarget:
+    """Target of a search: shortfalls by name, their sum, and the first claim that a machine (unknowns,) fails."""
 
     parts: Parts
     lack: Lack
@@ -51,8 +58,8 @@ class Sought:
 
 
 @dataclass(frozen=True)
-class Best:
-    """The best so far: where it lies in the unknowns' ranges, what it lacks with the claims' noise, after how much."""
+class BestMachine:
+    """Best machine so far: its position in the unknowns' ranges, and its shortfalls with the claims' noise."""
 
     shares: Array
     lacks: dict[str, float]
@@ -63,20 +70,20 @@ class Best:
 
     @property
     def cost(self) -> float:
-        """All that it lacks."""
+        """Sum of its shortfalls."""
         return sum(self.lacks.values())
 
     @property
     def agrees(self) -> bool:
-        """Whether it has all findings."""
+        """True if all claims agree."""
         return self.denied == ""
 
     def surely(self, doubt: float) -> bool:
-        """Whether it has them with other noise as well, but for so much."""
+        """Return whether all claims agree, and the mean shortfall with other noise is within a limit."""
         return self.agrees and self.doubt <= doubt
 
-    def beats(self, other: "Best") -> bool:
-        """Whether it is better: it has all findings, or more surely, or lacks less of them."""
+    def beats(self, other: "BestMachine") -> bool:
+        """Return whether it is better than another: by its claims, then by its shortfalls."""
         if self.agrees != other.agrees:
             return self.agrees
         return self.doubt < other.doubt if self.agrees else self.cost < other.cost
@@ -84,9 +91,9 @@ class Best:
 
 @dataclass
 class Descent:
-    """A search from one place."""
+    """Descent of CMA-ES from one point."""
 
-    sought: Sought
+    sought: SearchTarget
     strategy: Strategy
     number: int  # of the seed as well
     generation: int = 0
@@ -95,56 +102,60 @@ class Descent:
 
     @property
     def middle(self) -> Array:
-        """Where the search is, (unknowns,)."""
+        """Mean of the search's distribution, (unknowns,)."""
         return self.strategy.mean
 
     @property
     def level(self) -> float:
-        """What half of the machines lack or less."""
-        return float(np.mean(self.medians[-LATELY:])) if self.medians else np.inf
+        """Median shortfall, averaged over the last generations."""
+        return float(np.mean(self.medians[-LEVEL_GENERATIONS:])) if self.medians else np.inf
 
     @property
     def stuck(self) -> bool:
-        """Whether it comes to no less."""
-        before, lately = self.medians[-2 * OVER : -OVER], self.medians[-OVER:]
-        return len(before) == OVER and np.mean(lately) > STUCK * np.mean(before)
+        """True if the shortfall has stopped falling."""
+        before, lately = self.medians[-2 * STALL_GENERATIONS : -STALL_GENERATIONS], self.medians[-STALL_GENERATIONS:]
+        return len(before) == STALL_GENERATIONS and np.mean(lately) > STALL_RATIO * np.mean(before)
 
-    def goes_on(self, effort: Effort, least: float = 0.0, most: int = GENERATIONS) -> Iterator["Descent"]:
-        """Go on down to a level, for so many generations at most, or until it is stuck; tells so every now and then."""
+    def goes_on(self, effort: EvaluationEffort, least: float = 0.0, most: int = MAX_GENERATIONS) -> Iterator["Descent"]:
+        """Continue down to a level, a limit of generations, or a stall; yield itself every `LEVEL_GENERATIONS`."""
         self.medians = []
-        while len(self.medians) < most and not self.stuck and (len(self.medians) < LATELY or self.level > least):
+        while (
+            len(self.medians) < most
+            and not self.stuck
+            and (len(self.medians) < LEVEL_GENERATIONS or self.level > least)
+        ):
             machines = self.strategy.ask()
-            # Of those that lack far more than most did, it is enough to know that.
-            level = np.full(len(machines), FAR * self.level)
-            lacked = self.sought.lack(machines, noise(self.number, self.generation), effort, level)
+            # Shortfalls far beyond the level need not be exact.
+            level = np.full(len(machines), LEVEL_FACTOR * self.level)
+            lacked = self.sought.lack(machines, noise_seed(self.number, self.generation), effort, level)
             self.strategy.tell(lacked)
             self.medians.append(float(np.median(lacked)))
-            self.lowest = list(machines[np.argsort(lacked, kind="stable")[:ASKED]])
+            self.lowest = list(machines[np.argsort(lacked, kind="stable")[:CHECKED_MACHINES]])
             self.generation += 1
-            if len(self.medians) % LATELY == 0:
+            if len(self.medians) % LEVEL_GENERATIONS == 0:
                 yield self
 
 
-def noise(number: int, generation: int) -> int:
-    """Seed of the noise of a descent's generation; descents count from 1."""
-    return (number * GENERATIONS + generation) * NOISES
+def noise_seed(number: int, generation: int) -> int:
+    """Return the seed of the noise of a descent's generation; descents count from 1."""
+    return (number * MAX_GENERATIONS + generation) * NOISE_STRIDE
 
 
 def search(
-    sought: Sought, first: Array | None, count: int, *, seed: int, seconds: float, doubt: float = SURELY
-) -> Iterator[tuple[Best, float, float]]:
-    """Seek a machine that has all findings in a cube of `count` unknowns.
+    sought: SearchTarget, first: Array | None, count: int, *, seed: int, seconds: float, doubt: float = MAX_RESIDUAL
+) -> Iterator[tuple[BestMachine, float, float]]:
+    """Search for a machine that meets all findings in a unit cube of `count` unknowns.
 
-    Yields the best so far, what half of the machines lack at most, and the time left (s), until a machine surely has
-    all or the time is over.
+    Yield the best machine so far, the level of the descent, and the time left (s), until a machine is accepted or the
+    time is over.
 
     Args:
-        sought: what is sought.
-        first: shares near which to begin; None: anywhere.
+        sought: target of the search.
+        first: shares near which to begin; None: random ones.
         count: of the unknowns.
-        seed: of the search and of the noise: the same machine finds the same.
+        seed: of the search and of the noise; the result is reproducible.
         seconds: after which it ends.
-        doubt: what a machine that agrees may lack in looks with other noise for the search to end.
+        doubt: mean shortfall with other noise up to which a machine is accepted.
 
     Raises:
         MissingExtraError: cma is not installed.
@@ -153,62 +164,65 @@ def search(
     for descent, closely in _descents(sought, first, count, seed):
         over = time.monotonic() > until
         if closely or best is None or (over and not best.agrees):
-            found = _asked(sought, descent)
+            found = _check_claims(sought, descent)
             best = found if best is None or found.beats(best) else best
         yield best, descent.level, until - time.monotonic()
         if over or best.surely(doubt):
             return
 
 
-def _descents(sought: Sought, first: Array | None, count: int, seed: int) -> Iterator[tuple[Descent, bool]]:
-    """Descents as they go on, and whether these look closely."""
-    numbers = itertools.count(1 + seed * DESCENTS)
+def _descents(sought: SearchTarget, first: Array | None, count: int, seed: int) -> Iterator[tuple[Descent, bool]]:
+    """Yield descents as they continue, and whether these are of the last, accurate stage."""
+    numbers = itertools.count(1 + seed * MAX_DESCENTS)
     if first is not None:
         number = next(numbers)
-        near = Descent(sought, Strategy(first, POPULATION, 1 + number, NEAR), number, lowest=[first])
+        near = Descent(sought, Strategy(first, POPULATION, 1 + number, NEAR_DEVIATION), number, lowest=[first])
         yield near, True
-        yield from ((near, True) for _ in near.goes_on(ONCE))
+        yield from ((near, True) for _ in near.goes_on(SINGLE_EFFORT))
     while True:
-        begun: Iterable[Descent] = (_begun(sought, count, next(numbers)) for _ in range(BEGIN))
-        for effort, least, most, left in HEATS:
+        begun: Iterable[Descent] = (_start_descent(sought, count, next(numbers)) for _ in range(DESCENT_COUNT))
+        for effort, least, most, left in SELECTION_STAGES:
             gone = list[Descent]()
             for descent in begun:
                 yield from ((descent, False) for _ in descent.goes_on(effort, least, most))
                 gone.append(descent)
-            begun = sorted(gone, key=lambda one: _doubt(sought, one.middle))[:left]
+            begun = sorted(gone, key=lambda one: _mean_shortfall(sought, one.middle))[:left]
         for descent in begun:
-            yield from ((descent, True) for _ in descent.goes_on(ONCE))
+            yield from ((descent, True) for _ in descent.goes_on(SINGLE_EFFORT))
 
 
-def _begun(sought: Sought, count: int, number: int) -> Descent:
-    """A descent from the best of many places anywhere."""
+def _start_descent(sought: SearchTarget, count: int, number: int) -> Descent:
+    """Return a descent from the best of many random points."""
     rng, least, best = np.random.default_rng(number), np.inf, np.empty(0)
-    for _ in range(FIRST // AT_ONCE):
-        places = rng.random((AT_ONCE, count))
-        lacked = sought.lack(places, noise(number, GENERATIONS - 1), ROUGH, np.full(AT_ONCE, least))
+    for _ in range(INITIAL_SAMPLES // BATCH_SIZE):
+        places = rng.random((BATCH_SIZE, count))
+        lacked = sought.lack(places, noise_seed(number, MAX_GENERATIONS - 1), ROUGH_EFFORT, np.full(BATCH_SIZE, least))
         if lacked.min() < least:
             least, best = float(lacked.min()), places[np.argmin(lacked)]
-    return Descent(sought, Strategy(best, POPULATION, 1 + number, ANYWHERE), number)
+    return Descent(sought, Strategy(best, POPULATION, 1 + number, INITIAL_DEVIATION), number)
 
 
-def _asked(sought: Sought, descent: Descent) -> Best:
-    """Look closely at some, and ask whether they have all findings where they may; returns the best of them."""
+def _check_claims(sought: SearchTarget, descent: Descent) -> BestMachine:
+    """Evaluate some machines of a descent accurately, with all claims where those may agree; return the best."""
     places = np.vstack([descent.middle, *descent.lowest])
-    parts = sought.parts(places, OWN_NOISE, CLAIMED)
+    parts = sought.parts(places, OWN_NOISE, CLAIM_EFFORT)
     best = None
     for machine, place in enumerate(places):
         lacks = {name: float(part[machine]) for name, part in parts.items()}
-        found = Best(place, lacks, descent.number, descent.generation)
-        if found.cost <= NEARLY:
+        found = BestMachine(place, lacks, descent.number, descent.generation)
+        if found.cost <= CLAIM_CHECK_LEVEL:
             found = replace(found, denied=sought.denied(place))
         if found.agrees:
-            found = replace(found, doubt=_doubt(sought, place))
+            found = replace(found, doubt=_mean_shortfall(sought, place))
         best = found if best is None or found.beats(best) else best
     assert best is not None
     return best
 
 
-def _doubt(sought: Sought, place: Array) -> float:
-    """What a machine lacks in the mean of looks with noise that decided nothing."""
-    looks = [sought.parts(place[None], OWN_NOISE + APART * (1 + number), ONCE) for number in range(OTHERS)]
+def _mean_shortfall(sought: SearchTarget, place: Array) -> float:
+    """Return the mean shortfall of a machine with noise that was not used in the search."""
+    looks = [
+        sought.parts(place[None], OWN_NOISE + SEED_STRIDE * (1 + number), SINGLE_EFFORT)
+        for number in range(NOISE_CHECKS)
+    ]
     return float(np.mean([sum(float(part[0]) for part in parts.values()) for parts in looks]))

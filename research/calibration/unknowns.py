@@ -1,4 +1,4 @@
-"""What the paper leaves open of its arm and of the earlier actuator: values, their ranges, and why these.
+"""Unknowns of the calibration: values that the paper leaves open, their ranges, and the reasons for these.
 
 The paper says how its controller was tuned (section 3): from phase to phase the gain of the error rises, markedly so
 in the third, and that of the pressure falls, possibly to zero. So a gain is a multiple of that in the phase before.
@@ -12,18 +12,18 @@ import numpy as np
 
 from layflat.arrays import Array
 from layflat.description.change import value_at
-from layflat.identify.benches.hysteresis.model import rounded as rounded_weights
-from layflat.identify.benches.hysteresis.model import shares_of, split_of
+from layflat.identify.benches.hysteresis import round_weights as rounded_weights
+from layflat.identify.benches.hysteresis import split_from_weights, weights_from_split
 from layflat.machine import Machine
-from layflat.tune.knobs import PER_BAR, PER_DEG, rounded
+from layflat.tune.knobs import PER_BAR, PER_DEG, round_values
 
 DEG = 1.0 / PER_DEG
-BOTH = ("large", "small")
+JOINT_NAMES = ("large", "small")
 
 
 @dataclass(frozen=True)
 class Unknown:
-    """A value that is open: its range in a unit, that unit in SI, and why it is no wider."""
+    """Unknown value: its range in a unit, that unit in SI, and the reason for the range."""
 
     name: str
     low: float
@@ -31,10 +31,10 @@ class Unknown:
     why: str
     unit: str = ""
     si: float = 1.0
-    # What it is put in place of; after the name of a machine and a slash, of that machine alone.
+    # Paths of the values that it sets; with a machine's name and a slash before, those of that machine alone.
     paths: tuple[str, ...] = ()
-    times: str = ""  # name of another unknown; where there is one, the value is a multiple of it
-    factors: tuple[float, ...] = ()  # by which it counts at each path; none: 1
+    times: str = ""  # name of another unknown, of which the value is a multiple; empty: of none
+    factors: tuple[float, ...] = ()  # of the value at each path; empty: 1
 
 
 FADES = "from an effect within some seconds to that of the error's gain"
@@ -43,7 +43,7 @@ PHASES_PRESSURE = "section 3: it falls from phase to phase"
 
 
 def gains(joint: str) -> tuple[Unknown, ...]:
-    """Return the gains of a joint's controller."""
+    """Return the unknown gains of a joint's controller."""
 
     def one(key: str, low: float, high: float, why: str, unit: str = "", si: float = 1.0, times: str = "") -> Unknown:
         over = f"{joint} {times}" if times else ""
@@ -66,8 +66,10 @@ def gains(joint: str) -> tuple[Unknown, ...]:
 
 
 def losses(key: str, low: float, high: float, why: str, unit: str = "", si: float = 1.0) -> Unknown:
-    """Return what is open of the losses, the same for both joints and the earlier actuator."""
-    return Unknown(f"losses {key}", low, high, why, unit, si, tuple(f"joint.{joint}.losses.{key}" for joint in BOTH))
+    """Return an unknown of the losses, the same for both joints and the earlier actuator."""
+    return Unknown(
+        f"losses {key}", low, high, why, unit, si, tuple(f"joint.{joint}.losses.{key}" for joint in JOINT_NAMES)
+    )
 
 
 TURNS = "from one that turns the small joint by 40 deg in 1.3 s to one of 1/4 in"
@@ -105,20 +107,20 @@ LOSSES: Mapping[str, tuple[Unknown, ...]] = {
         losses("exponent", 1.0, 2.0, "what the law allows"),
     ),
 }
-"""What each kind of losses has to assume; `damping_time` comes with any of them."""
+"""Unknowns of each kind of losses; `damping_time` is one of all of them."""
 
 STARTS: Mapping[str, dict[str, Any]] = {
     "elasto-slip": {"deflections": ("0.3 deg", "2 deg", "12 deg"), "weights": (0.3, 0.3, 0.4)},
     "elasto-slip-spectrum": {"first": "0.3 deg", "last": "20 deg", "elements": 6},
     "bouc-wen": {"deflection": "3 deg"},
 }
-"""A description of each kind; what is sought takes the place of its numbers."""
+"""Initial description of each kind, whose numbers the unknowns replace."""
 
 
 def to_values(unknowns: Sequence[Unknown], shares: Array) -> Array:
-    """Return values in the unknowns' units from where they lie in their ranges, 0 to 1.
+    """Return values in the unknowns' units from their positions in their ranges (shares), 0 to 1.
 
-    Places are counted in factors, in a range that reaches below zero in differences.
+    The scale is logarithmic, in a range that reaches below zero linear.
     """
     low, high, linear = _ranges(unknowns)
     shares = np.clip(shares, 0.0, 1.0)
@@ -127,7 +129,7 @@ def to_values(unknowns: Sequence[Unknown], shares: Array) -> Array:
 
 
 def to_shares(unknowns: Sequence[Unknown], values: Array) -> Array:
-    """Return where values in the unknowns' units lie in their ranges."""
+    """Return the positions in their ranges (shares), 0 to 1, of values in the unknowns' units."""
     low, high, linear = _ranges(unknowns)
     values = np.clip(values, low, high)
     by_factor = np.log(np.where(linear, 1.0, values / low)) / np.log(np.where(linear, 2.0, high / low))
@@ -140,21 +142,21 @@ def _ranges(unknowns: Sequence[Unknown]) -> tuple[Array, Array, Array]:
 
 
 def by_path(unknowns: Sequence[Unknown], values: Array) -> dict[str, Any]:
-    """Return what stands at every path (SI), of one machine (unknowns,) or of many (machines, unknowns)."""
+    """Return the values (SI) by path, of one machine (unknowns,) or of many (machines, unknowns)."""
     found: dict[str, Any] = {}
     named: dict[str, Any] = {}
     for one, column in zip(unknowns, np.moveaxis(values, -1, 0), strict=True):
         named[one.name] = column * (named[one.times] if one.times else one.si)
         factors = one.factors or (1.0,) * len(one.paths)
         found |= {path: factor * named[one.name] for path, factor in zip(one.paths, factors, strict=True)}
-    return _weighed(found)
+    return _with_weights(found)
 
 
-def _weighed(found: dict[str, Any]) -> dict[str, Any]:
-    """Paths with weights of elements in place of how these split the loss."""
+def _with_weights(found: dict[str, Any]) -> dict[str, Any]:
+    """Return values with weights of elements in place of their splits of the loss."""
     plain = {path: value for path, value in found.items() if ".split." not in path}
     for losses in sorted({path.partition(".split.")[0] for path in found} - set(plain)):
-        weights = shares_of(np.stack([found[f"{losses}.split.{i}"] for i in range(2)], axis=-1))
+        weights = weights_from_split(np.stack([found[f"{losses}.split.{i}"] for i in range(2)], axis=-1))
         if weights.ndim == 1:
             plain[f"{losses}.weights"] = rounded_weights(weights)
         else:
@@ -162,40 +164,40 @@ def _weighed(found: dict[str, Any]) -> dict[str, Any]:
     return plain
 
 
-def known_to(machine: Machine, found: Mapping[str, Any]) -> dict[str, Any]:
-    """Return those paths that lie in a machine: not those of joints that it has not, or of another machine alone."""
-    others = tuple(f"joint.{name}." for name in BOTH if name not in machine.joint)
+def values_in(machine: Machine, found: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the values whose paths a machine has: not those of other joints, or of another machine alone."""
+    others = tuple(f"joint.{name}." for name in JOINT_NAMES if name not in machine.joint)
     own = {path.removeprefix(f"{machine.name}/"): value for path, value in found.items()}
     return {path: value for path, value in own.items() if "/" not in path and not (others and path.startswith(others))}
 
 
 def values_of(machine: Machine, unknowns: Sequence[Unknown]) -> Array:
     """Return the values that a machine has now, in the unknowns' units."""
-    named = {one.name: _now(machine, one.paths[0]) for one in unknowns}
+    named = {one.name: _present_value(machine, one.paths[0]) for one in unknowns}
     return np.array([named[one.name] / (named[one.times] if one.times else one.si) for one in unknowns])
 
 
-def _now(machine: Machine, path: str) -> float:
+def _present_value(machine: Machine, path: str) -> float:
     losses, _, place = path.rpartition("/")[2].partition(".split.")
     if place:
-        return float(split_of(np.array(value_at(machine, f"{losses}.weights")))[int(place)])
+        return float(split_from_weights(np.array(value_at(machine, f"{losses}.weights")))[int(place)])
     return float(value_at(machine, losses))
 
 
 def as_text(unknowns: Sequence[Unknown], values: Array) -> dict[str, Any]:
-    """Return what stands in a description for values of the unknowns (unknowns,), to three digits, by path."""
+    """Return the values of unknowns (unknowns,) as in a description, to three digits, by path."""
     units, found = _units(unknowns), by_path(unknowns, values)
     return {path: _text(value, units[path]) if path in units else list(value) for path, value in found.items()}
 
 
 def as_written(unknowns: Sequence[Unknown], values: Array) -> dict[str, Array]:
-    """Return what stands at every path (SI) of machines (machines, unknowns), to the digits of their descriptions."""
+    """Return the values (SI) of machines (machines, unknowns) by path, to the digits of their descriptions."""
     units, found = _units(unknowns), by_path(unknowns, values)
-    return found | {path: one.si * rounded(found[path] / one.si) for path, one in units.items() if path in found}
+    return found | {path: one.si * round_values(found[path] / one.si) for path, one in units.items() if path in found}
 
 
 def _units(unknowns: Sequence[Unknown]) -> dict[str, Unknown]:
-    """By path that whose unit its value has: a multiple has that of what it is a multiple of."""
+    """Return by path the unknown whose unit its value has: for a multiple, that of which it is one."""
     named = {one.name: one for one in unknowns}
     units: dict[str, Unknown] = {}
     for one in unknowns:
@@ -207,5 +209,5 @@ def _units(unknowns: Sequence[Unknown]) -> dict[str, Unknown]:
 
 
 def _text(value: float, unit: Unknown) -> str | float:
-    number = float(rounded(np.array(value / unit.si)))
+    number = float(round_values(np.array(value / unit.si)))
     return f"{number:g} {unit.unit}" if unit.unit else number

@@ -12,7 +12,7 @@ from layflat.files import write_text
 from layflat.machine import changed, load
 from layflat.machine.loader import BUILT_IN
 from layflat.sim.sweep import sweep
-from research.calibration.unknowns import BOTH
+from research.calibration.unknowns import JOINT_NAMES
 
 
 def loss_shares() -> dict[str, float]:
@@ -25,28 +25,28 @@ def loss_shares() -> dict[str, float]:
         return float(f"{brentq(off, 0.0, most, xtol=1e-4):.3g}")
 
     return {
-        "strap": share("rig-polyester", "joint.small.strap.loss_share", 0.21, 0.5),
+        "strap": share("rig-polyester", "joint.small.strap.loss_fraction", 0.21, 0.5),
         "shell": share("rig-shell-steel", "joint.small.cover.loss_factor", 0.08, 1.0),
     }
 
 
-def put_loss_shares(shares: Mapping[str, float]) -> None:
+def write_loss_shares(shares: Mapping[str, float]) -> None:
     """Write the loss shares into the descriptions of all machines that have such a strap or shell."""
-    put_into("earlier-actuator", {"joint.small.strap.loss_share": shares["strap"]})
-    put_into("rig-shell-steel", {"joint.small.cover.loss_factor": shares["shell"]})
-    put_into("paper-arm", {f"joint.{joint}.cover.loss_factor": shares["shell"] for joint in BOTH})
+    write_values("earlier-actuator", {"joint.small.strap.loss_fraction": shares["strap"]})
+    write_values("rig-shell-steel", {"joint.small.cover.loss_factor": shares["shell"]})
+    write_values("paper-arm", {f"joint.{joint}.cover.loss_factor": shares["shell"] for joint in JOINT_NAMES})
 
 
-def put_into(name: str, values: Mapping[str, Any]) -> None:
-    """Replace values by dotted path in the file of a built-in description, and leave all else as it stands."""
+def write_values(name: str, values: Mapping[str, Any]) -> None:
+    """Replace values by dotted path in the file of a built-in description, and leave all else unchanged."""
     with as_file(BUILT_IN / f"{name}.toml") as path:
         text = path.read_text(encoding="utf-8")
         for key, value in values.items():
-            text = replaced(text, key, value)
+            text = replace_value(text, key, value)
         write_text(path, text)
 
 
-def replaced(text: str, path: str, value: object) -> str:
+def replace_value(text: str, path: str, value: object) -> str:
     """Return a description with one value replaced, an item of a list by its index (KeyError: it is not calibrated)."""
     keys = path.split(".")
     index = int(keys.pop()) if keys[-1].isdigit() else None

@@ -1,9 +1,9 @@
-"""Find the machines that the paper allows: `python -m research.cloud --seed 1 --rounds 420 --out FILE`.
+"""Sample the machines that the paper's findings allow: `python -m research.cloud --seed 1 --rounds 420 --out FILE`.
 
-Machines begin near those that calibrations from anywhere find, and walk over all that is open, as far as the paper's
-findings let them. Those with which every claim agrees become members. Each start has a walk of its own, and as many
-members as the others, in turn: who walked together would end where the surest start lies. It takes an hour and a half
-on two cores; the same seed finds the same if the time of the calibrations suffices.
+Machines begin near the results of calibrations from random points, and move over all unknowns within the limits of the
+paper's findings. Those with which every claim agrees become members. Each start has a walk of its own, and the same
+number of members as the others: in a common walk all would end near the start with the least shortfall. It takes an
+hour and a half on two cores, and is reproducible if the time of the calibrations suffices.
 """
 
 import argparse
@@ -15,40 +15,40 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from layflat.arrays import Array
-from layflat.experiments.bench import bench
-from layflat.experiments.reproduction import disagreeing
-from layflat.experiments.spread import at_once, names_in
-from layflat.machine.cloud import PAPER
-from research.calibration.effort import ONCE, ROUGHLY_CLAIMED, SURE, Effort
+from layflat.experiments.bench import load_bench
+from layflat.experiments.reproduction import first_disagreement
+from layflat.experiments.spread import cloud_file_members, map_in_processes
+from layflat.machine.cloud import PAPER_CLOUD
+from research.calibration.effort import FINAL_EFFORT, ROUGH_CLAIM_EFFORT, SINGLE_EFFORT, EvaluationEffort
 from research.calibration.evidence import Evidence
 from research.calibration.findings import Findings
-from research.calibration.stages import calibrated
+from research.calibration.stages import calibrate_machines
 from research.cloud.made import write
-from research.cloud.open import ARM, BLOCKS, excluded, place, values
+from research.cloud.open import ARM, BLOCKS, excluded_values, place, values
 from research.cloud.pinned import effective
-from research.cloud.walk import Walk, begun
+from research.cloud.walk import Walk, start_walk
 
-SPREAD = 0.01  # of their shares at first
-LEVEL = 0.55  # what machines may lack in the end: the findings' margins included
-MEMBERS = 252  # that a cloud has at most, the same number from each start
+INITIAL_DEVIATION = 0.01  # of the machines' shares at the beginning of a walk
+MAX_SHORTFALL = 0.55  # of machines in the end, the findings' margins included
+MAX_MEMBERS = 252  # of a cloud, the same number from each start
 
-EFFORTS = ((ROUGHLY_CLAIMED, 256, 0.7), (ONCE, 128, 0.5), (SURE, 128, LEVEL))
-"""How closely machines are looked at one after the other, how many of them, and down to which level."""
+WALK_STAGES = ((ROUGH_CLAIM_EFFORT, 256, 0.7), (SINGLE_EFFORT, 128, 0.5), (FINAL_EFFORT, 128, MAX_SHORTFALL))
+"""Stages of a walk: effort, number of machines, and final level."""
 
-Efforts = Sequence[tuple[Effort, int, float]]
+Efforts = Sequence[tuple[EvaluationEffort, int, float]]
 
-KIND, MINUTES = "elasto-slip", 26.0  # of losses, and for each calibration
+LOSS_KIND, CALIBRATION_MINUTES = "elasto-slip", 26.0  # of losses, and for each calibration
 
 
 def starts(seed: int, count: int) -> Array:
-    """Return where machines lie that so many calibrations from anywhere find, (machines, unknowns).
+    """Return the shares of machines from so many calibrations that begin at random points, (machines, unknowns).
 
     Raises:
-        SystemExit: with none of them all claims agree.
+        SystemExit: no machine agrees with all claims.
     """
     found = []
     for number in range(count):
-        on, _, stages = calibrated(KIND, seed + number, MINUTES, anew=True)
+        on, _, stages = calibrate_machines(LOSS_KIND, seed + number, CALIBRATION_MINUTES, anew=True)
         if all(best.agrees for best in stages):
             found.append(place({"paper-arm": on.arm, "paper-small-joint": on.axis_one, "earlier-actuator": on.earlier}))
     if not found:
@@ -56,10 +56,16 @@ def starts(seed: int, count: int) -> Array:
     return np.stack(found)
 
 
-def walked(
-    findings: Findings, near: Array, *, seed: int, rounds: int, spread: float = SPREAD, efforts: Efforts = EFFORTS
+def walk_from(
+    findings: Findings,
+    near: Array,
+    *,
+    seed: int,
+    rounds: int,
+    spread: float = INITIAL_DEVIATION,
+    efforts: Efforts = WALK_STAGES,
 ) -> Iterator[tuple[Walk, bool]]:
-    """Walk from machines near these (machines, unknowns), spread by so much of their ranges, for so many rounds.
+    """Walk for a number of rounds from machines near given shares (machines, unknowns), with a standard deviation.
 
     Yields the walk, and whether it is at the last level.
     """
@@ -73,7 +79,7 @@ def walked(
 
     first = near[rng.integers(len(near), size=machines)]
     shares = np.clip(first + spread * rng.standard_normal(first.shape), 0.0, 1.0)
-    walk = begun(shares, 2, lacks, seed)
+    walk = start_walk(shares, 2, lacks, seed)
     while walk.rounds < rounds:
         walk.goes_on(BLOCKS, lacks, least)
         sys.stderr.write(
@@ -89,12 +95,12 @@ def walked(
 
 
 def agrees_with_all(where: str) -> bool:
-    """Tell whether every claim agrees with a member."""
-    return not disagreeing(bench(where))
+    """Return whether every claim agrees with a member."""
+    return not first_disagreement(load_bench(where))
 
 
-def checked(file: Path, walks: Sequence[Array], command: str, most: int) -> tuple[list[Array], int]:
-    """Return machines with which every claim agrees, so many at most, and how many were asked.
+def check_members(file: Path, walks: Sequence[Array], command: str, most: int) -> tuple[list[Array], int]:
+    """Return machines with which every claim agrees, at most so many, and the number of machines evaluated.
 
     Asked is where machines were on their walk, in any order, until there are enough; all of them are written into a
     file on the way.
@@ -103,7 +109,8 @@ def checked(file: Path, walks: Sequence[Array], command: str, most: int) -> tupl
     np.random.default_rng(len(places)).shuffle(places)
     write(file, places, command)
     found, asked = list[Array](), 0
-    for shares, agreeing in zip(places, at_once(agrees_with_all, names_in(file, len(places))), strict=True):
+    results = map_in_processes(agrees_with_all, cloud_file_members(file, len(places)))
+    for shares, agreeing in zip(places, results, strict=True):
         found, asked = [*found, shares] if agreeing else found, asked + 1
         sys.stderr.write(f"\r{len(found)} of {asked} machines agree with every claim, {len(places)} in all ")
         if len(found) == most:
@@ -113,27 +120,31 @@ def checked(file: Path, walks: Sequence[Array], command: str, most: int) -> tupl
 
 
 def main() -> None:
-    """Walk, check, write."""
+    """Sample machines, check them by all claims, and write the cloud."""
     asked = argparse.ArgumentParser(prog="python -m research.cloud", description=__doc__)
     asked.add_argument("--seed", type=int, default=1)
     asked.add_argument("--rounds", type=int, default=420, help="of steps")
     asked.add_argument("--starts", type=int, default=3, help="calibrations from anywhere, one seed after the other")
-    asked.add_argument("--out", type=Path, default=PAPER)
+    asked.add_argument("--out", type=Path, default=PAPER_CLOUD)
     given = asked.parse_args()
     command = f"python -m research.cloud --seed {given.seed} --rounds {given.rounds} --starts {given.starts}"
-    sys.stderr.writelines(f"{line}\n" for line in excluded())
+    sys.stderr.writelines(f"{line}\n" for line in excluded_values())
     found, tried, worth = list[list[Array]](), 0, 0.0
     begins = starts(given.seed, given.starts)
     for number, start in enumerate(begins):
-        walking = walked(Findings(Evidence(bench())), start[None], seed=given.seed + number, rounds=given.rounds)
+        walking = walk_from(
+            Findings(Evidence(load_bench())), start[None], seed=given.seed + number, rounds=given.rounds
+        )
         walks = [walk.shares.copy() for walk, last in walking if last]
         # Those of the first half may still remember where they began.
         later = walks[len(walks) // 2 :]
         if not later:
-            sys.stderr.write(f"{given.rounds} rounds are too few for a start: no machine lacks {LEVEL:g} or less\n")
+            sys.stderr.write(
+                f"{given.rounds} rounds are too few for a start: no machine lacks {MAX_SHORTFALL:g} or less\n"
+            )
             continue
         with TemporaryDirectory() as folder:
-            agreeing, count = checked(Path(folder) / given.out.name, later, command, MEMBERS // len(begins))
+            agreeing, count = check_members(Path(folder) / given.out.name, later, command, MAX_MEMBERS // len(begins))
         found, tried, worth = [*found, agreeing], tried + count, worth + effective(later)
     members = [machine for each in zip(*filter(None, found), strict=False) for machine in each]
     if not members:

@@ -1,7 +1,7 @@
-"""Does the cloud predict what it was not told? `python -m research.cloud.held_out --out FILE`.
+"""Cross-validation of the cloud on left-out findings: `python -m research.cloud.held_out --out FILE`.
 
-One finding at a time is left out: members walk on as far as the others let them, and of some of the machines to which
-they come the claims of the one left out are evaluated. Prints a table in Markdown.
+One finding at a time is left out: members move on within the limits of the others, and the claims of the left-out
+finding are evaluated with some of the machines. Prints a table in Markdown.
 """
 
 import argparse
@@ -14,21 +14,21 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
-from layflat.experiments.bench import bench
-from layflat.experiments.report import number
-from layflat.experiments.spread import Spread, names_in, over, spreads
+from layflat.experiments.bench import load_bench
+from layflat.experiments.report import format_number
+from layflat.experiments.spread import QuantityRange, cloud_file_members, evaluate_machines, quantity_ranges
 from layflat.files import write_text
-from layflat.machine.cloud import PAPER
+from layflat.machine.cloud import PAPER_CLOUD
 from research.calibration.evidence import Evidence
 from research.calibration.findings import Findings
-from research.cloud.__main__ import EFFORTS, walked
+from research.cloud.__main__ import WALK_STAGES, walk_from
 from research.cloud.made import write
 from research.cloud.pinned import shares_of
 
 
 @dataclass(frozen=True)
 class Finding:
-    """A finding that is left out."""
+    """Finding that is left out."""
 
     says: str
     claim: str  # by its id
@@ -61,30 +61,30 @@ FINDINGS = (
 )
 
 
-def predicted(finding: Finding, *, seed: int, rounds: int, count: int) -> list[Spread]:
-    """Return what the cloud made from the other findings says of one."""
-    findings = Findings(Evidence(bench()), frozenset(finding.shortfalls))
-    *_, (walk, _) = walked(findings, shares_of(), seed=seed, rounds=rounds, spread=0.0, efforts=EFFORTS[1:2])
+def predict_finding(finding: Finding, *, seed: int, rounds: int, count: int) -> list[QuantityRange]:
+    """Return the ranges of a finding's numbers over a cloud sampled from the other findings."""
+    findings = Findings(Evidence(load_bench()), frozenset(finding.shortfalls))
+    *_, (walk, _) = walk_from(findings, shares_of(), seed=seed, rounds=rounds, spread=0.0, efforts=WALK_STAGES[1:2])
     some = walk.shares[np.random.default_rng(seed).permutation(len(walk.shares))[:count]]
     with TemporaryDirectory() as folder:
         file = Path(folder) / "held-out.cloud.json"
         write(file, list(some), "")
-        claims = list(over(names_in(file, count)))
+        claims = list(evaluate_machines(cloud_file_members(file, count)))
     own = [[one for one in every if one.id == finding.claim] for every in claims]
-    return [one for one in spreads(own) if one.quantity.startswith(finding.quantities)]
+    return [one for one in quantity_ranges(own) if one.quantity.startswith(finding.quantities)]
 
 
-def told(says: str, found: Sequence[Spread]) -> list[str]:
-    """Rows in Markdown."""
+def markdown_rows(says: str, found: Sequence[QuantityRange]) -> list[str]:
+    """Return table rows in Markdown."""
     return [
-        f"| {'' if i else says} | {one.quantity} | {number(one.low)} to {number(one.high)} "
+        f"| {'' if i else says} | {one.quantity} | {format_number(one.low)} to {format_number(one.high)} "
         f"{one.unit.removeprefix('1')} | {one.agreeing:.0%} |"
         for i, one in enumerate(found)
     ]
 
 
 def main() -> None:
-    """Leave out each, tell, write."""
+    """Leave out each finding in turn, report, and write the results."""
     asked = argparse.ArgumentParser(prog="python -m research.cloud.held_out", description=__doc__)
     asked.add_argument("--seed", type=int, default=1)
     asked.add_argument("--rounds", type=int, default=40, help="of the walk without each finding")
@@ -94,12 +94,12 @@ def main() -> None:
     rows = ["| finding left out | quantity | predicted, 5 to 95 % | claim agrees with |", "|---|---|---|---|"]
     everything = {}
     for finding in FINDINGS:
-        found = predicted(finding, seed=given.seed, rounds=given.rounds, count=given.count)
+        found = predict_finding(finding, seed=given.seed, rounds=given.rounds, count=given.count)
         everything[finding.says] = [asdict(one) for one in found]
-        rows += told(finding.says, found)
-        sys.stderr.write("\n".join(told(finding.says, found)) + "\n")
+        rows += markdown_rows(finding.says, found)
+        sys.stderr.write("\n".join(markdown_rows(finding.says, found)) + "\n")
     given.out.parent.mkdir(parents=True, exist_ok=True)
-    write_text(given.out, json.dumps({"cloud": PAPER.name, "predicted": everything}, indent=1) + "\n")
+    write_text(given.out, json.dumps({"cloud": PAPER_CLOUD.name, "predicted": everything}, indent=1) + "\n")
     sys.stdout.write("\n".join(rows) + "\n")
 
 

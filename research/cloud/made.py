@@ -1,4 +1,4 @@
-"""A cloud's file: members by the values that a description says of them."""
+"""Writing of a cloud's file: its members by their values in descriptions."""
 
 import json
 from collections.abc import Mapping, Sequence
@@ -8,12 +8,19 @@ from typing import Any
 from layflat._version import __version__
 from layflat.arrays import Array
 from layflat.files import write_text
-from layflat.machine.loader import MACHINES
+from layflat.machine.loader import MACHINE_LIBRARY
 from research.cloud.open import NAMES, texts
 
 
 def write(path: Path, members: Sequence[Array], command: str, **notes: float) -> None:
-    """Write the file of a cloud: its members (unknowns,), the command that makes it, and numbers about how."""
+    """Write the file of a cloud.
+
+    Args:
+        path: of the file.
+        members: shares of each member, (unknowns,).
+        command: that reproduces the file.
+        **notes: further numbers in the file.
+    """
     said = [_numbers(texts(one)) for one in members]
     table = _grouped(said)
     raw = {
@@ -23,10 +30,10 @@ def write(path: Path, members: Sequence[Array], command: str, **notes: float) ->
         "columns": [
             {"machine": of, "paths": paths, **({"unit": unit} if unit else {})} for of, paths, unit, _ in table
         ],
-        "bases": {name: MACHINES.layers(name)[-1].plain for name in NAMES},
+        "bases": {name: MACHINE_LIBRARY.layers(name)[-1].plain for name in NAMES},
         "members": [list(one) for one in zip(*(numbers for *_, numbers in table), strict=True)],
     }
-    # A line a member, so that a change of one is a line's change.
+    # One line for each member, so that a change of one is a change of one line.
     head, name, rows = json.dumps(raw).rpartition('"members": ')
     write_text(path, head + name + rows.replace("], [", "],\n[") + "\n")
 
@@ -49,7 +56,7 @@ def _numbers(said: Mapping[str, Mapping[str, Any]]) -> Numbers:
 
 
 def _grouped(said: Sequence[Numbers]) -> list[tuple[str, list[str], str, list[float]]]:
-    """Columns: machine, paths that say the same in every member, unit and numbers."""
+    """Return columns: machine, paths with equal values in every member, unit and numbers."""
     found: dict[tuple[Any, ...], tuple[str, list[str], str, list[float]]] = {}
     for name, path in said[0]:
         numbers, unit = [one[name, path][0] for one in said], said[0][name, path][1]

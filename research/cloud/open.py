@@ -1,4 +1,4 @@
-"""All that the paper leaves open of its machines: what is calibrated, and what is assumed with wider ranges yet.
+"""Unknowns of the cloud: all values that the paper leaves open, calibrated ones and assumed ones of wider ranges.
 
 What a value may be at most is told by its range and why; factors between joints are those of the assumed values.
 """
@@ -14,9 +14,9 @@ from layflat.arrays import Array
 from layflat.machine import Machine, load
 from research.calibration.unknowns import (
     AIR,
-    BOTH,
     DAMPING,
     DEG,
+    JOINT_NAMES,
     LOSSES,
     Unknown,
     as_text,
@@ -29,13 +29,17 @@ from research.calibration.unknowns import (
 from research.cloud.walk import Block
 
 
-def both(key: str, low: float, high: float, why: str, unit: str = "", si: float = 1.0, small: float = 1.0) -> Unknown:
-    """Return a value that is the same guess for both joints, but for a factor of the small one."""
-    return Unknown(key, low, high, why, unit, si, tuple(f"joint.{joint}.{key}" for joint in BOTH), factors=(1.0, small))
+def per_joint(
+    key: str, low: float, high: float, why: str, unit: str = "", si: float = 1.0, small: float = 1.0
+) -> Unknown:
+    """Return an unknown of both joints, with a factor of the small one."""
+    return Unknown(
+        key, low, high, why, unit, si, tuple(f"joint.{joint}.{key}" for joint in JOINT_NAMES), factors=(1.0, small)
+    )
 
 
 def plain(path: str, low: float, high: float, why: str, unit: str = "", si: float = 1.0) -> Unknown:
-    """Return a value of the machine as a whole."""
+    """Return an unknown of the machine as a whole."""
     return Unknown(path, low, high, why, unit, si, (path,))
 
 
@@ -59,19 +63,19 @@ ASSUMED = (
         1e5,
     ),
     plain("arm.elbow", 60.0, 120.0, "the paper does not give it", "deg", DEG),
-    both("hose.compliance", 0.8, 5.0, "woven hose hardly stretches", "ml/bar", 1e-11, small=0.35),
-    both("hose.wall_conductance", 0.3, 3.0, "from dry to wet walls", "W/K", small=0.42),
-    both("losses.pressure_free", 0.05, 0.5, "the share falls with pressure, how far is not said"),
-    both("brake.viscous", 0.02, 0.15, "plain bearings to sealed ones", "N m s/rad", small=0.4),
-    both("link.rotor_inertia", 0.002, 0.008, "two cams, shaft and brake disk", "kg m^2", small=0.25),
+    per_joint("hose.compliance", 0.8, 5.0, "woven hose hardly stretches", "ml/bar", 1e-11, small=0.35),
+    per_joint("hose.wall_conductance", 0.3, 3.0, "from dry to wet walls", "W/K", small=0.42),
+    per_joint("losses.pressure_free", 0.05, 0.5, "the share falls with pressure, how far is not said"),
+    per_joint("brake.viscous", 0.02, 0.15, "plain bearings to sealed ones", "N m s/rad", small=0.4),
+    per_joint("link.rotor_inertia", 0.002, 0.008, "two cams, shaft and brake disk", "kg m^2", small=0.25),
 )
 SHELL = Unknown(
     "shell", 0.54, 0.64, "8 % at 3 bar, read to half a percent",
-    paths=tuple(f"paper-arm/joint.{joint}.cover.loss_factor" for joint in BOTH),
+    paths=tuple(f"paper-arm/joint.{joint}.cover.loss_factor" for joint in JOINT_NAMES),
 )  # fmt: skip
 WEBBING = Unknown(
     "webbing", 0.06, 0.078, "21 % at 3 bar, read to one percent",
-    paths=("earlier-actuator/joint.small.strap.loss_share",),
+    paths=("earlier-actuator/joint.small.strap.loss_fraction",),
 )  # fmt: skip
 
 
@@ -80,12 +84,12 @@ ALONE, ARM = 0, 1  # parts of the evidence: what joints do alone, and what the a
 
 @dataclass(frozen=True)
 class Group:
-    """Values that walk together: over whose description they are laid, and which evidence depends on them."""
+    """Group of unknowns: the machine whose description they change, and the evidence that depends on them."""
 
     machine: str
     unknowns: tuple[Unknown, ...]
-    parts: tuple[int, ...]  # those first that refuse most for little
-    often: float  # how often they walk: as they are many, and slow to find their way
+    parts: tuple[int, ...]  # of the evidence, those first that reject most at the least cost
+    often: float  # relative frequency of their steps: higher for more unknowns
 
 
 GROUPS = (
@@ -115,7 +119,7 @@ def values(shares: Array, part: int) -> dict[str, Array]:
 
 
 def texts(shares: Array) -> dict[str, dict[str, Any]]:
-    """Return what a member (unknowns,) says over each description, by machine and path."""
+    """Return the changed values of a member (unknowns,) as in a description, by machine and path."""
     found: dict[str, dict[str, Any]] = {}
     for group, block in zip(GROUPS, BLOCKS, strict=True):
         said = as_text(group.unknowns, to_values(group.unknowns, shares[block.columns]))
@@ -124,8 +128,8 @@ def texts(shares: Array) -> dict[str, dict[str, Any]]:
     return found
 
 
-def excluded(groups: Sequence[Group] = GROUPS) -> list[str]:
-    """Return a line for each value of the built-in machines that its range leaves out."""
+def excluded_values(groups: Sequence[Group] = GROUPS) -> list[str]:
+    """Return a line for each value of the built-in machines that is outside its range."""
     lines = []
     for group in groups:
         for one, value in zip(group.unknowns, values_of(load(group.machine), group.unknowns), strict=True):
@@ -137,11 +141,11 @@ def excluded(groups: Sequence[Group] = GROUPS) -> list[str]:
 
 
 def place(machines: Mapping[str, Machine]) -> Array:
-    """Return where machines by their name lie, (unknowns,): at the nearest end of a range that leaves one out."""
+    """Return the shares of machines by their names, (unknowns,), cut to the ranges."""
     parts = [to_shares(group.unknowns, values_of(machines[group.machine], group.unknowns)) for group in GROUPS]
     return np.concatenate(parts)
 
 
-def built_in() -> Array:
-    """Shares of the built-in machines, (unknowns,)."""
+def built_in_shares() -> Array:
+    """Return the shares of the built-in machines, (unknowns,)."""
     return place({name: load(name) for name in NAMES})

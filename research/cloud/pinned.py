@@ -1,4 +1,4 @@
-"""What the paper pins down and what not: `python -m research.cloud.pinned --out docs/cloud.png`.
+"""Identifiability of the unknowns from the paper's findings: `python -m research.cloud.pinned --out docs/cloud.png`.
 
 Prints a table in Markdown, of each value that is open its range and what the members of the cloud have, and draws it.
 """
@@ -16,14 +16,17 @@ from scipy.stats import spearmanr
 
 from layflat.arrays import Array
 from layflat.machine import load
-from layflat.machine.cloud import PAPER
-from layflat.machine.exchanged import members
-from layflat.plot.style import LINES, QUIET, figure, save
+from layflat.machine.cloud import PAPER_CLOUD
+from layflat.machine.exchanged import member_names
+from layflat.plot.style import GUIDE_STYLE, SERIES_STYLES, save_figure, styled_figure
 from research.calibration.unknowns import Unknown, to_shares, to_values, values_of
-from research.cloud.open import GROUPS, built_in
+from research.cloud.open import GROUPS, built_in_shares
 
-ENDS, EVEN = (5.0, 95.0), 0.9  # percentiles, and the share of its range between them of what nothing pins down
-STRONG = 0.4  # rank correlation from which two values trade off
+RANGE_PERCENTILES, UNIFORM_RANGE = (
+    (5.0, 95.0),
+    0.9,
+)  # percentiles, and the share of its range between them of what nothing pins down
+STRONG_CORRELATION = 0.4  # rank correlation from which two values trade off
 
 
 @dataclass(frozen=True)
@@ -40,26 +43,26 @@ class Pinned:
 
     @property
     def covered(self) -> float:
-        """Share of its range that is left, 1 of what nothing pins down."""
-        return min((self.high - self.low) / EVEN, 1.0)
+        """Remaining fraction of its range, 1 where nothing constrains it."""
+        return min((self.high - self.low) / UNIFORM_RANGE, 1.0)
 
     def value(self, place: float) -> float:
-        """Value at a place of its range, in its unit."""
+        """Return the value at a position in its range, in its unit."""
         return float(to_values([self.unknown], np.array([place]))[0])
 
 
-def shares_of(path: Path = PAPER) -> Array:
-    """Return where the members of a cloud lie in their ranges, (members, unknowns)."""
-    numbers = range(len(members("paper-arm", path)))
+def shares_of(path: Path = PAPER_CLOUD) -> Array:
+    """Return the positions of a cloud's members in the unknowns' ranges, (members, unknowns)."""
+    numbers = range(len(member_names("paper-arm", path)))
     parts = []
     for group in GROUPS:
-        names = [members(group.machine, path)[number] for number in numbers]
+        names = [member_names(group.machine, path)[number] for number in numbers]
         parts.append([to_shares(group.unknowns, values_of(load(name), group.unknowns)) for name in names])
     return np.concatenate(parts, axis=1)
 
 
-def starts_of(path: Path = PAPER) -> int:
-    """Return from how many starts members of a cloud come, in turn."""
+def starts_of(path: Path = PAPER_CLOUD) -> int:
+    """Return the number of starts from which a cloud's members come, alternately."""
     return int(json.loads(path.read_text(encoding="utf-8"))["notes"]["starts"])
 
 
@@ -69,21 +72,21 @@ def pinned(shares: Array, starts: int) -> list[Pinned]:
     What trades off with what is judged among those of one start: those of different ones differ in all at once.
     """
     walks = [shares[start::starts] for start in range(starts)]
-    own, correlation = built_in(), np.mean([spearmanr(walk).statistic for walk in walks], axis=0)
+    own, correlation = built_in_shares(), np.mean([spearmanr(walk).statistic for walk in walks], axis=0)
     unknowns = [(one, group.machine) for group in GROUPS for one in group.unknowns]
-    low, median, high = np.percentile(shares, [ENDS[0], 50.0, ENDS[1]], axis=0)
+    low, median, high = np.percentile(shares, [RANGE_PERCENTILES[0], 50.0, RANGE_PERCENTILES[1]], axis=0)
     np.fill_diagonal(correlation, 0.0)
     found = []
     for i, (one, machine) in enumerate(unknowns):
         other = int(np.nanargmax(np.abs(correlation[i])))
         how = f"{unknowns[other][0].name} ({correlation[i, other]:+.1f})"
-        trades = how if abs(correlation[i, other]) >= STRONG else ""
+        trades = how if abs(correlation[i, other]) >= STRONG_CORRELATION else ""
         found.append(Pinned(one, machine, own[i], low[i], median[i], high[i], trades))
     return found
 
 
 def table(found: Sequence[Pinned]) -> str:
-    """Return the table in Markdown, what is pinned down most first."""
+    """Return the table in Markdown, the most constrained unknowns first."""
     rows = [
         "| value | range | members, 5 to 95 % | built in | left of the range | trades off with |",
         "|---|---|---|---|---|---|",
@@ -101,13 +104,15 @@ def table(found: Sequence[Pinned]) -> str:
 
 
 def draw(found: Sequence[Pinned]) -> Figure:
-    """Draw for every value where in its range the members lie."""
+    """Draw the distribution of the members in the range of every unknown."""
     rows = sorted(found, key=lambda row: -row.covered)
-    with figure(height=0.17 * len(rows) + 0.8, width=7.2, beside=1.6) as (made, (axes,)):
+    with styled_figure(height=0.17 * len(rows) + 0.8, width=7.2, beside=1.6) as (made, (axes,)):
         for at, one in enumerate(rows):
-            axes.plot([0.0, 1.0], [at, at], **QUIET)
-            axes.plot([one.low, one.high], [at, at], linewidth=4.0, color=LINES[0]["color"], solid_capstyle="butt")
-            axes.plot(one.own, at, "o", markersize=4.5, color=LINES[1]["color"], markeredgecolor="white")
+            axes.plot([0.0, 1.0], [at, at], **GUIDE_STYLE)
+            axes.plot(
+                [one.low, one.high], [at, at], linewidth=4.0, color=SERIES_STYLES[0]["color"], solid_capstyle="butt"
+            )
+            axes.plot(one.own, at, "o", markersize=4.5, color=SERIES_STYLES[1]["color"], markeredgecolor="white")
         names = [one.unknown.name + (", axis one" if one.machine == "paper-small-joint" else "") for one in rows]
         axes.set_yticks(range(len(rows)), names, fontsize=7.5)
         axes.set_ylim(-0.7, len(rows) - 0.3)
@@ -140,14 +145,14 @@ def effective(walks: Sequence[Array]) -> float:
 
 
 def main() -> None:
-    """Print and draw."""
+    """Print the table, and draw the figure."""
     asked = argparse.ArgumentParser(prog="python -m research.cloud.pinned", description=__doc__)
-    asked.add_argument("--cloud", type=Path, default=PAPER)
+    asked.add_argument("--cloud", type=Path, default=PAPER_CLOUD)
     asked.add_argument("--out", type=Path, default=Path("docs/cloud.png"))
     given = asked.parse_args()
     found = pinned(shares_of(given.cloud), starts_of(given.cloud))
     sys.stdout.write(table(found) + "\n")
-    save(draw(found), given.out)
+    save_figure(draw(found), given.out)
 
 
 if __name__ == "__main__":

@@ -1,12 +1,12 @@
-"""Machines that walk together to where little is lacked, and over all of the region where that holds.
+"""Sampling of the machines with a small shortfall: a population that moves by differential evolution.
 
-Half of the machines at a time step along the difference of two of the other half, in some of the values of a block:
-differential evolution (key terbraak2006, key vrugt2009). Or they change one to three values by themselves, so that what
-they have in common by descent alone is lost. A step is taken if what is lacked afterwards is below a level: so machines
-come to lie evenly over the region that a level leaves or, where looks have other noise each time, as often as they
-pass. The level falls as machines get there, and those above it go on from places of others (key delmoral2012). Since a
-step is refused as soon as a part of what it lacks is too much, most steps cost little: that is what libraries for
-sampling do not offer.
+Half of the machines at a time step along the difference of two of the other half, in some of the values of a block
+(key terbraak2006, key vrugt2009). Or they change one to three values independently, which removes correlations by
+common descent. A step is accepted if the shortfall after it is below a level, so that machines are distributed
+uniformly over the region below the level or, where every evaluation has other noise, in proportion to the probability
+of passing. The level falls with the machines' shortfalls, and those above it are replaced by copies of others (key
+delmoral2012). Since a step is rejected as soon as a part of its shortfall is too large, most steps cost little:
+libraries for sampling do not offer that.
 """
 
 from collections.abc import Callable, Sequence
@@ -17,15 +17,17 @@ from numpy.typing import NDArray
 
 from layflat.arrays import Array
 
-KEPT = 0.65  # share of the machines that a new level leaves where they are
-FEWEST, MOST = 3, 12  # rounds of steps at a level
-TAKEN = 1.0  # steps that a machine takes at a level if there are rounds enough
-LEAPS, LEAP = 0.1, 1.0  # share of steps as long as a difference: from one region to another
-SPARSE = (0.1, 0.3, 1.0)  # shares of a block's values that a step changes
-ALONE, WIDTHS, FEW = 0.5, (0.01, 0.5), 3  # share of steps that change few values by themselves, how far and how many
-APART_WALKS, APART_ROUNDS = 100_003 * 10_007, 10_007  # seeds of the noise from walk to walk, and from round to round
-APART = 1e-3  # deviation by which steps differ that would be the same
-SCALE, SHORT = 2.38 / np.sqrt(2.0), 0.2  # of a step, over the root of how many values it changes; and shorter ones
+KEPT_FRACTION = 0.65  # of the machines that are below a new level
+MIN_ROUNDS, MAX_ROUNDS = 3, 12  # of steps at a level
+TARGET_STEPS = 1.0  # mean number of accepted steps of a machine at a level
+LEAP_FRACTION, LEAP_LENGTH = 0.1, 1.0  # of steps between separate regions: fraction, length over the difference
+CHANGED_FRACTIONS = (0.1, 0.3, 1.0)  # of a block's values that a step changes
+INDEPENDENT_FRACTION = 0.5  # of steps that change few values independently
+INDEPENDENT_WIDTHS, INDEPENDENT_COUNT = (0.01, 0.5), 3  # range of their standard deviations, and most values
+WALK_SEED_STRIDE, ROUND_SEED_STRIDE = 100_003 * 10_007, 10_007  # of the noise, between walks and between rounds
+STEP_DEVIATION = 1e-3  # of noise that is added to steps
+STEP_SCALE = 2.38 / np.sqrt(2.0)  # of a step, over the root of the number of changed values
+SHORT_STEP_FACTOR = 0.2  # least factor of a random shortening
 
 Indices = NDArray[np.int64]
 Lacks = Callable[[Array, int, int, Array], Array]
@@ -35,23 +37,23 @@ lacked, (machines,); of what is above its level, a part."""
 
 @dataclass(frozen=True)
 class Block:
-    """Unknowns that walk together."""
+    """Block of unknowns that are changed together."""
 
     columns: slice  # in the shares
     parts: tuple[int, ...]  # of the evidence, that depend on them
-    often: float = 1.0  # how often they walk, beside the others
+    often: float = 1.0  # relative frequency of its steps
 
 
 @dataclass
 class Walk:
-    """Machines on their way."""
+    """Population of machines that samples the region below a level."""
 
     shares: Array  # (machines, unknowns), 0 to 1
     lacking: Array  # (machines, parts of the evidence)
     seed: int
     level: float = np.inf
     rounds: int = 0
-    taken: float = 0.3  # share of the steps at the last level
+    taken: float = 0.3  # accepted fraction of the steps at the last level
     rng: np.random.Generator = field(init=False)
 
     def __post_init__(self) -> None:
@@ -59,36 +61,36 @@ class Walk:
 
     @property
     def machines(self) -> int:
-        """How many."""
+        """Number of machines."""
         return len(self.shares)
 
     @property
     def costs(self) -> Array:
-        """What each machine lacks in all, (machines,)."""
+        """Total shortfall of each machine, (machines,)."""
         return np.asarray(self.lacking.sum(axis=1))
 
     def look_again(self, lacks: Lacks) -> None:
-        """Forget what was lacked: machines are looked at with other noise, or more closely."""
+        """Evaluate all machines anew, with other noise or a greater effort."""
         self.level, self.rounds = np.inf, self.rounds + 1
         for part in range(self.lacking.shape[1]):
             self.lacking[:, part] = lacks(self.shares, part, self._noise, np.full(self.machines, np.inf))
 
     def keep(self, count: int) -> None:
-        """Go on with those that lack least."""
+        """Continue with the machines of the least shortfall."""
         best = np.argsort(self.costs, kind="stable")[:count]
         self.shares, self.lacking = self.shares[best], self.lacking[best]
 
     def goes_on(self, blocks: Sequence[Block], lacks: Lacks, least: float) -> None:
-        """Let the level fall, but not below `least`, and let all machines walk at it."""
-        fallen, less = float(np.quantile(self.costs, KEPT)), self.costs[self.costs < self.level]
+        """Lower the level, not below `least`, and move all machines at it."""
+        fallen, less = float(np.quantile(self.costs, KEPT_FRACTION)), self.costs[self.costs < self.level]
         if fallen >= self.level and len(less):
-            fallen = float(less.max())  # places that many machines share would hold it up for ever
+            fallen = float(less.max())  # copies of one machine would keep the level constant for ever
         self.level = max(least, min(self.level, fallen))
         below, above = (np.flatnonzero(which) for which in (self.costs <= self.level, self.costs > self.level))
         places = self.rng.choice(below, size=len(above))
         self.shares[above], self.lacking[above] = self.shares[places], self.lacking[places]
         often, taken = np.array([block.often for block in blocks]), list[float]()
-        for _ in range(int(np.clip(TAKEN / max(self.taken, 1e-3), FEWEST, MOST))):
+        for _ in range(int(np.clip(TARGET_STEPS / max(self.taken, 1e-3), MIN_ROUNDS, MAX_ROUNDS))):
             self.rounds += 1
             block = blocks[self.rng.choice(len(blocks), p=often / often.sum())]
             order = self.rng.permutation(self.machines)
@@ -98,13 +100,13 @@ class Walk:
 
     @property
     def _noise(self) -> int:
-        return self.seed * APART_WALKS + self.rounds * APART_ROUNDS
+        return self.seed * WALK_SEED_STRIDE + self.rounds * ROUND_SEED_STRIDE
 
     def _step(self, block: Block, lacks: Lacks, moving: Indices, others: Indices) -> float:
-        """Let some machines step along differences of others; returns the share of steps that are taken."""
+        """Propose and accept or reject steps of some machines; return the accepted fraction."""
         tried, lacking = self.shares[moving], self.lacking[moving]
         tried[:, block.columns] += self._way(tried[:, block.columns].shape, block, others)
-        tried = np.abs((tried + 1.0) % 2.0 - 1.0)  # what steps over a bound comes back
+        tried = np.abs((tried + 1.0) % 2.0 - 1.0)  # reflected at the bounds
         lacking[:, block.parts] = 0.0
         left = np.arange(len(moving))
         for part in block.parts:
@@ -117,32 +119,32 @@ class Walk:
         return len(left) / len(moving)
 
     def _way(self, shape: tuple[int, ...], block: Block, others: Indices) -> Array:
-        """Steps, (machines, values of the block)."""
+        """Return proposed steps, (machines, values of the block)."""
         along = self._along(shape, block, others)
-        return np.where(self.rng.random(len(along))[:, None] < ALONE, self._alone(shape), along)
+        return np.where(self.rng.random(len(along))[:, None] < INDEPENDENT_FRACTION, self._alone(shape), along)
 
     def _alone(self, shape: tuple[int, ...]) -> Array:
-        """Change few values by themselves: what machines have in common by descent alone is lost so."""
+        """Return steps that change few values independently."""
         many, count = shape
-        least, most = np.log(WIDTHS)
+        least, most = np.log(INDEPENDENT_WIDTHS)
         width = np.exp(self.rng.uniform(least, most, many))
         places = self.rng.random(shape).argsort(axis=1)
-        changed = places < np.minimum(self.rng.integers(1, FEW + 1, many), count)[:, None]
+        changed = places < np.minimum(self.rng.integers(1, INDEPENDENT_COUNT + 1, many), count)[:, None]
         return np.asarray(changed * width[:, None] * self.rng.standard_normal(shape))
 
     def _along(self, shape: tuple[int, ...], block: Block, others: Indices) -> Array:
-        """Step along differences of others."""
+        """Return steps along differences of other machines."""
         many, count = shape
         first, second = (self.shares[self.rng.choice(others, size=many)][:, block.columns] for _ in range(2))
-        changed = self.rng.random(shape) < self.rng.choice(SPARSE, size=many)[:, None]
+        changed = self.rng.random(shape) < self.rng.choice(CHANGED_FRACTIONS, size=many)[:, None]
         changed[np.arange(many), self.rng.integers(count, size=many)] = True
-        length = SCALE / np.sqrt(changed.sum(axis=1)) * self.rng.uniform(SHORT, 1.0, many)
-        length = np.where(self.rng.random(many) < LEAPS, LEAP, length)[:, None]
-        return np.asarray(changed * (length * (first - second) + APART * self.rng.standard_normal(shape)))
+        length = STEP_SCALE / np.sqrt(changed.sum(axis=1)) * self.rng.uniform(SHORT_STEP_FACTOR, 1.0, many)
+        length = np.where(self.rng.random(many) < LEAP_FRACTION, LEAP_LENGTH, length)[:, None]
+        return np.asarray(changed * (length * (first - second) + STEP_DEVIATION * self.rng.standard_normal(shape)))
 
 
-def begun(shares: Array, parts: int, lacks: Lacks, seed: int) -> Walk:
-    """Return a walk from these places."""
+def start_walk(shares: Array, parts: int, lacks: Lacks, seed: int) -> Walk:
+    """Return a walk from machines' shares, with their shortfalls evaluated."""
     walk = Walk(shares.copy(), np.zeros((len(shares), parts)), seed)
     walk.look_again(lacks)
     return walk

@@ -3,30 +3,43 @@
 The names below are loaded when they are first used, so that importing layflat costs nothing.
 """
 
-from importlib import import_module
-from typing import Any
-
 from layflat._version import __version__ as __version__
+from layflat.lazy import lazy_getattr
 
-_HOMES = {
-    "Machine": "layflat.machine",
-    "Scenario": "layflat.sim",
-    "changed": "layflat.machine",
-    "design_joint": "layflat.design",
-    "ensemble": "layflat.sim.ensemble",
-    "load": "layflat.machine",
-    "names": "layflat.machine",
-    "rollout": "layflat.sim",
-    "size_joint": "layflat.design",
+_PUBLIC_NAMES = {
+    "DesignError": "layflat.errors:DesignError",
+    "DivergedError": "layflat.errors:DivergedError",
+    "InputError": "layflat.errors:InputError",
+    "LayflatError": "layflat.errors:LayflatError",
+    "Machine": "layflat.machine:Machine",
+    "MachineError": "layflat.errors:MachineError",
+    "MissingExtraError": "layflat.errors:MissingExtraError",
+    "OutputError": "layflat.errors:OutputError",
+    "Scenario": "layflat.sim:Scenario",
+    "SizingRequest": "layflat.design:SizingRequest",
+    "changed": "layflat.machine:changed",
+    "design_joint": "layflat.design:design_joint",
+    "ensemble": "layflat.sim.ensemble:ensemble",
+    "identify": "layflat.identify",
+    "inverse_kinematics": "layflat.motion:inverse_kinematics",
+    "load": "layflat.machine:load",
+    "metrics": "layflat.sim.run_metrics:metrics",
+    "names": "layflat.machine:names",
+    "open_run": "layflat.sim:open_run",
+    "plan_motion": "layflat.motion:plan_motion",
+    "plot": "layflat.plot",
+    "read_log": "layflat.identify.logs:read_log",
+    "reproduce": "layflat.experiments:reproduce",
+    "rollout": "layflat.sim:rollout",
+    "save": "layflat.sim:save",
+    "size_arm": "layflat.design.arm:size_arm",
+    "size_joint": "layflat.design:size_joint",
+    "tune": "layflat.tune",
+    "units": "layflat.description.units",
 }
 
-__all__ = ["Machine", "Scenario", "changed", "design_joint", "ensemble", "load", "names", "rollout", "size_joint"]
-
-
-def __getattr__(name: str) -> Any:
-    if name not in _HOMES:
-        raise AttributeError(f"module 'layflat' has no attribute {name!r}; it offers {', '.join(__all__)}")
-    return getattr(import_module(_HOMES[name]), name)
+__all__ = list(_PUBLIC_NAMES)
+__getattr__ = lazy_getattr(__name__, _PUBLIC_NAMES)
 
 
 def __dir__() -> list[str]:

@@ -1,12 +1,32 @@
+from layflat import identify as identify
+from layflat import plot as plot
+from layflat import tune as tune
 from layflat._version import __version__ as __version__
+from layflat.description import units as units
+from layflat.design import SizingRequest as SizingRequest
 from layflat.design import design_joint as design_joint
 from layflat.design import size_joint as size_joint
+from layflat.design.arm import size_arm as size_arm
+from layflat.errors import DesignError as DesignError
+from layflat.errors import DivergedError as DivergedError
+from layflat.errors import InputError as InputError
+from layflat.errors import LayflatError as LayflatError
+from layflat.errors import MachineError as MachineError
+from layflat.errors import MissingExtraError as MissingExtraError
+from layflat.errors import OutputError as OutputError
+from layflat.experiments import reproduce as reproduce
+from layflat.identify.logs import read_log as read_log
 from layflat.machine import Machine as Machine
 from layflat.machine import changed as changed
 from layflat.machine import load as load
 from layflat.machine import names as names
+from layflat.motion import inverse_kinematics as inverse_kinematics
+from layflat.motion import plan_motion as plan_motion
 from layflat.sim import Scenario as Scenario
+from layflat.sim import open_run as open_run
 from layflat.sim import rollout as rollout
+from layflat.sim import save as save
 from layflat.sim.ensemble import ensemble as ensemble
+from layflat.sim.run_metrics import metrics as metrics
 
 __all__: list[str]

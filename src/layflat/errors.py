@@ -3,18 +3,39 @@
 from collections.abc import Sequence
 from pathlib import Path
 
+__all__ = [
+    "CameraError", "CellError", "CompilerError", "DesignError", "DivergedError", "InputError", "KindError",
+    "LayflatError", "MachineError", "MissingExtraError", "NoDrawingError", "OutputError", "PictureError",
+    "RigStoppedError", "StoppedError", "UnreachedError",
+]  # fmt: skip
+
 
 class LayflatError(Exception):
-    """Base of all errors; its message is one line that a user can act on."""
+    """Base of all errors; its message is one line that a user can act on.
+
+    Example:
+        >>> import layflat as lf
+        >>> try:
+        ...     lf.load("paper-harm")
+        ... except lf.LayflatError as error:
+        ...     print(error)
+        paper-harm: no such machine...did you mean 'paper-arm'?
+    """
 
 
 class InputError(LayflatError):
-    """Something that the user gave is wrong: a file, a key, a value, an option.
+    """An input of the user is wrong: a file, a key, a value, an argument.
 
     Args:
         what: what is wrong, with the offending value.
-        where: the file or option it stands in, and the key inside it.
-        right: what would be right, with an example.
+        where: the file or argument it stands in, and the key inside it.
+        right: what would be right, with an example; it names arguments in backquotes, as `seed` or `to='hand'`.
+
+    Example:
+        >>> import layflat as lf
+        >>> lf.rollout("paper-arm", "40")
+        Traceback (most recent call last):
+        layflat.errors.InputError: demand: '40' is a bare number; give an angle such as "120 deg"
     """
 
     def __init__(self, what: str, *, where: str = "", right: str = "") -> None:
@@ -27,11 +48,16 @@ class MissingExtraError(InputError):
     """A package that an extra brings is not installed.
 
     Args:
-        extra: the extra.
-        packages: what is missing, as pip knows it.
-        where: what needs it.
-        reason: why a package that is there can't be imported.
-        repair: the command that mends it, where to install the extra again does not.
+        extra: name of the extra.
+        packages: missing packages, by their names for pip.
+        where: the command, option or file that needs them.
+        reason: the error of an installed package that can't be imported.
+        repair: the command that repairs it, where installing the extra again does not.
+
+    Example:
+        >>> import layflat as lf
+        >>> lf.MissingExtraError("tune", ["cma"], where="tune_controller")
+        MissingExtraError("tune_controller: needs cma, not installed; install it: pip install 'layflat[tune]'")
     """
 
     def __init__(
@@ -47,7 +73,14 @@ class MissingExtraError(InputError):
 
 
 class MachineError(InputError):
-    """A machine's description is wrong or describes something that can't exist."""
+    """A machine's description is wrong or describes something that can't exist.
+
+    Example:
+        >>> import layflat as lf
+        >>> lf.design_joint("paper-arm", "elbow")
+        Traceback (most recent call last):
+        layflat.errors.MachineError: paper-arm: unknown joint 'elbow'; name one of large, small
+    """
 
 
 class CellError(InputError):
@@ -59,11 +92,25 @@ class NoDrawingError(LayflatError):
 
 
 class DesignError(InputError):
-    """No joint, cam or strap can be made to what was asked."""
+    """No joint, cam or strap meets the demands.
+
+    Example:
+        >>> import layflat as lf
+        >>> lf.size_joint(lf.SizingRequest(torque="500 N m", stroke="120 deg", supply="1 bar"))
+        Traceback (most recent call last):
+        layflat.errors.DesignError: size: the widest hose sold, 310 mm, can't give 500 N m over 120 deg at 1 bar; ...
+    """
 
 
 class OutputError(InputError):
-    """A result can't be written where it was asked for."""
+    """A result can't be written to the requested place.
+
+    Example:
+        >>> import layflat as lf
+        >>> lf.save(lf.load("paper-arm"), ".")
+        Traceback (most recent call last):
+        layflat.errors.OutputError: .: is a folder; give the name of a file
+    """
 
 
 class PictureError(InputError):
@@ -71,7 +118,7 @@ class PictureError(InputError):
 
 
 class CameraError(InputError):
-    """The camera is not where its calibration says, or can't be calibrated with what was given."""
+    """The camera is not where its calibration says, or can't be calibrated with these images."""
 
 
 class KindError(InputError):
@@ -99,25 +146,31 @@ class StoppedError(LayflatError):
 
 
 class RigStoppedError(LayflatError):
-    """The rig's supervisor holds the joints, or has let out the air; the message says for which fault."""
+    """The rig's supervisor holds the joints, or has vented them; the message says for which fault."""
 
 
 class UnreachedError(LayflatError):
-    """A search did not find what brings an arm to its goal."""
+    """A search did not find a motion that reaches the goal."""
 
 
 class DivergedError(LayflatError):
-    """A run left the range in which the model is valid.
+    """A simulation run left the range in which the model is valid.
 
     Args:
-        time: when, s.
+        time: of the divergence, s.
         joint: the joint's name.
-        run: the run's data up to then, where there are any.
-        cause: why, where that is known.
+        run: the data up to then, if any.
+        cause: the reason, if known.
+
+    Example:
+        >>> import layflat as lf
+        >>> error = lf.DivergedError(0.25, "small", cause="a shorter step may help")
+        >>> print(error, error.joint)
+        the run diverged at t = 0.2500 s in joint 'small'; a shorter step may help small
     """
 
     def __init__(self, time: float, joint: str, run: object = None, cause: str = "") -> None:
         self.time, self.joint, self.run = time, joint, run
         kept = "" if run is None else "the data up to there are kept; "
-        advice = cause or "a shorter step (--step), a smaller valve or lower gains may help"
+        advice = cause or "a shorter step, a smaller valve or lower gains may help"
         super().__init__(f"the run diverged at t = {time:.4f} s in joint {joint!r}; {kept}{advice}")

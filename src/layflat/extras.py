@@ -1,4 +1,4 @@
-"""Optional packages: which extra brings them, and one error for all that are missing."""
+"""Optional packages: the extras that install them, and one error for all that are missing."""
 
 from collections.abc import Mapping
 from importlib import import_module
@@ -7,7 +7,7 @@ from typing import Any
 
 from layflat.errors import MissingExtraError
 
-EXTRAS: Mapping[str, Mapping[str, str]] = {
+EXTRA_PACKAGES: Mapping[str, Mapping[str, str]] = {
     "drawing": {"ezdxf": "ezdxf"},
     "bench": {"mujoco": "mujoco-core"},
     "tune": {"cma": "cma"},
@@ -27,36 +27,41 @@ EXTRAS: Mapping[str, Mapping[str, str]] = {
 }  # fmt: skip
 """Packages of each extra: the name to import, and the name that pip knows."""
 
-REPAIRS: Mapping[str, str] = {
+REPAIR_COMMANDS: Mapping[str, str] = {
     "mujoco": "pip uninstall -y mujoco mujoco-studio && pip install --force-reinstall --no-deps "
     "'mujoco-core>=4.0.1' glfw PyOpenGL"
 }
-"""Commands that mend packages of which an upgrade leaves parts behind, by name to import: to install again does not."""
+"""Commands that repair packages of which an upgrade leaves parts behind, by import name."""
 
 
 def require(extra: str, *modules: str, where: str = "") -> None:
-    """Check, before any work is done, that packages of an extra are installed; import none of them.
+    """Check that packages of an extra are installed, without importing them.
 
     Args:
-        extra: a key of `EXTRAS`.
+        extra: a key of `EXTRA_PACKAGES`.
         modules: names to import; default: all of the extra.
-        where: what needs them: a command, an option, a file.
+        where: the command, option or file that needs them.
 
     Raises:
         MissingExtraError: naming the packages that are missing, the extra and the command that installs it.
     """
-    missing = [module for module in modules or EXTRAS[extra] if not _is_there(module)]
+    missing = [module for module in modules or EXTRA_PACKAGES[extra] if not _is_installed(module)]
     if missing:
-        raise MissingExtraError(extra, [EXTRAS[extra][module] for module in missing], where)
+        raise MissingExtraError(extra, [EXTRA_PACKAGES[extra][module] for module in missing], where)
 
 
 def available(extra: str, *modules: str) -> bool:
     """Return whether packages of an extra are installed: those named, or all of the extra."""
-    return all(_is_there(module) for module in modules or EXTRAS[extra])
+    return all(_is_installed(module) for module in modules or EXTRA_PACKAGES[extra])
 
 
-def module(extra: str, name: str, where: str = "") -> Any:
-    """Import a package of an extra, or one of its submodules ("pyarrow.parquet").
+def import_extra(extra: str, name: str, where: str = "") -> Any:
+    """Import a package of an extra, or one of its submodules.
+
+    Args:
+        extra: a key of `EXTRA_PACKAGES`.
+        name: import name, such as "pyarrow.parquet".
+        where: the command, option or file that needs it.
 
     Raises:
         MissingExtraError: it is not installed, or can't be imported.
@@ -67,11 +72,12 @@ def module(extra: str, name: str, where: str = "") -> Any:
         return import_module(name)
     except (ImportError, OSError) as error:
         reason = (str(error).splitlines() or [type(error).__name__])[0].partition(". ")[0]
-        repair = REPAIRS.get(package, "")
-        raise MissingExtraError(extra, [EXTRAS[extra][package]], where, reason, repair) from None
+        repair = REPAIR_COMMANDS.get(package, "")
+        raise MissingExtraError(extra, [EXTRA_PACKAGES[extra][package]], where, reason, repair) from None
 
 
-def _is_there(module: str) -> bool:
+def _is_installed(module: str) -> bool:
+    """Return whether a module is installed, without importing it."""
     try:
         return find_spec(module) is not None
     except (ImportError, ValueError):

@@ -1,4 +1,4 @@
-"""Results reach their place whole or not at all: written under a temporary name beside it, then moved."""
+"""Atomic writing of results: under a temporary name in the same folder, then moved."""
 
 import errno
 import os
@@ -11,23 +11,23 @@ from pathlib import Path
 from layflat.errors import LayflatError, OutputError
 from layflat.outputs import check_reachable, check_replaceable, record_output, replaced_record
 
-FULL = {errno.ENOSPC, errno.EFBIG, getattr(errno, "EDQUOT", errno.ENOSPC)}
-"""The disk, the file or the user's share is at its limit."""
+DISK_FULL_ERRORS = {errno.ENOSPC, errno.EFBIG, getattr(errno, "EDQUOT", errno.ENOSPC)}
+"""Error numbers of a disk, a file or a quota that is full."""
 
-TRIAL = bytes(1 << 16)  # enough to see that nothing more can be written
+TRIAL_BYTES = bytes(1 << 16)  # written to detect a full disk
 
 
 @contextmanager
 def whole_file(path: Path, *, owned: bool = False) -> Iterator[Path]:
-    """Give a temporary path to write to; move it to `path` when the block ends well, remove it otherwise.
+    """Yield a temporary path to write to; move it to `path` when the block succeeds, remove it otherwise.
 
     Args:
-        path: where the file is to be; its folder is made.
-        owned: whether the caller knows that what is there may be replaced, and leaves no record (see outputs.py).
+        path: of the file; its folder is made.
+        owned: whether an existing file may be replaced in any case, and no record is kept (see outputs.py).
 
     Raises:
-        OutputError: the folder can't be made or written, the disk is full, or what is there may not be replaced and
-            has another content.
+        OutputError: the folder can't be made or written, the disk is full, or an existing file may not be
+            replaced and has another content.
     """
     check_reachable(path)
     temporary: Path | None = None
@@ -38,7 +38,7 @@ def whole_file(path: Path, *, owned: bool = False) -> Iterator[Path]:
         except OutputError as error:
             if not path.is_file():
                 raise
-            refused = error  # unless what is there is what will be written
+            refused = error  # unless the new content is the same
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         handle, name = tempfile.mkstemp(prefix=f".{path.stem}-", suffix=path.suffix, dir=path.parent)
@@ -47,7 +47,7 @@ def whole_file(path: Path, *, owned: bool = False) -> Iterator[Path]:
         yield temporary
         if refused is not None:
             if cmp(temporary, path, shallow=False):
-                return  # what is there already
+                return  # the existing file has the same content
             raise refused
         temporary.chmod(0o666 & ~_umask())
         replaced = None if owned else replaced_record(path)
@@ -67,10 +67,10 @@ def whole_file(path: Path, *, owned: bool = False) -> Iterator[Path]:
 
 
 def write_text(path: Path, text: str, *, owned: bool = False) -> Path:
-    """Write a text file, whole or not at all, and return its path.
+    """Write a text file atomically and return its path.
 
     Args:
-        path: where it is to be.
+        path: of the file.
         text: its content.
         owned: as in `whole_file`.
 
@@ -83,26 +83,26 @@ def write_text(path: Path, text: str, *, owned: bool = False) -> Path:
 
 
 def _refusal(error: Exception, path: Path, temporary: Path | None) -> OutputError | None:
-    """Why nothing could be written; None where it could, and something else is wrong.
+    """Return the error that writing failed with; None if the disk was not the cause.
 
-    Libraries raise errors of their own on a full disk, without its number: writing a little more shows the cause.
+    Libraries raise errors of their own on a full disk, without its number: a trial write shows the cause.
     """
     cause = error if isinstance(error, OSError) and error.errno is not None else _trial(temporary)
     other = temporary is not None and cause is not None and cause.filename not in {None, str(temporary), str(path)}
     if cause is None or other:
         return None
-    full = cause.errno in FULL
+    full = cause.errno in DISK_FULL_ERRORS
     right = "free some space, or give another folder" if full else "give a folder that you may write to"
     return OutputError(f"can't write here ({cause.strerror})", where=str(path), right=right)
 
 
 def _trial(temporary: Path | None) -> OSError | None:
-    """Return what forbids to write more, if anything does."""
+    """Return the error of a trial write; None if it succeeds."""
     if temporary is None:
         return None
     try:
         with temporary.open("ab") as file:
-            file.write(TRIAL)
+            file.write(TRIAL_BYTES)
             file.flush()
             os.fsync(file.fileno())
     except OSError as error:
@@ -117,32 +117,32 @@ def _umask() -> int:
 
 
 def check_file(path: Path, *, costly: bool = False) -> Path:
-    """Make sure, before any work is done, that a result can be written there, and return its path.
+    """Check that a result can be written to a path, and return the path.
 
     Args:
-        path: where it is to be.
+        path: of the file.
         costly: as in `check_replaceable`.
 
     Raises:
-        OutputError: it can't, or what is there may not be replaced.
+        OutputError: it can't, or an existing file may not be replaced.
     """
     check_folder(path.parent, path.name, costly=costly)
     return path
 
 
 def check_folder(folder: Path, *names: str, costly: bool = False) -> Path:
-    """Make sure, before any work is done, that results can be written to a folder; leave no trace of the trial.
+    """Check that results can be written to a folder, by a trial that leaves no trace.
 
     Args:
-        folder: where they are to be.
-        names: of the files that will be written there.
+        folder: of the results.
+        names: of the files that will be written to it.
         costly: as in `check_replaceable`.
 
     Returns:
         The folder.
 
     Raises:
-        OutputError: they can't, or what is there may not be replaced.
+        OutputError: they can't, or an existing file may not be replaced.
     """
     for name in names:
         check_replaceable(folder / name, costly=costly)
@@ -153,10 +153,10 @@ def check_folder(folder: Path, *names: str, costly: bool = False) -> Path:
     missing = [parent for parent in (folder, *folder.parents) if not parent.exists()]
     try:
         with whole_file(folder / ".layflat", owned=True) as trial:
-            trial.write_bytes(TRIAL)
+            trial.write_bytes(TRIAL_BYTES)
         (folder / ".layflat").unlink(missing_ok=True)
     finally:
         for parent in missing:
-            with suppress(OSError):  # it was never made, or somebody else writes here by now
+            with suppress(OSError):  # it was never made, or another process writes here by now
                 parent.rmdir()
     return folder

@@ -17,11 +17,11 @@ from layflat.jit.outside import NO_FAILURES, first_line, place_in_kinds
 
 
 class MisfitError(Exception):
-    """A law returned what it may not; the text says what that is."""
+    """A law returned a wrong result; the text says which."""
 
 
 def check_number(value: Any, what: str) -> None:
-    """Raise MisfitError if something is no finite number."""
+    """Raise MisfitError if a value is no finite number."""
     is_number = isinstance(value, (int, float, np.integer, np.floating)) and not isinstance(value, bool)
     if not is_number:
         raise MisfitError(f"{what} is {described(value)}, not a number")
@@ -30,7 +30,13 @@ def check_number(value: Any, what: str) -> None:
 
 
 def check_items(value: Any, count: int, what: str) -> None:
-    """Raise MisfitError if something is not a plain tuple of so many items."""
+    """Raise MisfitError if a value is not a plain tuple of a length.
+
+    Args:
+        value: result of a law.
+        count: expected number of items.
+        what: its name in the message.
+    """
     if type(value) is not tuple:
         raise MisfitError(f"{what} is {described(value)}, not a tuple of {count}")
     if len(value) != count:
@@ -38,14 +44,26 @@ def check_items(value: Any, count: int, what: str) -> None:
 
 
 def check_numbers(value: Any, count: int, what: str) -> None:
-    """Raise MisfitError if something is not a plain tuple of so many finite numbers."""
+    """Raise MisfitError if a value is not a plain tuple of a number of finite numbers.
+
+    Args:
+        value: result of a law.
+        count: expected number of items.
+        what: its name in the message.
+    """
     check_items(value, count, what)
     for i, item in enumerate(value):
         check_number(item, f"item {i + 1} of {what}")
 
 
 def check_record(value: Any, cls: type, what: str) -> None:
-    """Raise MisfitError if something is not a named tuple of a class, of finite numbers or of tuples of these."""
+    """Raise MisfitError if a value is not a named tuple of a class, of finite numbers or of tuples of these.
+
+    Args:
+        value: result of a law.
+        cls: expected class.
+        what: its name in the message.
+    """
     if type(value) is not cls:
         raise MisfitError(f"{what} is {described(value)}, not a {cls.__name__}")
     check_nested(value, what)
@@ -67,7 +85,13 @@ def check_nested(value: Any, what: str) -> None:
 
 
 def check_alike(value: Any, like: Any, what: str) -> None:
-    """Raise MisfitError if a nested tuple of finite numbers is not made up as another one."""
+    """Raise MisfitError if a nested tuple of finite numbers has another structure than a reference.
+
+    Args:
+        value: result of a law.
+        like: the reference.
+        what: its name in the message.
+    """
     if not isinstance(like, tuple):
         check_number(value, what)
         return
@@ -82,7 +106,7 @@ def check_alike(value: Any, like: Any, what: str) -> None:
 
 
 def described(value: Any) -> str:
-    """Return what something is, in a few words."""
+    """Return a short description of a value for messages, such as "a tuple of 3"."""
     if value is None:
         return "None"
     if isinstance(value, str):
@@ -99,13 +123,13 @@ def described(value: Any) -> str:
 
 @contextmanager
 def naming_law(kind: str, entry: str, law: Callable[..., Any], when: str = "") -> Iterator[None]:
-    """Turn what is wrong with a call of a law, or with what it returned, into one line.
+    """Turn an error of a law, or of its result, into one line that names the law.
 
     Args:
-        kind: the thing that it is a kind of, and its name.
+        kind: thing and name of the kind, such as "valve 'spool'".
         entry: the law's name in the kind.
         law: the law.
-        when: at what time of a run, if in one.
+        when: the time of the run, for the message; empty outside a run.
 
     Raises:
         KindError: it names the law's kind, and its file and line.
@@ -125,7 +149,7 @@ def naming_law(kind: str, entry: str, law: Callable[..., Any], when: str = "") -
 
 @contextmanager
 def tolerating_arithmetic(law: Callable[..., Any]) -> Iterator[None]:
-    """End a trial of a compiled law where only plain Python fails: compiled, 1/0 is infinite and may be left out."""
+    """Ignore arithmetic errors of a compiled law in plain Python: compiled, 1/0 is infinite and raises nothing."""
     try:
         yield
     except (ArithmeticError, ValueError) as error:

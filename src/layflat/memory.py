@@ -1,4 +1,4 @@
-"""Memory that is free, so that work that can't fit is refused before it begins."""
+"""Free memory, so that work that can't fit is refused before it begins."""
 
 import os
 import sys
@@ -9,38 +9,39 @@ from pathlib import Path
 
 from layflat.errors import InputError
 
-SPARE = 0.9  # part of the free memory that work may take
+USABLE_FRACTION = 0.9  # fraction of the free memory that work may use
 KIB, GIB = 1024.0, 1024.0**3
-SMALL = 64.0 * KIB**2  # bytes that any system has
-CGROUP = Path("/sys/fs/cgroup")  # limits of a container: version 2, and below `memory` version 1
+ALWAYS_FREE_BYTES = 64.0 * KIB**2  # bytes that are free on any system
+CGROUP_FOLDER = Path("/sys/fs/cgroup")  # limits of a container: version 2, and below `memory` version 1
 
 
 def free_memory() -> float:
-    """Return how many bytes of memory this process can still get; infinite where the system does not say."""
+    """Return the memory that this process can still allocate, bytes; infinite where the system does not say."""
     return min(_free_of_system(), _free_of_container(), _free_of_process())
 
 
 def check_memory(needed: float, work: str, where: str, right: Callable[[float], str]) -> None:
-    """Refuse work that needs more memory than is free.
+    """Raise InputError if work needs more memory than is free.
 
     Args:
-        needed: by the work, bytes.
+        needed: memory of the work, bytes.
         work: its name in messages, such as "a run of 3600 s".
         where: the argument that makes it large.
-        right: smaller work that would do, in words, of the fraction of the memory that there is.
+        right: function from the available fraction of the needed memory to advice, in words, on smaller work.
 
     Raises:
         InputError: naming `where`, with the estimate.
     """
-    if needed <= SMALL:
+    if needed <= ALWAYS_FREE_BYTES:
         return
     free = free_memory()
-    if needed > SPARE * free:
+    if needed > USABLE_FRACTION * free:
         what = f"{work} needs about {needed / GIB:.3g} GiB of memory, and {free / GIB:.3g} GiB are free"
-        raise InputError(what, where=where, right=right(SPARE * free / needed))
+        raise InputError(what, where=where, right=right(USABLE_FRACTION * free / needed))
 
 
 def _free_of_system() -> float:
+    """Return the free memory of the whole system, bytes; infinite where it does not say."""
     if sys.platform == "linux":
         with suppress(OSError, ValueError):
             for line in Path("/proc/meminfo").read_text(encoding="ascii").splitlines():
@@ -54,21 +55,21 @@ def _free_of_system() -> float:
 
 
 def _free_of_container() -> float:
-    """Return what a control group leaves to its processes; files that it only caches can be given up."""
+    """Return the free memory of a control group, bytes; cached files count as free."""
     for limit, used, cached in (
-        (CGROUP / "memory.max", CGROUP / "memory.current", CGROUP / "memory.stat"),
-        *((CGROUP / "memory" / f"memory.{name}" for name in ("limit_in_bytes", "usage_in_bytes", "stat")),),
+        (CGROUP_FOLDER / "memory.max", CGROUP_FOLDER / "memory.current", CGROUP_FOLDER / "memory.stat"),
+        *((CGROUP_FOLDER / "memory" / f"memory.{name}" for name in ("limit_in_bytes", "usage_in_bytes", "stat")),),
     ):
         with suppress(OSError, ValueError):
-            most = float(limit.read_text(encoding="ascii"))  # "max" is none
+            max_bytes = float(limit.read_text(encoding="ascii"))  # "max" is none
             lines = (line.split() for line in cached.read_text(encoding="ascii").splitlines())
             idle = sum(float(value) for name, value in lines if name in {"inactive_file", "total_inactive_file"})
-            return max(most - float(used.read_text(encoding="ascii")) + idle, 0.0)
+            return max(max_bytes - float(used.read_text(encoding="ascii")) + idle, 0.0)
     return inf
 
 
 def _free_of_process() -> float:
-    """Return what a limit on the address space (`ulimit -v`) leaves to this process."""
+    """Return the free memory below a limit on the address space (`ulimit -v`), bytes."""
     with suppress(ImportError, OSError, ValueError):
         import resource  # noqa: PLC0415  # not on every system
 
@@ -81,6 +82,7 @@ def _free_of_process() -> float:
 
 
 def _free_of_windows() -> float:
+    """Return the free physical memory on Windows, bytes; infinite where it does not say."""
     import ctypes  # noqa: PLC0415
 
     class Status(ctypes.Structure):

@@ -20,14 +20,14 @@ from pathlib import Path
 
 from layflat.errors import OutputError
 
-RIGHT = "give another place, or --force to replace it"
+REPLACE_ADVICE = "give another place, or --force to replace it"
 FORCE = "--force"
 OUT_OPTIONS = ("-o", "--out")
 
 
 @dataclass(frozen=True)
-class Command:
-    """A command that runs: its name, its words as they were typed, and where it reports what it replaces."""
+class OutputCommand:
+    """Running command: its name, its words as they were typed, and the function that reports replaced files."""
 
     name: str
     typed: tuple[str, ...]
@@ -36,20 +36,20 @@ class Command:
 
     @property
     def forced(self) -> bool:
-        """True where the user lets it replace anything."""
+        """True if the user allows it to replace any file."""
         return FORCE in self.typed
 
     @property
     def words(self) -> list[str]:
-        """Words that determine its results: all but where they go, and --force."""
-        found: list[str] = []
+        """Words that determine its results: all but the output path and --force."""
+        words: list[str] = []
         skipped = False
         for word in self.typed:
             is_place = word.startswith(tuple(f"{option}=" for option in OUT_OPTIONS))
             if not (skipped or is_place or word in {FORCE, *OUT_OPTIONS}):
-                found.append(word)
+                words.append(word)
             skipped = word in OUT_OPTIONS
-        return found
+        return words
 
     def reads(self, path: Path) -> bool:
         """Return whether a file that is to be written is one of the inputs, too: its words name it twice."""
@@ -58,8 +58,8 @@ class Command:
 
 
 @dataclass(frozen=True)
-class Record:
-    """A file that a command wrote: the command's name and words, and a digest of the content."""
+class OutputRecord:
+    """Record of a written file: name and words of the command, and a digest of the content."""
 
     name: str
     words: list[str]
@@ -67,16 +67,16 @@ class Record:
 
     @property
     def line(self) -> str:
-        """The command as it could be typed again."""
+        """Command line that repeats the command."""
         return f"layflat {shlex.join(self.words)}"
 
 
-_running: Command | None = None
+_running: OutputCommand | None = None
 
 
 @contextmanager
-def running(command: Command) -> Iterator[None]:
-    """Run a command: in this block, files that it does not own are not replaced, and what it writes is recorded."""
+def run_command(command: OutputCommand) -> Iterator[None]:
+    """Run a command in this block: files that it did not write are not replaced, and its outputs are recorded."""
     global _running  # noqa: PLW0603  # a process runs one command; its threads write for it
     before, _running = _running, command
     try:
@@ -98,16 +98,16 @@ def check_reachable(path: Path) -> None:
 
 
 def check_replaceable(path: Path, *, costly: bool = False) -> None:
-    """Make sure that writing a file loses nothing.
+    """Check that writing a file loses nothing.
 
     Args:
-        path: where it is to be.
-        costly: whether the results there may have taken minutes, or a person's work: they are then not replaced by
+        path: of the file.
+        costly: whether existing results may have taken minutes, or a person's work: they are then not replaced by
             those of other inputs.
 
     Raises:
-        OutputError: a folder or a device is there; or a command runs, and it did not write the file that is there from
-            the same inputs, or somebody has changed that file.
+        OutputError: the path is a folder or a device; or a command runs, and the existing file was not written by it
+            from the same inputs, or has been changed since.
     """
     check_reachable(path)
     if path.exists() and not path.is_file():
@@ -120,25 +120,25 @@ def check_replaceable(path: Path, *, costly: bool = False) -> None:
         raise OutputError("is what this command reads", where=str(path), right="give another place")
     if command.forced:
         return
-    record = _recorded(path)
+    record = _read_record(path)
     if record is None:
-        raise OutputError("is there already, and not from this command", where=str(path), right=RIGHT)
+        raise OutputError("is there already, and not from this command", where=str(path), right=REPLACE_ADVICE)
     if record.digest != _digest(path) or not path.stat().st_mode & 0o222:
-        raise OutputError("was changed or protected since it was written", where=str(path), right=RIGHT)
+        raise OutputError("was changed or protected since it was written", where=str(path), right=REPLACE_ADVICE)
     if record.words == command.words:
         return
     if costly or record.name != command.name:
-        raise OutputError(f"holds what `{record.line}` wrote", where=str(path), right=RIGHT)
+        raise OutputError(f"holds what `{record.line}` wrote", where=str(path), right=REPLACE_ADVICE)
 
 
-def replaced_record(path: Path) -> Record | None:
-    """Return the record of a file that is about to be replaced by results of other inputs; None where there is none."""
-    record = _recorded(path) if _running is not None and path.exists() else None
+def replaced_record(path: Path) -> OutputRecord | None:
+    """Return the record of a file that results of other inputs are about to replace; None if there is none."""
+    record = _read_record(path) if _running is not None and path.exists() else None
     return record if record is not None and _running is not None and record.words != _running.words else None
 
 
-def record_output(path: Path, replaced: Record | None = None) -> None:
-    """Record a file that the running command has written, and report whose results it replaced."""
+def record_output(path: Path, replaced: OutputRecord | None = None) -> None:
+    """Record a file that the running command has written, and report the command whose results it replaced."""
     command = _running
     if command is None:
         return
@@ -154,21 +154,28 @@ def record_output(path: Path, replaced: Record | None = None) -> None:
         temporary.replace(place)
 
 
-def command_of(typed: Sequence[str], groups: Sequence[str], report: Callable[[str], None]) -> Command:
-    """Return the command that words run; those of a group have two names."""
-    return Command(" ".join(typed[: 2 if typed and typed[0] in groups else 1]), tuple(typed), report)
+def parse_command(typed: Sequence[str], groups: Sequence[str], report: Callable[[str], None]) -> OutputCommand:
+    """Return the command of a command line.
+
+    Args:
+        typed: words of the command line.
+        groups: names of command groups, whose commands have two words.
+        report: called with a line on each replaced file.
+    """
+    return OutputCommand(" ".join(typed[: 2 if typed and typed[0] in groups else 1]), tuple(typed), report)
 
 
-def _recorded(path: Path) -> Record | None:
+def _read_record(path: Path) -> OutputRecord | None:
+    """Return the record of a file that a command has written, None if there is none."""
     try:
         content = json.loads(_place(path).read_text(encoding="utf-8"))
-        return Record(content["name"], content["words"], content["digest"])
+        return OutputRecord(content["name"], content["words"], content["digest"])
     except (OSError, ValueError, KeyError, TypeError):
         return None
 
 
 def _place(path: Path) -> Path:
-    """Return the file of a record."""
+    """Return the path of the record of a file."""
     import platformdirs  # noqa: PLC0415  # only commands that write need it
 
     root = Path(os.environ.get("LAYFLAT_STATE_DIR") or platformdirs.user_state_dir("layflat"))
@@ -182,6 +189,7 @@ def _digest(path: Path) -> str:
 
 
 def _is_same_file(word: str, path: Path) -> bool:
+    """Return whether a word of a command line is the path of a file."""
     try:
         return Path(word).samefile(path)
     except (OSError, ValueError):

@@ -1,4 +1,4 @@
-"""Candidates are simulated side by side on all cores; other processes do what this one need not wait for."""
+"""Threads and processes: candidates on all cores, and generators in a subprocess."""
 
 import multiprocessing
 import os
@@ -17,14 +17,20 @@ from typing import Any, TypeVar
 
 Job = TypeVar("Job")
 Submit = Callable[..., Future[Any]]
-"""Takes a function of a module and its arguments, and returns the result as one that will come."""
+"""Function that takes a module-level function and its arguments, and returns the future of its result."""
 
 # Signals that a terminal sends to all of its processes.
 FROM_TERMINAL = [getattr(signal, name) for name in ("SIGINT", "SIGHUP") if hasattr(signal, name)]
 
 
-def on_all_cores(work: Callable[[Job], None], jobs: Sequence[Job], threads: int | None = None) -> None:
-    """Call `work` with every job; results do not depend on the number of `threads` (default: one a core)."""
+def run_on_all_cores(work: Callable[[Job], None], jobs: Sequence[Job], threads: int | None = None) -> None:
+    """Call a function with every job, in threads.
+
+    Args:
+        work: the function; it stores its results itself.
+        jobs: its arguments.
+        threads: number of threads, on which results do not depend; default: one a core.
+    """
     if len(jobs) == 1:
         work(jobs[0])
         return
@@ -32,8 +38,14 @@ def on_all_cores(work: Callable[[Job], None], jobs: Sequence[Job], threads: int 
         list(pool.map(work, jobs))
 
 
-def parts(count: int, cases: int = 1, threads: int | None = None) -> list[slice]:
-    """Divide `count` candidates, each simulated in so many cases, into parts that keep all cores busy."""
+def split_candidates(count: int, cases: int = 1, threads: int | None = None) -> list[slice]:
+    """Return slices that divide candidates into parts that keep all cores busy.
+
+    Args:
+        count: number of candidates.
+        cases: simulations of each candidate.
+        threads: number of threads; default: one a core.
+    """
     size = max(1, ceil(count * cases / (4 * (threads or os.cpu_count() or 1))))
     return [slice(first, first + size) for first in range(0, count, size)]
 
@@ -49,16 +61,31 @@ def processors() -> int:
 def start_process(
     target: Callable[..., object], arguments: tuple[Any, ...], name: str, *, daemon: bool = False
 ) -> SpawnProcess:
-    """Start a process that Ctrl-C never reaches, not even before its first line: its host decides what that means."""
+    """Start a process that Ctrl-C never reaches, not even before its first line.
+
+    Args:
+        target: module-level function that it runs.
+        arguments: of the function.
+        name: of the process.
+        daemon: whether it ends with this process.
+    """
     process = multiprocessing.get_context("spawn").Process(target=target, args=arguments, name=name, daemon=daemon)
     with _kept_from_terminal():
         process.start()
     return process
 
 
+def end_process(process: SpawnProcess, timeout: float) -> None:
+    """Wait for a process that is ending, and kill it after a timeout, s."""
+    process.join(timeout)
+    if process.is_alive():
+        process.kill()
+        process.join()
+
+
 @contextmanager
 def _kept_from_terminal() -> Iterator[None]:
-    """Keep a terminal's signals from processes that begin meanwhile, for good, where the system can."""
+    """Block a terminal's signals in processes that start in this block, for good, where the system can."""
     if not hasattr(signal, "pthread_sigmask"):
         yield
         return
@@ -71,22 +98,22 @@ def _kept_from_terminal() -> Iterator[None]:
 
 @contextmanager
 def process_pool(processes: int | None = None, first: Callable[[], object] | None = None) -> Iterator[Submit]:
-    """Yield what submits work to processes that Ctrl-C does not reach: it is for who waits for the results.
+    """Yield a function that submits work to processes that Ctrl-C does not reach.
 
-    An error that ends the block, Ctrl-C and the end of a generator included, raises KeyboardInterrupt in the work that
-    goes on, and what has not begun never does.
+    An error that ends the block, Ctrl-C and the end of a generator included, raises KeyboardInterrupt in running work
+    and cancels the rest.
 
     Args:
-        processes: how many; default: one a processor.
+        processes: number of processes; default: one a processor.
         first: called in each process before anything else.
     """
     context = multiprocessing.get_context("spawn")
     ending = context.Event()
-    with ProcessPoolExecutor(processes or processors(), context, _begin_worker, (ending, first)) as pool:
+    with ProcessPoolExecutor(processes or processors(), context, _initialize_worker, (ending, first)) as pool:
 
         def submit(work: Callable[..., Any], *arguments: Any) -> Future[Any]:
             with _kept_from_terminal():
-                return pool.submit(_work, work, *arguments)
+                return pool.submit(_run_unless_ending, work, *arguments)
 
         try:
             yield submit
@@ -103,7 +130,8 @@ class _Worker:
     at_work = False
 
 
-def _begin_worker(ending: Event, first: Callable[[], object] | None) -> None:
+def _initialize_worker(ending: Event, first: Callable[[], object] | None) -> None:
+    """Initialize a worker process: ignore Ctrl-C, interrupt its work once `ending` is set, and call `first`."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, _interrupt)
     _Worker.ending = ending
@@ -118,13 +146,15 @@ def _heed(ending: Event) -> None:
 
 
 def _interrupt(*_: object) -> None:
+    """Interrupt the work in progress; without any, end the process, unless all are ending."""
     if _Worker.at_work:
         raise KeyboardInterrupt
     if not _Worker.ending.is_set():
         raise SystemExit(128 + signal.SIGTERM)
 
 
-def _work(work: Callable[..., Any], *arguments: Any) -> Any:
+def _run_unless_ending(work: Callable[..., Any], *arguments: Any) -> Any:
+    """Return the result of work in a worker; raise KeyboardInterrupt if it is to end."""
     if _Worker.ending.is_set():
         raise KeyboardInterrupt
     _Worker.at_work = True
@@ -135,12 +165,11 @@ def _work(work: Callable[..., Any], *arguments: Any) -> Any:
 
 
 @contextmanager
-def aside(generator: str, *arguments: Any) -> Iterator[Iterator[Any]]:
-    """Make a generator's values in another process, while this one does something else.
+def generate_in_process(generator: str, *arguments: Any) -> Iterator[Iterator[Any]]:
+    """Run a generator in a subprocess, and yield an iterator over its values as they come.
 
-    The generator is named as "module:function", so that what it imports is imported there, at the same time. Yields
-    the values as they come. They end early where there is but one processor or no POSIX, or something went wrong over
-    there: whoever needs the rest has to make it.
+    The generator is named as "module:function", so that its imports run in the subprocess, concurrently. The values end
+    early with one processor, without POSIX, or after an error in the subprocess: the caller has to compute the rest.
     """
     if processors() < 2 or os.name != "posix":
         yield iter(())
@@ -163,7 +192,7 @@ def _received(pipe: Connection) -> Generator[Any]:
 
 
 def _make(generator: str, arguments: tuple[Any, ...], pipe: Connection) -> None:
-    """Main function of the process; an error there is found again, and told, by whoever makes the rest."""
+    """Send a generator's values through a pipe; an error ends them, and occurs again where the rest is computed."""
     module, function = generator.split(":")
     with suppress(Exception):
         for value in getattr(import_module(module), function)(*arguments):

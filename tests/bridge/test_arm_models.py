@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from layflat.bridge import arm_spec, save_arm, to_mjcf, to_urdf
 from layflat.errors import InputError
-from layflat.kinds import Table
+from layflat.kinds import KindTable
 from layflat.machine import Machine, changed, load, parameters
-from layflat.physics.arms import ARMS as KINDS
-from layflat.physics.arms import joints_along
+from layflat.physics.arms import ARM_KINDS as KINDS
+from layflat.physics.arms import joint_positions_and_axes
 from tests.bridge.meshes import write_wedge
 from tests.physics.arms.chain.chains import as_chain, random_arm
 
@@ -53,7 +53,7 @@ def test_every_form_has_masses_and_gravity_of_our_laws(machine: Machine) -> None
 @pytest.mark.parametrize("machine", ARMS[2:6])
 def test_places_and_axes_are_those_of_our_laws(machine: Machine) -> None:
     like = tuple(map(float, pose(machine)))
-    places, axes = joints_along(parameters.arm(machine), like, np.array([like]))
+    places, axes = joint_positions_and_axes(parameters.arm(machine), like, np.array([like]))
     data = posed(arm_spec(machine).compile(), machine)
     assert data.xanchor == pytest.approx(places[0, :-1], abs=1e-12)
     assert data.xaxis == pytest.approx(axes[0], abs=1e-12)
@@ -97,7 +97,7 @@ def with_shapes(folder: Path) -> Machine:
     """An arm of two joints in space that shows every kind of shape; meshes beside its file."""
     write_wedge(folder / "wedge.stl")
     write_wedge(folder / "other" / "wedge.obj")
-    turned = {"place": ["10 mm", "0 mm", "0 mm"], "turn": ["0 deg", "90 deg", "0 deg"]}
+    turned = {"position": ["10 mm", "0 mm", "0 mm"], "rotation": ["0 deg", "90 deg", "0 deg"]}
     large = [
         {"kind": "box", "size": ["100 mm", "40 mm", "20 mm"]} | turned,
         {"kind": "capsule", "size": ["30 mm", "100 mm"]} | turned,
@@ -151,7 +151,7 @@ def test_an_arm_without_bodies_is_refused(monkeypatch: pytest.MonkeyPatch) -> No
     from layflat.bridge import pieces
 
     bare = [replace(kind, bodies=kind.bodies if kind.name == "chain" else None) for kind in KINDS]
-    monkeypatch.setattr(pieces, "ARMS", Table("arm", *bare))
+    monkeypatch.setattr(pieces, "ARM_KINDS", KindTable("arm", *bare))
     with pytest.raises(InputError, match=r"arm\.kind: arms of the kind 'planar' have no bodies"):
         arm_spec(ARM)
 

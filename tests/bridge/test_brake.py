@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from layflat.bridge.brake import rub, tuples_for
+from layflat.bridge.brake import like_tuples, solve_brakes
 
 SIZES = (1, 2, 4)
 
@@ -14,7 +14,7 @@ def test_every_joint_is_held_or_slides_against_its_brake(n: int) -> None:
         A = root @ root.T + 0.1 * np.eye(n)
         u, v, B = rng.normal(size=n), rng.normal(size=n), rng.exponential(0.3, n)
         J, after = np.zeros(n), np.zeros(n)
-        rub(tuples_for(n), A, u, v, B, B, J, after)
+        solve_brakes(like_tuples(n), A, u, v, B, B, J, after)
         assert np.all(np.abs(J) <= B)
         assert np.allclose(v + A @ J, after, atol=1e-9)
         slides = after != 0.0
@@ -25,7 +25,7 @@ def test_every_joint_is_held_or_slides_against_its_brake(n: int) -> None:
 @pytest.mark.parametrize("n", SIZES)
 def test_without_brakes_nothing_acts(n: int) -> None:
     J, after, v = np.zeros(n), np.zeros(n), np.array([1.0, -2.0, 3.0, -4.0])[:n]
-    rub(tuples_for(n), np.eye(n), v, v, np.zeros(n), np.zeros(n), J, after)
+    solve_brakes(like_tuples(n), np.eye(n), v, v, np.zeros(n), np.zeros(n), J, after)
     assert np.array_equal(after, v)
     assert not J.any()
 
@@ -39,7 +39,7 @@ def test_what_comes_to_rest_is_held_by_more_than_what_slides(n: int) -> None:
         u, v, B = rng.normal(size=n) * rng.integers(0, 2, n), rng.normal(size=n), rng.exponential(0.3, n)
         S = 1.5 * B
         J, after = np.zeros(n), np.zeros(n)
-        rub(tuples_for(n), A, u, v, B, S, J, after)
+        solve_brakes(like_tuples(n), A, u, v, B, S, J, after)
         assert np.allclose(v + A @ J, after, atol=1e-9)
         assert np.all(np.abs(J) <= S)
         if np.all((u == 0.0) | (u * after > 0.0)):

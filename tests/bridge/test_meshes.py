@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from layflat.bridge import save_arm
-from layflat.bridge.losses import losses
-from layflat.bridge.meshes import solid
+from layflat.bridge.arm import conversion_losses
+from layflat.bridge.meshes import load_mesh
 from layflat.bridge.robots import import_arm
 from layflat.errors import InputError
 from tests.bridge.meshes import write_wedge
@@ -47,7 +47,7 @@ def test_flat_meshes_go_to_mujoco(triangles: Any, name: str, write: Any, tmp_pat
     import_arm(tmp_path / "out.xml").save(tmp_path / "back")
     save_arm(machine_with(tmp_path, name), tmp_path / "out.urdf")
     assert mujoco.MjModel.from_xml_path(str(tmp_path / "out.urdf")).nv == 2
-    (line,) = [one for one in losses(machine_with(tmp_path, name), ".urdf") if "draws" in one]
+    (line,) = [one for one in conversion_losses(machine_with(tmp_path, name), ".urdf") if "draws" in one]
     assert line == f"MuJoCo draws nothing of this URDF, as it reads no DAE and no flat mesh there: {name}"
 
 
@@ -75,7 +75,7 @@ def dae(folder: Path, unit: str) -> Path:
 )
 def test_a_dae_is_as_large_as_its_unit_says(unit: str, metres: float, tmp_path: Path) -> None:
     file = dae(tmp_path, unit)
-    assert np.ptp(solid(file).vertices, axis=0) == pytest.approx([metres] * 3)
+    assert np.ptp(load_mesh(file).vertices, axis=0) == pytest.approx([metres] * 3)
     mesh = '<visual><geometry><mesh filename="wedge.dae" scale="2 3 4"/></geometry></visual></link>'
     arm = import_arm(written(tmp_path, urdf(upper=UPPER.replace("</link>", mesh))))
     notes = [note for note in arm.notes() if "wedge.dae" in note]
@@ -98,7 +98,7 @@ def test_a_dae_is_as_large_as_its_unit_says(unit: str, metres: float, tmp_path: 
 @pytest.mark.parametrize("unit", ["0", "-1", "inch", "nan"])
 def test_a_unit_that_is_none_is_told(unit: str, tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"wedge\.dae: declares a unit that is no length; give <unit meter"):
-        solid(dae(tmp_path, f'<unit meter="{unit}"/>'))
+        load_mesh(dae(tmp_path, f'<unit meter="{unit}"/>'))
 
 
 SCALED = """<mujoco><asset><mesh name="m" file="wedge.stl" {asset}/></asset><worldbody>
@@ -119,9 +119,11 @@ def test_meshes_of_an_mjcf_are_drawn_as_mujoco_draws_them(asset: str, frame: str
 
     machine = load(saved[0])
     (shape,) = machine.arm.link["shoulder"].shapes
-    from layflat.physics.arms.bodies import turned_by
+    from layflat.physics.arms.bodies import rotation_from_angles
 
-    ours = solid(Path(shape.file)).vertices * np.array(shape.scale) @ turned_by(shape.turn).T + np.array(shape.place)
+    ours = load_mesh(Path(shape.file)).vertices * np.array(shape.scale) @ rotation_from_angles(
+        shape.rotation
+    ).T + np.array(shape.position)
     model = mujoco.MjModel.from_xml_path(str(file))
     data = mujoco.MjData(model)
     mujoco.mj_kinematics(model, data)

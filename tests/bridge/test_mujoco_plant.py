@@ -11,14 +11,13 @@ from numpy.typing import NDArray
 from layflat.bridge import MujocoPlant, arm_spec
 from layflat.errors import DivergedError, InputError
 from layflat.machine import Machine, load
-from layflat.physics.driven import Plant
+from layflat.physics.driven import MachinePlant
 from layflat.physics.step import STEP
-from layflat.rig.clock import SECOND, VirtualClock
-from layflat.rig.device.virtual import VirtualDevice
-from layflat.rig.driver import DeviceState, Reading
-from layflat.rig.drivers.simulated import SimulatedDriver
-from layflat.rig.loop import Loop
-from layflat.rig.safety.states import State
+from layflat.rig.clock import NS_PER_SECOND, VirtualClock
+from layflat.rig.device.virtual import SimulatedDriver, VirtualDevice
+from layflat.rig.driver import DeviceState, SensorReading
+from layflat.rig.loop import RigLoop
+from layflat.rig.safety.faults import RigState
 from layflat.rig.safety.supervisor import HostRequest
 from layflat.sim.plant import SteppedPlant
 
@@ -43,14 +42,16 @@ class Wanting:
     def publish(self, row: NDArray[np.float64]) -> None: ...
 
 
-def led(plant: Plant, seconds: float, machine: Machine = ARM) -> tuple[NDArray[np.float64], Loop]:
+def led(plant: MachinePlant, seconds: float, machine: Machine = ARM) -> tuple[NDArray[np.float64], RigLoop]:
     """Angles (cycles, joints) of a loop with driver, device and a plant, which is led to two places."""
-    clock, host = VirtualClock(3 * SECOND), Wanting()
+    clock, host = VirtualClock(3 * NS_PER_SECOND), Wanting()
     driver = SimulatedDriver(VirtualDevice(machine, plant, clock, running=True))
     driver.configure()
     driver.activate()
-    loop = Loop(machine, driver, clock, host)
-    loop.begin(Reading(plant.angles, plant.pressures @ [1.0, -1.0], plant.supply, False, DeviceState.RUNNING))
+    loop = RigLoop(machine, driver, clock, host)
+    loop.start_filled(
+        SensorReading(plant.angles, plant.pressures @ [1.0, -1.0], plant.supply, False, DeviceState.RUNNING)
+    )
     angles, cycles = [], round(seconds / CYCLE)
     for k in range(cycles):
         host.demands = [radians(30.0), radians(-20.0)] if k < cycles // 2 else [radians(-10.0), radians(15.0)]
@@ -64,7 +65,7 @@ def test_a_loop_runs_on_it_as_on_our_own_plant() -> None:
     other, loop = led(MujocoPlant(ARM, seed=4), 4.0)
     rms = np.degrees(np.sqrt(np.mean((own - other) ** 2, axis=0)))
     assert rms.max() < 0.1
-    assert loop.supervisor.state is State.MOVING
+    assert loop.supervisor.state is RigState.MOVING
     assert np.degrees(other[-1]) == pytest.approx([-10.0, 15.0], abs=0.5)
 
 
@@ -74,7 +75,7 @@ def test_a_law_that_plans_its_motion_runs_on_it_as_on_our_own_plant() -> None:
     other, loop = led(MujocoPlant(machine, seed=4), 2.0, machine)
     rms = np.degrees(np.sqrt(np.mean((own - other) ** 2, axis=0)))
     assert rms.max() < 0.5
-    assert loop.supervisor.state is State.MOVING
+    assert loop.supervisor.state is RigState.MOVING
     assert np.degrees(other[[100, -1]]) == pytest.approx(np.array([[30.0, -20.0], [-10.0, 15.0]]), abs=0.5)
 
 

@@ -29,7 +29,7 @@ def machine_with(friction: dict[str, Any]) -> Machine:
 
 TILTED = changed(changed(ARM, "arm.gravity", 4.0), "arm.gravity_direction", radians(-70.0))
 LATE = changed(ARM, "valve.delay", 7e-3)
-STRIBECK = {"kind": "stribeck", "static_ratio": 1.4, "velocity": "0.1 rad/s", "drag": "0.2 N m", "load_share": 0.02}
+STRIBECK = {"kind": "stribeck", "static_ratio": 1.4, "velocity": "0.1 rad/s", "drag": "0.2 N m", "load_ratio": 0.02}
 RUBBING = machine_with(STRIBECK)
 IN_SPACE = random_arm(4, seed=1)
 AMBIENT = ARM.supply.ambient_pressure
@@ -253,7 +253,7 @@ def test_contacts_that_do_not_touch_the_arm_need_no_rounds(monkeypatch: pytest.M
         return data.qpos.copy(), data.ncon
 
     alone, contacts = moved()
-    monkeypatch.setattr(Brakes, "_coupled", lambda _, data: data.nefc > 0)
+    monkeypatch.setattr(Brakes, "_is_constrained", lambda _, data: data.nefc > 0)
     in_rounds, _ = moved()
     assert contacts > 0
     assert alone == pytest.approx(in_rounds, abs=1e-12)

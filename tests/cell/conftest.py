@@ -4,7 +4,7 @@ import pytest
 
 from layflat.cell import Cell, load
 from layflat.cell.vision import Calibration
-from layflat.cell.work.run import calibrated
+from layflat.cell.work.run import calibrate_cell
 
 
 @pytest.fixture(scope="session")
@@ -16,7 +16,7 @@ def packing() -> Cell:
 def calibration(packing: Cell) -> Calibration:
     """Of the built-in cell's camera, as all cells have it that differ in other things."""
     shares: list[float] = []
-    found = calibrated(packing, shares.append)
+    found = calibrate_cell(packing, shares.append)
     assert shares == sorted(shares)
     assert shares[-1] == 1.0
     return found

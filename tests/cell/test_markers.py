@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from layflat.cell import Cell
-from layflat.cell.markers import board_picture, charuco, marker_picture
+from layflat.cell.extras import CharucoBoard, board_picture, make_charuco_board, marker_picture
 from layflat.errors import CameraError
 
 
@@ -26,7 +26,7 @@ def test_a_marker_that_no_dictionary_has_is_told() -> None:
 
 
 def test_a_board_is_drawn_black_and_white_without_margin(packing: Cell) -> None:
-    drawn = board_picture(packing.board)
+    drawn = board_picture(CharucoBoard(**packing.board.model_dump()))
     assert set(np.unique(drawn)) == {0, 255}
     assert drawn.shape[1] * packing.board.rows == drawn.shape[0] * packing.board.columns
     assert drawn[0, 0] == 0
@@ -37,4 +37,4 @@ def test_a_board_is_drawn_black_and_white_without_margin(packing: Cell) -> None:
 )
 def test_a_board_that_can_not_be_is_told(packing: Cell, update: dict[str, object], said: str) -> None:
     with pytest.raises(CameraError, match=said):
-        charuco(packing.board.model_copy(update=update))
+        make_charuco_board(CharucoBoard(**packing.board.model_dump() | update))

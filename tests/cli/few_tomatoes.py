@@ -6,11 +6,11 @@ name = "few"
 
 [tray.infeed]
 produce = ["tomato"]
-count = { least = 2, most = 2 }
+count = { min = 2, max = 2 }
 
 [produce.tomato.diameter]
-least = "54 mm"
+min = "54 mm"
 
 [produce.tomato.colour.orange]
-share = 0.000001
+fraction = 0.000001
 """

@@ -13,13 +13,13 @@ mujoco: Any = pytest.importorskip("mujoco")
 @pytest.mark.parametrize("name", ["arm.xml", "arm.urdf"])
 def test_what_it_writes_is_a_model(name: str, tmp_path: Path) -> None:
     out = tmp_path / "sub" / name
-    done = CliRunner().invoke(app, ["arm-model", "paper-arm", "--out", str(out)])
+    done = CliRunner().invoke(app, ["arm", "export", "paper-arm", "--out", str(out)])
     assert done.output == f"wrote {out}\n"
     assert mujoco.MjModel.from_xml_path(str(out)).nv == 2
 
 
 def test_another_kind_is_refused(tmp_path: Path) -> None:
-    done = CliRunner().invoke(app, ["arm-model", "paper-arm", "--out", str(tmp_path / "arm.sdf")])
+    done = CliRunner().invoke(app, ["arm", "export", "paper-arm", "--out", str(tmp_path / "arm.sdf")])
     assert isinstance(done.exception, InputError)
     assert str(done.exception) == "--out: 'arm.sdf' has an unknown format; give a name such as arm.xml or arm.urdf"
     assert not list(tmp_path.iterdir())

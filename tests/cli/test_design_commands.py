@@ -12,7 +12,7 @@ from layflat.cli import app
 from layflat.errors import InputError
 from layflat.machine import load
 
-SIZE = ("size", "--torque", "8 N m", "--stroke", "90 deg", "--supply", "2.5 bar")
+SIZE = ("joint", "size", "--torque", "8 N m", "--stroke", "90 deg", "--supply", "2.5 bar")
 
 
 def layflat(*words: object) -> Result:
@@ -30,7 +30,7 @@ def written(folder: Path) -> set[str]:
     return {path.name for path in folder.iterdir()}
 
 
-@pytest.mark.parametrize("command", [("design", "paper-arm"), SIZE], ids=["design", "size"])
+@pytest.mark.parametrize("command", [("joint", "design", "paper-arm"), SIZE], ids=["design", "size"])
 def test_without_ezdxf_everything_else_is_written(
     command: tuple[str, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -43,13 +43,13 @@ def test_without_ezdxf_everything_else_is_written(
     (line,) = done.stderr.splitlines()
     assert line == "layflat: no DXF: needs ezdxf, not installed; install it: pip install 'layflat[drawing]'"
     left_out = {name for name in written(whole) if name.endswith(".dxf")}
-    assert len(left_out) == (2 if command[0] == "design" else 1)
+    assert len(left_out) == (2 if command[1] == "design" else 1)
     assert written(rest) == written(whole) - left_out
 
 
 def test_a_joint_with_a_roller_misses_nothing_without_ezdxf(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "ezdxf", None)
-    done = layflat("design", "rig-polyester", "--out", tmp_path)
+    done = layflat("joint", "design", "rig-polyester", "--out", tmp_path)
     assert (done.exit_code, done.stderr) == (0, "")
     assert not written(tmp_path)
 
@@ -66,7 +66,7 @@ def test_size_names_the_file_and_the_command_that_tunes_it(tmp_path: Path) -> No
 
 @pytest.mark.parametrize("name", [" ", "../../evil", "/abs/path", "nul\0"])
 def test_a_name_that_leaves_the_folder_is_refused(name: str, tmp_path: Path) -> None:
-    assert refused(*SIZE, "--name", name, "--out", tmp_path / "out").startswith("size: name: ")
+    assert refused(*SIZE, "--name", name, "--out", tmp_path / "out").startswith("--name: ")
     assert not (tmp_path / "out").exists()
 
 
@@ -79,7 +79,17 @@ def table(folder: Path) -> Path:
 
 
 def test_a_measured_table_belongs_to_one_joint(tmp_path: Path) -> None:
-    given = ("design", "paper-arm", "--table", table(tmp_path), "--pressure", "3 bar", "--out", tmp_path / "out")
+    given = (
+        "joint",
+        "design",
+        "paper-arm",
+        "--table",
+        table(tmp_path),
+        "--pressure",
+        "3 bar",
+        "--out",
+        tmp_path / "out",
+    )
     assert refused(*given) == "--table: measures one joint; add --joint large or --joint small"
     done = layflat(*given, "--joint", "large")
     assert done.exit_code == 0, done.exception
@@ -88,8 +98,8 @@ def test_a_measured_table_belongs_to_one_joint(tmp_path: Path) -> None:
 
 
 def test_options_that_would_be_ignored_are_refused(tmp_path: Path) -> None:
-    assert refused("design", "paper-arm", "--pressure", "3 bar").startswith("--pressure: needs --table")
-    given = ("design", "paper-arm", "--joint", "large", "--table", table(tmp_path))
+    assert refused("joint", "design", "paper-arm", "--pressure", "3 bar").startswith("--pressure: needs --table")
+    given = ("joint", "design", "paper-arm", "--joint", "large", "--table", table(tmp_path))
     assert "measured.csv: pressure: is missing" in refused(*given)
     assert "--pressure: ' ' " in refused(*given, "--pressure", " ")
     for high in ("500 bar", "0 bar", "-3 bar"):
@@ -98,4 +108,7 @@ def test_options_that_would_be_ignored_are_refused(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("name", [" ", "3", "Large"])
 def test_an_unknown_joint_is_refused(name: str) -> None:
-    assert refused("design", "paper-arm", "--joint", name) == f"--joint: unknown joint {name!r}; give large or small"
+    assert (
+        refused("joint", "design", "paper-arm", "--joint", name)
+        == f"--joint: unknown joint {name!r}; give large or small"
+    )

@@ -8,14 +8,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from layflat.identify.identification import begin
+from layflat.identify.identification import prepare_identification
 from layflat.identify.report_text import write_page
 from layflat.machine import load
-from layflat.machine.listing import listing
+from layflat.machine.listing import list_values
 from layflat.machine.loader import tables
 from layflat.motion.demand_file import read_demand
 from layflat.sim import rollout
-from layflat.sim.dataset import save
+from layflat.sim.dataset import save_run
 from tests.cli.commands import layflat, refused
 
 REAL = """\
@@ -45,7 +45,7 @@ def bench(tmp_path_factory: pytest.TempPathFactory) -> Path:
     assert done.returncode == 0, done.stderr
     assert "rms error against moves.csv: small " in done.stdout
     far = load(folder / "far.toml")
-    save(
+    save_run(
         rollout(far, read_demand(far, folder / "moves.csv", 0.005).angles, duration=4.005, start=0.0), folder / "far.nc"
     )
     return folder
@@ -91,9 +91,9 @@ def test_a_machine_is_found_and_predicts_another_run(bench: Path) -> None:
     names = [f"paper-small-joint-identified.{ending}" for ending in ("html", "json", "toml")]
     assert sorted(path.name for path in (bench / "first").iterdir()) == names
 
-    session = begin([bench / "real.nc"], "paper-small-joint", bench / "again", blocks="friction")
+    session = prepare_identification([bench / "real.nc"], "paper-small-joint", bench / "again", blocks="friction")
     fitted = session.fit(starts=2)
-    session.keep(fitted)
+    session.write_results(fitted)
     write_page(session, fitted, session.path.with_suffix(".html"))
     for name in names:
         assert (bench / "first" / name).read_bytes() == (bench / "again" / name).read_bytes()
@@ -106,7 +106,7 @@ def test_a_machine_is_found_and_predicts_another_run(bench: Path) -> None:
     assert "95 %" in source.note
     assert f"real (sha256 {values['logs']['real'][:16]})" in source.note
     line = next(
-        line for line in listing(*tables(bench / "first" / names[2])) if line.path == "joint.small.brake.torque"
+        line for line in list_values(*tables(bench / "first" / names[2])) if line.path == "joint.small.brake.torque"
     )
     assert (line.source, line.note) == (source.source, source.note)
 

@@ -12,7 +12,7 @@ import pytest
 
 from layflat.machine import load
 from layflat.motion.demand_file import read_demand, write_demand
-from layflat.motion.optimal import time_optimal
+from layflat.motion.optimal import plan_time_optimal
 from layflat.motion.path import JointLine
 from tests.cli.commands import layflat, refused
 
@@ -23,7 +23,7 @@ ARM = load("paper-arm-tracking")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("learn")
     for name, end in (("move", 20.0), ("other", 25.0)):
-        motion = time_optimal(ARM, JointLine(np.radians([-20.0, -20.0]), np.radians([end, 20.0])))
+        motion = plan_time_optimal(ARM, JointLine(np.radians([-20.0, -20.0]), np.radians([end, 20.0])))
         q, v, a = motion.rows(ARM.cycle)
         path = folder / f"{name}-demand.csv"
         write_demand(ARM, motion.times(ARM.cycle), q, path, velocity=v, acceleration=a)
@@ -34,6 +34,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_repeats_are_simulated_on_another_plant(folder: Path) -> None:
     words = (
+        "motion",
         "learn",
         "move-demand.csv",
         "paper-arm-tracking",
@@ -57,7 +58,7 @@ def test_repeats_are_simulated_on_another_plant(folder: Path) -> None:
 
 
 def test_it_learns_from_runs_of_its_own_demands(folder: Path) -> None:
-    words = ("learn", "move-demand.csv", "paper-arm-tracking", "--out", "host")
+    words = ("motion", "learn", "move-demand.csv", "paper-arm-tracking", "--out", "host")
     assert layflat(*words, "--begin", cwd=folder).returncode == 0
     errors = []
     for seed in (1, 2, 3):
@@ -68,28 +69,41 @@ def test_it_learns_from_runs_of_its_own_demands(folder: Path) -> None:
         rows = [line.split("│") for line in done.stdout.splitlines() if "│" in line]
         errors.append(float(rows[-1][1]))
     assert errors[-1] < 0.7 * errors[0]
-    words = (*words[:3], "--out", "elsewhere")
+    words = (*words[:4], "--out", "elsewhere")
     line = refused(*words, "--from", "runs/paper-arm-tracking.nc", "--learnt", "sim/move.learnt", cwd=folder)
-    assert "is not of a run of the demand to send next; give a run of the demand that `layflat learn` wrote" in line
+    assert (
+        "is not of a run of the demand to send next; give a run of the demand that `layflat motion learn` wrote" in line
+    )
 
 
 def test_mistakes_give_one_line(folder: Path) -> None:
     assert (
-        layflat("learn", "move-demand.csv", "paper-arm-tracking", "--begin", "--out", "of", cwd=folder).returncode == 0
+        layflat(
+            "motion", "learn", "move-demand.csv", "paper-arm-tracking", "--begin", "--out", "of", cwd=folder
+        ).returncode
+        == 0
     )
     learnt = ("--learnt", "of/move.learnt", "--out", "no")
-    line = refused("learn", "other-demand.csv", "paper-arm-tracking", *learnt, cwd=folder)
-    assert line == "layflat: of/move.learnt: was learnt of another motion; give that motion, or learn anew"
-    line = refused("learn", "move-demand.csv", "plant.toml", *learnt, cwd=folder)
+    line = refused("motion", "learn", "other-demand.csv", "paper-arm-tracking", *learnt, cwd=folder)
+    assert line == "layflat: of/move.learnt: was learnt for another motion; give that motion, or learn anew"
+    line = refused("motion", "learn", "move-demand.csv", "plant.toml", *learnt, cwd=folder)
     assert "was learnt with another machine, 'paper-arm-tracking'" in line
-    line = refused("learn", "move-demand.csv", "paper-arm-tracking", "--plant", "paper-small-joint", cwd=folder)
+    line = refused(
+        "motion", "learn", "move-demand.csv", "paper-arm-tracking", "--plant", "paper-small-joint", cwd=folder
+    )
     assert "give a machine with joints" in line
-    line = refused("learn", "move-demand.csv", "paper-arm-tracking", "--from", "a.nc", "--plant", "b", cwd=folder)
+    line = refused(
+        "motion", "learn", "move-demand.csv", "paper-arm-tracking", "--from", "a.nc", "--plant", "b", cwd=folder
+    )
     assert line == "layflat: --plant: cannot be combined with --from; give one or the other"
     for option in (["--begin"], ["--from", "a.nc"]):
-        line = refused("learn", "move-demand.csv", "paper-arm-tracking", "--repeats", "3", *option, cwd=folder)
+        line = refused(
+            "motion", "learn", "move-demand.csv", "paper-arm-tracking", "--repeats", "3", *option, cwd=folder
+        )
         assert line.startswith(f"layflat: --repeats: has no effect beside {option[0]}")
-    assert "--begin" in refused("learn", "move-demand.csv", "paper-arm-tracking", "--begin", "--from", "a", cwd=folder)
+    assert "--begin" in refused(
+        "motion", "learn", "move-demand.csv", "paper-arm-tracking", "--begin", "--from", "a", cwd=folder
+    )
     assert not (folder / "no").exists()
 
 
@@ -98,14 +112,14 @@ def test_ctrl_c_keeps_the_repeats_that_are_done(folder: Path, monkeypatch: pytes
 
     simulated = repeats.simulated_repeats
 
-    def stopped(*args: Any, **options: Any) -> Iterator[repeats.Simulated]:
+    def stopped(*args: Any, **options: Any) -> Iterator[repeats.SimulatedRepeat]:
         runs = simulated(*args, **options)
         yield next(runs)
         yield next(runs)
         raise KeyboardInterrupt
 
     monkeypatch.setattr(repeats, "simulated_repeats", stopped)
-    done = layflat("learn", "move-demand.csv", "paper-arm-tracking", "--out", "stopped", cwd=folder)
+    done = layflat("motion", "learn", "move-demand.csv", "paper-arm-tracking", "--out", "stopped", cwd=folder)
     assert done.returncode == 130
     assert "stopped after 2 of 6 repeats; partial results are in stopped/move.learnt" in done.stderr
     assert json.loads((folder / "stopped/move.learnt").read_text())["repeats"] == 2
@@ -113,7 +127,7 @@ def test_ctrl_c_keeps_the_repeats_that_are_done(folder: Path, monkeypatch: pytes
 
 
 def test_what_was_learnt_is_not_replaced(folder: Path) -> None:
-    words = ("learn", "move-demand.csv", "paper-arm-tracking", "--out", "kept")
+    words = ("motion", "learn", "move-demand.csv", "paper-arm-tracking", "--out", "kept")
     assert layflat(*words, "--repeats", "1", cwd=folder).returncode == 0
     said = (folder / "kept/move.learnt").read_text()
     for other in (["--begin"], ["--repeats", "2"]):

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from layflat.sim import rollout
-from layflat.sim.dataset import save
+from layflat.sim.dataset import save_run
 from tests.cli.commands import layflat
 
 
@@ -18,7 +18,7 @@ def rig(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("rig")
     moves = [("0 s", "0 deg"), ("0.4 s", "35 deg"), ("1.4 s", "-40 deg")]
     run = rollout("paper-small-joint", moves, duration="2.5 s")
-    save(run, folder / "run.nc")
+    save_run(run, folder / "run.nc")
     one = run.sel(joint="small")
     table = np.stack([1e3 * run["time"], np.degrees(one["measured_angle"]), one["voltage"]], axis=1)
     header = "t [ms],theta [deg],valve [V]"

@@ -24,8 +24,8 @@ acceleration = "4 m/s^2"
 
 
 def test_motions_are_listed_and_printed() -> None:
-    assert "tour" in layflat("motions").stdout
-    assert 'kind = "belt"' in layflat("motions", "tour").stdout
+    assert "tour" in layflat("motion", "list").stdout
+    assert 'kind = "belt"' in layflat("motion", "show", "tour").stdout
 
 
 @pytest.fixture(scope="module")
@@ -36,7 +36,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_a_motion_is_planned_and_simulated(folder: Path) -> None:
-    done = layflat("motion", "mine.toml", "paper-arm-fast", "--out", "out", cwd=folder)
+    done = layflat("motion", "plan", "mine.toml", "paper-arm-fast", "--out", "out", cwd=folder)
     assert done.returncode == 0, done.stderr
     assert max(map(len, done.stdout.splitlines()[:3])) <= 100
     assert "1 belt" in done.stdout
@@ -53,7 +53,7 @@ def test_a_motion_is_planned_and_simulated(folder: Path) -> None:
 
 
 def test_a_mistake_gives_one_line(folder: Path) -> None:
-    done = layflat("motion", "mine.toml", "paper-small-joint", cwd=folder)
+    done = layflat("motion", "plan", "mine.toml", "paper-small-joint", cwd=folder)
     assert done.returncode == 2
     assert done.stderr.strip() == "layflat: mine.toml: start: has 2 angles; give 1: small"
     assert not (folder / "build/motion").exists()
@@ -63,7 +63,7 @@ def test_a_motion_that_goes_nowhere_has_a_demand_that_can_be_followed(folder: Pa
     start = '["10 deg", "10 deg"]'
     text = f'name = "still"\ntitle = "x"\nstart = {start}\n[[segment]]\nkind = "joint"\nto = {start}\n'
     (folder / "still.toml").write_text(text, encoding="utf-8")
-    done = layflat("motion", "still.toml", "paper-arm-fast", "--out", "out", cwd=folder)
+    done = layflat("motion", "plan", "still.toml", "paper-arm-fast", "--out", "out", cwd=folder)
     assert (done.returncode, done.stderr) == (0, "")
     angles = read_demand(load("paper-arm-fast"), folder / "out" / "still-demand.csv", 0.005).angles
     assert angles.shape == (2, 2)
@@ -72,6 +72,6 @@ def test_a_motion_that_goes_nowhere_has_a_demand_that_can_be_followed(folder: Pa
 def test_a_motion_of_weeks_is_refused_before_it_is_written(folder: Path) -> None:
     text = 'name = "long"\ntitle = "x"\nstart = ["0 deg", "0 deg"]\n[[segment]]\nkind = "wait"\nduration = "1000 h"\n'
     (folder / "long.toml").write_text(text, encoding="utf-8")
-    done = layflat("motion", "long.toml", "paper-arm-fast", "--out", "out", cwd=folder)
+    done = layflat("motion", "plan", "long.toml", "paper-arm-fast", "--out", "out", cwd=folder)
     assert done.returncode == 2
     assert done.stderr.strip().endswith("3.6e+06 s are 7.2e+08 control cycles of 5 ms; give 10000 s or less")

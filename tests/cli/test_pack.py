@@ -11,16 +11,18 @@ import pytest
 from typer.testing import CliRunner
 
 from layflat.cell import load
-from layflat.cell.work.records import Delivery, Verdict, VisionErrors
+from layflat.cell.work.observer import Delivery, Verdict, VisionErrors
 from layflat.cli import app
-from layflat.cli.pack_run import nothing_packed
+from layflat.cli.pack_run import PackRequest, _run_and_report, nothing_packed
 from layflat.errors import CameraError, CellError, InputError
+from layflat.pages.cell.link import PageLink
+from layflat.pages.cell.snapshot import RunSnapshot
 from tests.cli.commands import refused
 from tests.cli.few_tomatoes import FEW
 
 pytest.importorskip("mujoco")
 
-from layflat.cell.work.run import Run  # needs it
+from layflat.cell.work.run import PackingRun  # needs it
 
 MOVED = """\
 extends = "few.toml"
@@ -39,15 +41,15 @@ def few(tmp_path: Path) -> str:
 
 
 def test_cells_are_listed_and_printed() -> None:
-    assert "packing" in CliRunner().invoke(app, ["cells"]).output
-    printed = CliRunner().invoke(app, ["cells", "packing"]).output
+    assert "packing" in CliRunner().invoke(app, ["cell", "list"]).output
+    printed = CliRunner().invoke(app, ["cell", "show", "packing"]).output
     assert printed.startswith('name = "packing"\n')
-    assert isinstance(CliRunner().invoke(app, ["cells", "paking"]).exception, CellError)
+    assert isinstance(CliRunner().invoke(app, ["cell", "show", "paking"]).exception, CellError)
 
 
 def test_a_run_leaves_results_a_film_and_a_sheet(few: str, tmp_path: Path) -> None:
     out = tmp_path / "out"
-    done = CliRunner().invoke(app, ["pack", "--cell", few, "--picks", "1", "--out", str(out), "--film", "gif"])
+    done = CliRunner().invoke(app, ["cell", "pack", "--cell", few, "--picks", "1", "--out", str(out), "--film", "gif"])
     assert done.exception is None, done.output
     written = {line.removeprefix("wrote ") for line in done.output.splitlines() if line.startswith("wrote ")}
     assert written == {str(path) for path in out.iterdir()}
@@ -60,12 +62,12 @@ def test_a_run_leaves_results_a_film_and_a_sheet(few: str, tmp_path: Path) -> No
     moved = tmp_path / "moved.toml"
     moved.write_text(MOVED, encoding="utf-8")
     known = ["--calibration", str(out / "calibration.toml")]
-    refused = CliRunner().invoke(app, ["pack", "--cell", str(moved), *known, "--out", str(tmp_path / "moved")])
+    refused = CliRunner().invoke(app, ["cell", "pack", "--cell", str(moved), *known, "--out", str(tmp_path / "moved")])
     assert isinstance(refused.exception, CameraError)
 
 
 def test_a_study_has_a_row_for_each_seed(few: str, tmp_path: Path) -> None:
-    asked = ["pack", "--cell", few, "--study", "--seeds", "2", "--picks", "1", "--out", str(tmp_path / "out")]
+    asked = ["cell", "pack", "--cell", few, "--study", "--seeds", "2", "--picks", "1", "--out", str(tmp_path / "out")]
     done = CliRunner().invoke(app, asked, env={"MUJOCO_GL": "nothing"})
     assert done.exception is None, done.output
     assert "2 of 2 picks" in done.output
@@ -78,12 +80,12 @@ import os, signal, sys, threading
 from layflat.cell.work import run
 
 def stop_after_the_first(*asked, **named):
-    runs = run_repeated(*asked, **named)
+    runs = run_all(*asked, **named)
     yield next(runs)
     threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGINT)).start()
     yield from runs
 
-run_repeated, run.repeated = run.repeated, stop_after_the_first
+run_all, run.run_seeds = run.run_seeds, stop_after_the_first
 if __name__ == "__main__":
     from layflat.cli import main
     main()
@@ -93,7 +95,7 @@ if __name__ == "__main__":
 def test_a_study_that_is_stopped_keeps_its_runs_and_marks_them_partial(few: str, tmp_path: Path) -> None:
     script, out = tmp_path / "stopped.py", tmp_path / "out"
     script.write_text(STOPPED, encoding="utf-8")
-    asked = ["pack", "--cell", few, "--study", "--seeds", "40", "--picks", "1", "--out", str(out)]
+    asked = ["cell", "pack", "--cell", few, "--study", "--seeds", "40", "--picks", "1", "--out", str(out)]
     done = subprocess.run(
         [sys.executable, str(script), *asked], env=os.environ | {"MUJOCO_GL": "nothing"},
         capture_output=True, text=True, timeout=600, check=False,
@@ -111,7 +113,17 @@ def test_a_study_that_is_stopped_keeps_its_runs_and_marks_them_partial(few: str,
 
 
 def test_without_opengl_it_goes_on_without_pictures(few: str, tmp_path: Path) -> None:
-    command = [sys.executable, "-c", "from layflat.cli import main; main()", "pack", "--cell", few, "--picks", "1"]
+    command = [
+        sys.executable,
+        "-c",
+        "from layflat.cli import main; main()",
+        "cell",
+        "pack",
+        "--cell",
+        few,
+        "--picks",
+        "1",
+    ]
     done = subprocess.run(
         [*command, "--out", str(tmp_path / "out")], env=os.environ | {"MUJOCO_GL": "nothing"},
         capture_output=True, text=True, timeout=120, check=False,
@@ -124,9 +136,9 @@ def test_without_opengl_it_goes_on_without_pictures(few: str, tmp_path: Path) ->
 
 def test_an_empty_tray_is_told_after_the_results_are_written(few: str, tmp_path: Path) -> None:
     empty = tmp_path / "empty.toml"
-    empty.write_text('extends = "few.toml"\n[tray.infeed]\ncount = { least = 0, most = 0 }\n', encoding="utf-8")
+    empty.write_text('extends = "few.toml"\n[tray.infeed]\ncount = { min = 0, max = 0 }\n', encoding="utf-8")
     out = tmp_path / "out"
-    done = CliRunner().invoke(app, ["pack", "--cell", str(empty), "--out", str(out)])
+    done = CliRunner().invoke(app, ["cell", "pack", "--cell", str(empty), "--out", str(out)])
     assert isinstance(done.exception, CellError)
     assert "there is nothing in the trays; lay produce into them" in str(done.exception)
     assert {path.name for path in out.iterdir()} == {"calibration.toml", "film.mp4", "results.json", "sheet.png"}
@@ -150,7 +162,7 @@ def test_an_empty_tray_is_told_after_the_results_are_written(few: str, tmp_path:
     ],
 )
 def test_what_is_wrong_is_said_before_any_work(options: list[str], said: str, tmp_path: Path) -> None:
-    done = CliRunner().invoke(app, ["pack", *options, "--out", str(tmp_path / "out")])
+    done = CliRunner().invoke(app, ["cell", "pack", *options, "--out", str(tmp_path / "out")])
     assert isinstance(done.exception, InputError)
     assert said in str(done.exception)
     assert not (tmp_path / "out").exists()
@@ -160,13 +172,13 @@ def test_a_port_in_use_is_named_before_any_work(few: str, tmp_path: Path) -> Non
     pytest.importorskip("nicegui")
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = taken.getsockname()[1]
-        line = refused("pack", "--watch", "--cell", few, "--port", str(port), "--no-browser", cwd=tmp_path)
+        line = refused("cell", "pack", "--watch", "--cell", few, "--port", str(port), "--no-browser", cwd=tmp_path)
     assert line.startswith(f"layflat: --port: port {port} can't be had")
 
 
 def test_a_page_needs_its_extra(few: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "nicegui", None)
-    line = refused("pack", "--watch", "--cell", few, "--no-browser", cwd=tmp_path)
+    line = refused("cell", "pack", "--watch", "--cell", few, "--no-browser", cwd=tmp_path)
     assert line == "layflat: --watch: needs nicegui, not installed; install it: pip install 'layflat[panel]'"
     assert not (tmp_path / "build").exists()
 
@@ -181,8 +193,25 @@ def test_a_run_without_a_successful_pick_is_an_error_that_names_a_law_which_foll
     missed, placed = (
         Delivery(0, (), (Verdict(correct=correct),), (), (), 1.0, VisionErrors()) for correct in (False, True)
     )
-    error = nothing_packed(cell, [Run(cell, 0, (missed,), None)])
+    error = nothing_packed(cell, [PackingRun(cell, 0, (missed,), None)])
     assert error is not None
     assert "in cell 'slow'" in str(error)
     assert ("control law 'paper' does not follow a belt" in str(error)) == advised
-    assert nothing_packed(cell, [Run(cell, 0, (missed,), None), Run(cell, 1, (placed,), None)]) is None
+    assert nothing_packed(cell, [PackingRun(cell, 0, (missed,), None), PackingRun(cell, 1, (placed,), None)]) is None
+
+
+def test_a_page_shows_how_far_the_calibration_is(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    class Page:
+        snapshot = RunSnapshot()
+        show = PageLink.show
+
+        def _post(self, _name: str, shot: RunSnapshot) -> None:
+            shown.append(shot.calibrated)
+            raise KeyboardInterrupt
+
+    shown: list[float] = []
+    monkeypatch.setattr("layflat.cli.pack_run.calibration_of", lambda *arguments: arguments[-1](0.5))
+    request = PackRequest(load("packing"), 0, 1, tmp_path, "none")
+    with pytest.raises(KeyboardInterrupt):
+        _run_and_report(request, None, Page())  # type: ignore[arg-type]
+    assert shown == [0.5]

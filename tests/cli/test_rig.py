@@ -15,9 +15,9 @@ import pytest
 
 from layflat import cli
 from layflat.errors import LayflatError
-from layflat.rig.device.failures import FAILURES
+from layflat.rig.device.failures import FAILURES_BY_NAME
 from layflat.rig.recorder.run import read_run
-from layflat.rig.safety.states import State
+from layflat.rig.safety.faults import RigState
 from tests.cli.served_rig import LAYFLAT, ServedRig
 
 PATIENT = """
@@ -64,8 +64,8 @@ def refused(*words: str) -> str:
 def complete(path: Path) -> None:
     """A log that begins without air and ends without, with no cycle missing."""
     log = read_run(path)
-    assert log["mode"].values[0] == State.STARTING or log["mode"].values[0] == State.OFF
-    assert log["mode"].values[-1] == State.STOPPED
+    assert log["mode"].values[0] == RigState.STARTING or log["mode"].values[0] == RigState.OFF
+    assert log["mode"].values[-1] == RigState.STOPPED
     assert log["air"].values[-1] == 0.0
     time_, elapsed = log["time"].to_numpy(), log["elapsed"].to_numpy()
     assert np.all(np.diff(time_) <= elapsed[1:] + 0.002)
@@ -132,7 +132,7 @@ def test_a_demand_file_is_followed(modbus: ServedRig, place: Path) -> None:
     assert done.returncode == 0, done
     assert "sines.csv" in done.stdout
     log = read_run(place / "file" / "arm-rig.mcap")
-    moving = log.sel(time=log["time"][log["mode"].values == State.MOVING])
+    moving = log.sel(time=log["time"][log["mode"].values == RigState.MOVING])
     asked = np.degrees(np.ptp(moving["demand"].to_numpy(), axis=0))
     assert asked == pytest.approx([10.0 + 10.0 * 0.93, 8.0], abs=3.0)
     error = np.degrees(moving["angle"].to_numpy() - moving["demand"].to_numpy())
@@ -179,7 +179,7 @@ def test_a_served_rig_says_what_it_is_told(modbus: ServedRig) -> None:
     assert modbus.ask("fail stuck-spool small 0.2") == "stuck-spool: the joint's valve stays at an opening"
     assert modbus.ask("heal stuck-spool small") == "stuck-spool: healed"
     modbus.send("failures")
-    lines = [modbus.line() for _ in FAILURES]
+    lines = [modbus.line() for _ in FAILURES_BY_NAME]
     assert any(line.startswith("burst-hose: ") for line in lines)
     for text, what in (
         ("fail moonquake", "'moonquake' is not a failure"),

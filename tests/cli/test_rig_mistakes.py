@@ -8,13 +8,12 @@ import numpy as np
 import pytest
 
 from layflat import cli
-from layflat.cli.rig_run import line_of
+from layflat.cli.rig_run import status_line
 from layflat.errors import LayflatError
 from layflat.machine import load
-from layflat.rig.record import Layout
-from layflat.rig.safety.faults import Fault
-from layflat.rig.safety.states import State
-from layflat.rig.session import Snapshot
+from layflat.rig.record import RowLayout
+from layflat.rig.safety.faults import Fault, RigState
+from layflat.rig.session import RigSnapshot
 
 
 def refused(*words: str) -> str:
@@ -61,12 +60,12 @@ def test_other_mistakes_are_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 
 
 def test_the_status_is_a_line() -> None:
-    layout = Layout.of(load("paper-arm"))
+    layout = RowLayout.for_machine(load("paper-arm"))
     row = np.zeros(layout.width)
-    row[layout.shared["mode"]], row[layout.shared["fault"]] = State.FAULT, Fault.VALVE_UNRESPONSIVE
+    row[layout.shared["mode"]], row[layout.shared["fault"]] = RigState.FAULT, Fault.VALVE_UNRESPONSIVE
     layout.named(row, "joint_fault")[1] = Fault.VALVE_UNRESPONSIVE
-    line = line_of(Snapshot(layout, row), ["large", "small"])
+    line = status_line(RigSnapshot(layout, row), ["large", "small"])
     assert "FAULT joint 'small': air does not answer" in line
     assert "\n" not in line
     row[layout.shared["fault"]] = Fault.NONE
-    assert "FAULT" not in line_of(Snapshot(layout, row), ["large", "small"])
+    assert "FAULT" not in status_line(RigSnapshot(layout, row), ["large", "small"])

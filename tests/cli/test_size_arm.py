@@ -1,11 +1,11 @@
-"""The commands `size-arm` and `arm-tasks`: what they write, and what they refuse in one line."""
+"""Sizing of arms and their tasks from the command line: what is written, and what is refused in one line."""
 
 import csv
 from pathlib import Path
 
 import pytest
 
-from layflat.design.arm.task import TASKS, read_task
+from layflat.design.arm import TASK_LIBRARY, read_task
 from layflat.machine import load
 from tests.cli.commands import layflat, refused
 
@@ -13,7 +13,7 @@ ASKED = ("--reach", "0.5 m", "--payload", "0.5 kg", "--supply", "5 bar", "--time
 
 
 def test_an_arm_is_sized_and_checked(tmp_path: Path) -> None:
-    done = layflat("size-arm", *ASKED, "--joints", "2", "--name", "small-arm", "--out", str(tmp_path))
+    done = layflat("arm", "size", *ASKED, "--joints", "2", "--name", "small-arm", "--out", str(tmp_path))
     assert done.returncode == 0, done.stderr
     for told in ("shoulder", "elbow", "small-arm: 0.5 kg, moves of 0.80 s, 5 bar", "mass: "):
         assert told in done.stdout
@@ -21,13 +21,13 @@ def test_an_arm_is_sized_and_checked(tmp_path: Path) -> None:
     assert list(load(path).joints) == ["shoulder", "elbow"]
     drawn = {f"small-arm-{joint}-{what}" for joint in ("shoulder", "elbow") for what in ("cam.svg", "layout.svg")}
     assert drawn | {"small-arm.toml", "small-arm-arm.png"} <= {file.name for file in tmp_path.iterdir()}
-    checked = layflat("check", str(path))
+    checked = layflat("machine", "check", str(path))
     assert checked.stdout.strip() == f"{path}: a valid description of 2 joints"
 
 
 def test_masses_are_compared(tmp_path: Path) -> None:
     grid = ("--pressures", "3 bar, 6 bar", "--times", "0.3 s, 0.8 s, 1.6 s")
-    done = layflat("size-arm", *ASKED, "--joints", "1", "--pareto", *grid, "--out", str(tmp_path))
+    done = layflat("arm", "size", *ASKED, "--joints", "1", "--pareto", *grid, "--out", str(tmp_path))
     assert done.returncode == 0, done.stderr
     assert (tmp_path / "sized-arm-pareto.png").exists()
     with (tmp_path / "sized-arm-pareto.csv").open(encoding="utf-8", newline="") as file:
@@ -41,23 +41,24 @@ def test_masses_are_compared(tmp_path: Path) -> None:
 
 
 def test_tasks_are_listed_and_printed(tmp_path: Path) -> None:
-    listed = layflat("arm-tasks").stdout
-    assert all(name in listed for name in TASKS.names)
+    listed = layflat("task", "list").stdout
+    assert all(name in listed for name in TASK_LIBRARY.names)
     copy = tmp_path / "copy.toml"
-    copy.write_text(layflat("arm-tasks", "picking-arm").stdout, encoding="utf-8")
+    copy.write_text(layflat("task", "show", "picking-arm").stdout, encoding="utf-8")
     assert read_task(copy).model_dump() == read_task("picking-arm").model_dump()
 
 
 @pytest.mark.parametrize(
     ("words", "told"),
     [
-        ((), "size-arm: TASK: is missing; see `layflat arm-tasks`, or give --reach, --payload, --supply and --time"),
-        (("--reach", "1 m"), "size-arm: payload: is missing; docs/sizing-arms.md shows a complete task"),
+        ((), "arm size: TASK: is missing; see `layflat task list`, or give --reach, --payload, --supply and --time"),
+        (("--reach", "1 m"), "task: payload: is missing; docs/sizing-arms.md shows a complete task"),
         (("nothing.toml",), "nothing.toml: "),
         (("picking-arm", "--volume", "1 m"), "--volume: '1 m' is no box; give two corners, such as"),
-        (("picking-arm", "--volume", "0 m, 0 m to 1 m, 1 m, 1 m"), "picking-arm: --volume.low: has too few values"),
-        (("picking-arm", "--point", "1 m"), "picking-arm: --points.0: has too few values; give 3"),
-        (("picking-arm", "--pose", "1"), "picking-arm: --poses.0.0: '1' is a bare number"),
+        (("picking-arm", "--volume", "0 m, 0 m to 1 m, 1 m, 1 m"), "--volume.low: has too few values"),
+        (("picking-arm", "--point", "1 m"), "--point.0: has too few values; give 3"),
+        (("picking-arm", "--configuration", "1"), "--configuration.0.0: '1' is a bare number"),
+        (("picking-arm", "--pose", "1 deg"), "layflat: --pose is --configuration now"),
         (("picking-arm", "--times", "1 s"), "--times: needs --pareto"),
         (("picking-arm", "--pareto", "--pressures", "4"), "--pressures: '4' is a bare number"),
         (("picking-arm", "--time", "1 s", "--acceleration", "1 m/s^2"), "give one of them"),
@@ -66,5 +67,5 @@ def test_tasks_are_listed_and_printed(tmp_path: Path) -> None:
 )
 def test_one_line_says_what_is_wrong(words: tuple[str, ...], told: str, tmp_path: Path) -> None:
     out = tmp_path / "out"
-    assert told in refused("size-arm", *words, "--out", str(out))
+    assert told in refused("arm", "size", *words, "--out", str(out))
     assert not list(out.glob("*"))

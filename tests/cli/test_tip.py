@@ -31,7 +31,7 @@ def test_a_planned_motion_of_an_arm_in_space_is_followed(tmp_path: Path) -> None
         'to = ["600 mm", "150 mm", "350 mm"]\nspeed = "0.3 m/s"\ntime_optimal = true\n'
     )
     (tmp_path / "along.toml").write_text(text, encoding="utf-8")
-    done = layflat("motion", "along.toml", "picking-arm", "--out", "out", cwd=tmp_path)
+    done = layflat("motion", "plan", "along.toml", "picking-arm", "--out", "out", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     assert (tmp_path / "out" / "along-motion.png").stat().st_size > 50_000
     run = layflat("simulate", "picking-arm", "--demand", "out/along-demand.csv", cwd=tmp_path)

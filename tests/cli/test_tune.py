@@ -21,7 +21,7 @@ def test_gains_a_table_and_a_page(tmp_path: Path) -> None:
     assert "small joint by 40 deg" in done.stdout
     assert max(map(len, done.stdout.splitlines())) <= 100
     assert sorted(path.name for path in (tmp_path / "out").iterdir()) == ["mine-tuned.toml", "tuning.html"]
-    assert layflat("check", "out/mine-tuned.toml", cwd=tmp_path).returncode == 0
+    assert layflat("machine", "check", "out/mine-tuned.toml", cwd=tmp_path).returncode == 0
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="signals are sent otherwise there")
@@ -30,12 +30,12 @@ def test_an_interrupt_keeps_the_best_so_far(tmp_path: Path) -> None:
     (tmp_path / "bare.toml").write_text(bare, encoding="utf-8")
     words = [*LAYFLAT, "tune", "bare.toml", "--generations", "5000", "--out", "out"]
     waiting = (
-        "import sys; from layflat.tune import tuning; whole = tuning.search\n"
+        "import sys; from layflat.tune import tuning as tune; whole = tune.search_knob_values\n"
         "def told(*a, progress, **k):\n"
         "    def tell(best, done, name):\n"
         "        progress(best, done, name); print(done, file=sys.stderr, flush=True)\n"
         "    return whole(*a, progress=tell, **k)\n"
-        "tuning.search = told\n"
+        "tune.search_knob_values = told\n"
     )
     words[2] = waiting + words[2]
     with subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=tmp_path) as process:

@@ -27,7 +27,7 @@ def test_a_picture_is_drawn_without_a_screen(options: list[str], tmp_path: Path)
     if options == ["--run"]:
         options = ["--run", str(saved_run(tmp_path / "run.nc", "large", "small"))]
     out = tmp_path / "sub" / "arm.png"
-    done = layflat("view", "paper-arm", *options, "--png", str(out))
+    done = layflat("arm", "view", "paper-arm", *options, "--png", str(out))
     if "there is no OpenGL" in done.stderr:
         pytest.skip("there is no OpenGL")
     assert done.stdout == f"wrote {out}\n"
@@ -45,7 +45,7 @@ def test_a_picture_is_drawn_without_a_screen(options: list[str], tmp_path: Path)
 )
 def test_wrong_options_are_one_line(options: list[str], expected: str, tmp_path: Path) -> None:
     pytest.importorskip("mujoco")
-    line = refused("view", "paper-arm", *options, "--png", str(tmp_path / "arm.png"), cwd=tmp_path)
+    line = refused("arm", "view", "paper-arm", *options, "--png", str(tmp_path / "arm.png"), cwd=tmp_path)
     assert line.startswith(f"layflat: {expected}")
     assert not list(tmp_path.iterdir())
 
@@ -53,25 +53,25 @@ def test_wrong_options_are_one_line(options: list[str], expected: str, tmp_path:
 def test_a_run_of_another_arm_and_another_format_are_refused(tmp_path: Path) -> None:
     pytest.importorskip("mujoco")
     run = str(saved_run(tmp_path / "run.nc", "one", "two"))
-    line = refused("view", "paper-arm", "--run", run, "--png", str(tmp_path / "arm.png"))
+    line = refused("arm", "view", "paper-arm", "--run", run, "--png", str(tmp_path / "arm.png"))
     assert line == f"layflat: {run}: is of an arm with the joints one, two; give one of joints large, small"
-    line = refused("view", "paper-arm", "--png", str(tmp_path / "arm.jpg"))
+    line = refused("arm", "view", "paper-arm", "--png", str(tmp_path / "arm.jpg"))
     assert line == "layflat: --png: 'arm.jpg' has an unknown format; give a name such as arm.png"
 
 
 def test_without_opengl_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     pytest.importorskip("mujoco")
     monkeypatch.delenv("MUJOCO_GL", raising=False)
-    monkeypatch.setattr(picture, "LIBRARIES", {"egl": "libNone.so"})
-    line = refused("view", "paper-arm", "--png", str(tmp_path / "arm.png"))
-    assert line == f"layflat: no picture can be drawn: there is no OpenGL library; {picture.INSTALL}"
+    monkeypatch.setattr(picture, "GL_LIBRARIES", {"egl": "libNone.so"})
+    line = refused("arm", "view", "paper-arm", "--png", str(tmp_path / "arm.png"))
+    assert line == f"layflat: no picture can be drawn: there is no OpenGL library; {picture.GL_INSTALL_ADVICE}"
 
 
 def test_a_page_is_served_until_it_is_stopped() -> None:
     pytest.importorskip("viser")
     environment = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)}
     with subprocess.Popen(
-        [*LAYFLAT, "view", "paper-arm", "--port", "0"], stdout=subprocess.PIPE, text=True, env=environment
+        [*LAYFLAT, "arm", "view", "paper-arm", "--port", "0"], stdout=subprocess.PIPE, text=True, env=environment
     ) as page:
         assert page.stdout is not None
         try:
@@ -91,5 +91,5 @@ def test_a_port_in_use_is_told() -> None:
         taken.bind(("127.0.0.1", 0))
         taken.listen()
         port = taken.getsockname()[1]
-        line = refused("view", "paper-arm", "--port", str(port))
+        line = refused("arm", "view", "paper-arm", "--port", str(port))
     assert line.startswith(f"layflat: --port: port {port} can't be had")

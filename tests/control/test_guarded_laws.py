@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 
-from layflat.control import CONTROL_LAWS, FULL, Command, Demand, Sensed
+from layflat.control import CONTROL_LAWS, FULL_FRACTIONS, Command, Demand, Sensed
 from layflat.control.checks import find_flaw, guard_step
 from layflat.errors import KindError
 from layflat.jit import law
@@ -45,7 +45,11 @@ def step_with(flawed: Any) -> Any:
     def step(settings: Any, memory: Any, sensed: Any, demand: Any, elapsed: float) -> Any:
         late = memory.cycles >= LATE
         voltage, kept, error, share = flawed if late else (5.0, 0.0, 0.0, 1.0)
-        return Memory(memory.cycles + 1.0 + kept), Command((voltage,), (FULL._replace(brake=share),)), (Report(error),)
+        return (
+            Memory(memory.cycles + 1.0 + kept),
+            Command((voltage,), (FULL_FRACTIONS._replace(brake=share),)),
+            (Report(error),),
+        )
 
     return step
 
@@ -87,7 +91,7 @@ def test_a_share_out_of_range_spoils_the_voltage(share: float) -> None:
 def test_runs_side_by_side_are_spoilt_one_by_one() -> None:
     @law
     def step(settings: Any, memory: Any, sensed: Any, demand: Any, elapsed: float) -> Any:
-        return memory, Command(sensed.angle, (FULL,)), (Report(0.0),)
+        return memory, Command(sensed.angle, (FULL_FRACTIONS,)), (Report(0.0),)
 
     sensed: Any = Sensed((Lanes((1.0, inf, 3.0, nan)),), (Lanes((0.0,) * 4),))  # type: ignore[arg-type]
     _, command, _ = guard_step(step)(None, Memory(0.0), sensed, NOTHING[1], 0.005)

@@ -10,7 +10,7 @@ from pydantic import Discriminator, Field, Tag, ValidationError, model_validator
 
 from layflat.description import Part
 from layflat.description import units as u
-from layflat.description.explain import explained
+from layflat.description.explain import explain_error
 from layflat.description.names import Key
 
 
@@ -63,7 +63,7 @@ def line(plain: dict[str, Any]) -> str:
     try:
         Whole.model_validate(plain)
     except ValidationError as error:
-        return str(explained(error, "f.toml", Whole, complete="see one"))
+        return str(explain_error(error, "f.toml", Whole, complete="see one"))
     raise AssertionError(plain)
 
 

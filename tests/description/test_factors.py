@@ -18,7 +18,7 @@ from hypothesis import strategies as st
 import layflat
 from layflat.description import units as u
 from layflat.description.expression import unit_of
-from layflat.description.factors import DERIVED, PREFIXED, PREFIXES, definition, factor, is_own
+from layflat.description.factors import DERIVED_UNITS, PREFIXED_UNITS, PREFIXES, definition, factor, is_own
 
 KINDS = [kind for kind in vars(u).values() if isinstance(kind, u.Quantity)]
 KINDS_OF = {kind.unit: kind for kind in KINDS}
@@ -92,7 +92,7 @@ def test_any_number_is_converted_as_by_pint(unit: str, number: float) -> None:
     assert kind.convert(f"{number!r} {unit}") == by_pint(f"{number!r} {unit}", kind.unit)
 
 
-NAMES = [prefix + name for name in PREFIXED for prefix in ("", *PREFIXES)] + [*DERIVED.keys() - {"π", "%"}]
+NAMES = [prefix + name for name in PREFIXED_UNITS for prefix in ("", *PREFIXES)] + [*DERIVED_UNITS.keys() - {"π", "%"}]
 
 
 @st.deferred

@@ -10,8 +10,8 @@ import pytest
 from layflat.description import Part
 from layflat.description.library import Library
 from layflat.description.names import file_name
-from layflat.description.tables import DEEPEST, parsed
-from layflat.description.text import MOST_BYTES, read_text
+from layflat.description.tables import MAX_DEPTH, parse_toml
+from layflat.description.text import MAX_BYTES, read_text
 from layflat.errors import CellError, InputError
 
 
@@ -92,7 +92,7 @@ def test_a_byte_order_mark_and_windows_lines_are_read(library: Library, tmp_path
 def test_what_is_no_file_is_refused_at_once(library: Library, tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "pipe.toml")
     (tmp_path / "folder.toml").mkdir()
-    (tmp_path / "large.toml").write_bytes(b"#" * (MOST_BYTES + 1))
+    (tmp_path / "large.toml").write_bytes(b"#" * (MAX_BYTES + 1))
     (tmp_path / "utf16.toml").write_text("a = 1", encoding="utf-16")
     (tmp_path / "loop.toml").symlink_to(tmp_path / "loop.toml")
     assert "is a pipe or a device, not a file" in refused(library, tmp_path / "pipe.toml")
@@ -112,8 +112,8 @@ def test_text_of_other_files_is_read_alike(tmp_path: Path) -> None:
 
 
 def test_as_deep_as_allowed() -> None:
-    text = ".".join("a" * DEEPEST) + " = 1"
-    assert parsed(text, "x", "")["a"]["a"]
+    text = ".".join("a" * MAX_DEPTH) + " = 1"
+    assert parse_toml(text, "x", "")["a"]["a"]
 
 
 @pytest.mark.parametrize("name", ["mine", "paper-arm", "My arm (2)", "arm_2.1", "Gelenk-für-Äpfel", "a=1,b@2"])

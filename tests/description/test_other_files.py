@@ -17,7 +17,7 @@ from layflat.identify.logs.formats import read_table
 from layflat.identify.logs.mapping import read_mapping
 from layflat.machine import load
 from layflat.motion.demand_file import read_demand
-from layflat.study.study import read as read_study
+from layflat.study.study import read_study
 
 READERS: list[tuple[str, Callable[[Path], Any]]] = [
     ("machine.toml", load),

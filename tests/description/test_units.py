@@ -5,8 +5,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from layflat.description import units as u
-from layflat.description.expression import split, unit_of
-from layflat.description.factors import CELSIUS, DERIVED, PREFIXED, PREFIXES
+from layflat.description.expression import split_quantity, unit_of
+from layflat.description.factors import CELSIUS, DERIVED_UNITS, PREFIXED_UNITS, PREFIXES
 from layflat.errors import InputError
 
 ALL = u.QUANTITIES
@@ -134,7 +134,7 @@ def test_every_kind_has_a_range_that_makes_sense(kind: u.Quantity) -> None:
     assert 0.0 < kind.least < value < kind.most < 1e15
     for number in (2.0 * kind.most, -2.0 * kind.most, 0.5 * kind.least):
         with pytest.raises(u.QuantityError, match="is out of range"):
-            kind.within(number)
+            kind.check_range(number)
 
 
 def test_numbers_from_code_are_si() -> None:
@@ -152,7 +152,13 @@ WRITTEN_IN = [
     (kind, unit)
     for kind in u.QUANTITIES
     for unit in dict.fromkeys(
-        [kind.unit, split(kind.example)[1], *(p + b for p in ("", *PREFIXES) for b in PREFIXED), *DERIVED, CELSIUS]
+        [
+            kind.unit,
+            split_quantity(kind.example)[1],
+            *(p + b for p in ("", *PREFIXES) for b in PREFIXED_UNITS),
+            *DERIVED_UNITS,
+            CELSIUS,
+        ]
     )
     if "π" not in unit and kind._measures(dict(unit_of(unit)))
 ]

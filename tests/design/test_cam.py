@@ -16,8 +16,8 @@ from layflat.design import (
     RollerLine,
     ShellLine,
     cam_outline,
+    cylinder_characteristic,
     design_joint,
-    of_cylinder,
     straplines,
     synthesise,
     write_drawings,
@@ -33,7 +33,7 @@ NAMES = ["large", "small"]
 
 
 def cam_of(joint: Joint) -> Cam:
-    return synthesise(of_cylinder(joint), straplines.of_joint(joint), full_travel(joint))
+    return synthesise(cylinder_characteristic(joint), straplines.joint_strap_line(joint), full_travel(joint))
 
 
 def support(points: np.ndarray[tuple[int, int], np.dtype[np.float64]], angle: float) -> float:
@@ -99,7 +99,7 @@ def test_crude_table_and_drum_cam_agree() -> None:
 
 def with_roller(joint: Joint, diameter: float) -> Joint:
     roller = DeflectingRoller.model_validate(
-        {"diameter": f"{diameter} m", "count": 1, "friction_share": 0.0, "bending_share": 0.0}
+        {"diameter": f"{diameter} m", "count": 1, "friction_fraction": 0.0, "bending_fraction": 0.0}
     )
     return joint.model_copy(
         update={"deflecting_roller": roller, "output": joint.output.model_copy(update={"shaft_offset": 0.0})}
@@ -110,13 +110,13 @@ def with_roller(joint: Joint, diameter: float) -> Joint:
 @pytest.mark.parametrize("diameter", [0.006, 0.015])
 def test_on_the_drum_the_line_touches_roller_and_lever_circle(name: str, diameter: float) -> None:
     joint = with_roller(ARM.joint[name], diameter)
-    line = straplines.of_joint(joint)
+    line = straplines.joint_strap_line(joint)
     assert isinstance(line, RollerLine)
     cam = cam_of(joint)
     assert cam.convex
     normals = np.stack((np.cos(cam.line_normal), np.sin(cam.line_normal)), axis=-1)
     np.testing.assert_allclose(normals @ np.array(line.centre) + diameter / 2, cam.lever, atol=1e-12)
-    curve = of_cylinder(joint)
+    curve = cylinder_characteristic(joint)
     np.testing.assert_allclose(np.gradient(cam.angle, cam.travel)[1:-1], (1 / cam.lever)[1:-1], rtol=1e-4)
     np.testing.assert_allclose(cam.tension, curve.force, rtol=1e-12)
 
@@ -141,9 +141,9 @@ def test_any_cam_that_is_made_touches_its_lines_and_conserves_work(
             "output": base.output.model_copy(update={"shaft_offset": offset * R}),
         }
     )
-    curve = of_cylinder(joint)
+    curve = cylinder_characteristic(joint)
     try:
-        cam = synthesise(curve, straplines.of_joint(joint), stroke)
+        cam = synthesise(curve, straplines.joint_strap_line(joint), stroke)
     except DesignError:
         assume(False)
     assume(cam.convex and cam.normal[0] - cam.normal[-1] < radians(170))
@@ -157,29 +157,29 @@ def test_any_cam_that_is_made_touches_its_lines_and_conserves_work(
 def test_a_stroke_must_be_positive(stroke: float) -> None:
     joint = ARM.joint["large"]
     with pytest.raises(DesignError, match="give a positive stroke"):
-        synthesise(of_cylinder(joint), straplines.of_joint(joint), stroke)
+        synthesise(cylinder_characteristic(joint), straplines.joint_strap_line(joint), stroke)
 
 
 def test_a_stroke_too_short_for_any_lever_arm_is_refused() -> None:
     joint = ARM.joint["large"]
     with pytest.raises(DesignError, match="cam:") as caught:
-        synthesise(of_cylinder(joint), straplines.of_joint(joint), radians(15))
+        synthesise(cylinder_characteristic(joint), straplines.joint_strap_line(joint), radians(15))
     assert "\n" not in str(caught.value)
 
 
 def test_a_shell_that_moves_towards_the_shaft_is_refused() -> None:
     joint = ARM.joint["large"]
-    line = straplines.of_joint(joint)
+    line = straplines.joint_strap_line(joint)
     assert isinstance(line, ShellLine)
     beyond = ShellLine((-0.3, 0.0), line.hinge, line.start)
     with pytest.raises(DesignError, match="does not move away from the output axis"):
-        synthesise(of_cylinder(joint), beyond, full_travel(joint))
+        synthesise(cylinder_characteristic(joint), beyond, full_travel(joint))
 
 
 def test_on_the_drum_a_lever_arm_beyond_the_roller_is_refused() -> None:
     joint = with_roller(ARM.joint["large"], 0.015)
     with pytest.raises(DesignError, match=r"deflecting roller is only 68\.7 mm from the output axis"):
-        synthesise(of_cylinder(joint), straplines.of_joint(joint), radians(40))
+        synthesise(cylinder_characteristic(joint), straplines.joint_strap_line(joint), radians(40))
 
 
 def wavy() -> Characteristic:
@@ -188,7 +188,7 @@ def wavy() -> Characteristic:
 
 
 def test_a_wavy_force_makes_a_hollow_cam_that_is_refused() -> None:
-    cam = synthesise(wavy(), straplines.of_joint(ARM.joint["large"]), radians(133))
+    cam = synthesise(wavy(), straplines.joint_strap_line(ARM.joint["large"]), radians(133))
     assert not cam.convex
     with pytest.raises(DesignError, match="not convex: radius of curvature falls to -"):
         cam_outline(cam)

@@ -11,8 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import quad
 
-from layflat.design import Characteristic, design_joint, of_cylinder, wrapped_hose
-from layflat.design.characteristic import POINTS, Through, spline, stencils
+from layflat.design import Characteristic, cylinder_characteristic, design_joint, wrapped_hose
+from layflat.design.characteristic import CURVE_POINTS, Through, spline, stencils
 from layflat.errors import DesignError
 from layflat.machine import changed, load
 from layflat.machine.parameters import full_travel, torque_constant
@@ -35,7 +35,7 @@ def eq1_force(width: float, R: float, gamma: float, alpha: float) -> float:
 def test_force_is_eq1_and_volume_its_integral(width: float, share: float, gamma: float, c: float) -> None:
     R, end = share * width / 2, 0.7 * gamma
     curve = wrapped_hose(width, R, gamma, end, c)
-    for alpha, s, force in zip(np.linspace(gamma, end, POINTS), curve.travel, curve.force, strict=True):
+    for alpha, s, force in zip(np.linspace(gamma, end, CURVE_POINTS), curve.travel, curve.force, strict=True):
         assert s == pytest.approx(c * R * (gamma - alpha), rel=1e-9, abs=1e-12)
         assert force == pytest.approx(eq1_force(width, R, gamma, alpha), rel=1e-9)
     swept, _ = quad(lambda a: eq1_force(width, R, gamma, a) * c * R, end, gamma)
@@ -45,7 +45,7 @@ def test_force_is_eq1_and_volume_its_integral(width: float, share: float, gamma:
 @pytest.mark.parametrize("name", ["large", "small"])
 def test_agrees_with_the_parameters_of_the_dynamics(name: str) -> None:
     joint = ARM.joint[name]
-    curve = of_cylinder(joint)
+    curve = cylinder_characteristic(joint)
     assert curve.swept_volume == pytest.approx(joint.geometry.volume, rel=1e-12)
     assert curve.full_travel / joint.output.radius == pytest.approx(full_travel(joint), rel=1e-12)
 

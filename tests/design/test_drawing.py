@@ -21,17 +21,16 @@ from layflat.design import (
     SizingRequest,
     cam_outline,
     cam_sheet,
+    cylinder_characteristic,
     design_joint,
     layout_sheet,
-    of_cylinder,
     size_joint,
     straplines,
     synthesise,
     write_drawings,
 )
-from layflat.design.outline import HUB_SHARE
-from layflat.design.sheet import Sheet
-from layflat.design.sheet_formats import dxf_text, svg_text
+from layflat.design.cam import HUB_SHARE
+from layflat.design.sheet import Sheet, dxf_text, svg_text
 from layflat.errors import DesignError, MissingExtraError, OutputError
 from layflat.machine import load
 from tests.design.rolled_cam import Shell
@@ -209,7 +208,7 @@ def test_a_bore_that_leaves_no_wall_is_refused(bore: float) -> None:
 
 def test_a_profile_that_turns_over_itself_is_refused() -> None:
     joint = ARM.joint["small"]
-    cam = synthesise(of_cylinder(joint), straplines.of_joint(joint), radians(420))
+    cam = synthesise(cylinder_characteristic(joint), straplines.joint_strap_line(joint), radians(420))
     with pytest.raises(DesignError, match="turns back over itself"):
         cam_outline(cam)
 

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import quad
 
-from layflat.design import Plate, ShellLine, of_plate, straplines, synthesise, wrapped_hose
+from layflat.design import Plate, ShellLine, plate_characteristic, straplines, synthesise, wrapped_hose
 from layflat.errors import DesignError
 
 plates = st.builds(
@@ -65,9 +65,9 @@ def test_a_flat_plate_is_the_limit_of_a_curved_one() -> None:
 @pytest.mark.parametrize("radius", [inf, 0.3])
 def test_plates_beside_the_shaft_carry_a_cam(radius: float) -> None:
     plate = Plate(0.16, 0.16, radius)
-    curve = of_plate(plate)
+    curve = plate_characteristic(plate)
     assert curve.force[-1] / curve.force[0] == pytest.approx(0.5, abs=1e-6)
-    line = straplines.of_plate(plate, distance=0.06, height=0.15)
+    line = straplines.plate_strap_line(plate, distance=0.06, height=0.15)
     assert isinstance(line, ShellLine)
     cam = synthesise(curve, line, radians(133))
     assert cam.convex
@@ -93,4 +93,4 @@ def test_bad_plates_are_refused(width: float, length: float, radius: float, says
 @pytest.mark.parametrize("opening", [0.0, -0.1, 3.0, float("nan")])
 def test_bad_openings_are_refused(opening: float) -> None:
     with pytest.raises(DesignError, match="opening"):
-        of_plate(Plate(0.16, 0.16), opening)
+        plate_characteristic(Plate(0.16, 0.16), opening)

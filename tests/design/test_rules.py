@@ -49,7 +49,7 @@ def test_bending_over_an_edge_is_infinite_and_no_load_is_safe() -> None:
 
 def test_the_papers_strip_bears_its_rollers_but_only_just() -> None:
     # Section 2.1.2: no permanent bending over the 15 mm rollers.
-    stress = {s.place: s for s in design_joint("rig-shell-steel").stresses}["deflecting roller"]
+    stress = {s.location: s for s in design_joint("rig-shell-steel").stresses}["deflecting roller"]
     assert 1.0 < stress.safety < 1.2
 
 

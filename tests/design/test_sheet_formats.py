@@ -10,8 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from layflat.design.sheet import Circle, Diameter, Distance, Note, Path, Sheet
-from layflat.design.sheet_formats import svg_text
+from layflat.design.sheet import Circle, Diameter, Distance, Note, Polyline, Sheet, svg_text
 
 SVG = "{http://www.w3.org/2000/svg}"
 numbers = st.floats(-200.0, 200.0)
@@ -32,7 +31,7 @@ def test_the_picture_holds_everything_that_is_drawn(
     line: list[tuple[float, float]], centre: tuple[float, float], radius: float, at: tuple[float, float]
 ) -> None:
     sheet = Sheet("a sheet", 3.0)
-    sheet.paths.append(Path(np.array(line), "STRAP"))
+    sheet.paths.append(Polyline(np.array(line), "STRAP"))
     sheet.circles.append(Circle(centre, radius, "OUTLINE"))
     sheet.notes.append(Note(at, "a note"))
     root = parsed(sheet)

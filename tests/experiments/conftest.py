@@ -2,9 +2,9 @@
 
 import pytest
 
-from layflat.experiments import Reproduction, bench, reproduce
+from layflat.experiments import Reproduction, load_bench, reproduce
 
 
 @pytest.fixture(scope="session")
 def paper() -> Reproduction:
-    return reproduce(bench())
+    return reproduce(load_bench())

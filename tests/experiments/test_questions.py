@@ -12,31 +12,33 @@ from layflat.description.change import value_at
 from layflat.errors import InputError
 from layflat.experiments import Reproduction, questions, write_report
 from layflat.experiments.questions import (
-    QUESTIONS,
-    answer,
-    answers,
-    ask,
+    QUESTION_MODULES,
+    answer_question,
     assumptions,
     dither,
+    inertia_limits,
+    inertia_per_torque,
     losses_and_brake,
+    median_grid,
+    read_answers,
+    run_question,
     supply_pressure,
     valves,
 )
-from layflat.experiments.questions.tables import grid, inertia_per_torque, limits
-from layflat.machine.listing import listing
+from layflat.machine.listing import list_values
 from layflat.machine.loader import load, tables
 from layflat.plot.style import to_svg
-from layflat.study import Study, finished, names, read, run, table
-from layflat.study.check import check
-from layflat.study.sampling import samples
-from layflat.study.varied import applied
+from layflat.study import Study, is_finished, read_study, run_study, study_names, study_table
+from layflat.study.check import check_runs
+from layflat.study.sampling import draw_samples
+from layflat.study.varied import machine_values
 
 Asked = dict[str, tuple[Study, pandas.DataFrame]]
 THIN = {"brake-and-inertia": 5, "losses-and-brake": 5, "dither": 5, "valves": 2, "supply-pressure": 3, "assumptions": 2}
 
 HELD = {
     "losses.weights": "they add up to one; what turn each element takes to slip varies instead",
-    "hose.loss_share": "only its product with the cover's factor counts, which varies",
+    "hose.loss_fraction": "only its product with the cover's factor counts, which varies",
     "valve.centre_voltage": "driver and controller share it",
     "stops": "no move reaches them",
     "valve.volts_to_full": "a driver's range is known; another would ask for other gains in proportion",
@@ -49,42 +51,42 @@ def asked(tmp_path_factory: pytest.TempPathFactory) -> Asked:
     """Every study with few samples, and its table."""
     found = {}
     for name, points in THIN.items():
-        study, out = read(name).thinned(points), tmp_path_factory.mktemp(name)
-        run(study, out)
-        found[name] = study, table(out)
+        study, out = read_study(name).thinned(points), tmp_path_factory.mktemp(name)
+        run_study(study, out)
+        found[name] = study, study_table(out)
     return found
 
 
 def test_every_built_in_study_is_a_question() -> None:
-    assert sorted(QUESTIONS) == sorted(names()) == sorted(THIN)
+    assert sorted(QUESTION_MODULES) == sorted(study_names()) == sorted(THIN)
 
 
 @pytest.mark.parametrize("name", THIN)
 def test_the_figure_draws_with_units_and_the_same_bytes(asked: Asked, name: str) -> None:
     study, frame = asked[name]
-    question = QUESTIONS[name]
+    question = QUESTION_MODULES[name]
     made = question.figure(study, frame)
     for axes in made.axes:
         assert "(" in axes.get_xlabel() or "index" in axes.get_xlabel()
     assert to_svg(made) == to_svg(question.figure(study, frame))
-    assert questions.TEXTS[name]["title"].endswith("?")
-    assert questions.TEXTS[name]["caption"].endswith(".")
+    assert questions.QUESTION_TEXTS[name]["title"].endswith("?")
+    assert questions.QUESTION_TEXTS[name]["caption"].endswith(".")
 
 
 @pytest.mark.parametrize("name", THIN)
 def test_the_finding_is_whole_sentences_of_the_table_alone(asked: Asked, name: str) -> None:
     study, frame = asked[name]
-    said = QUESTIONS[name].finding(study, frame)
+    said = QUESTION_MODULES[name].finding(study, frame)
     assert said.endswith(".")
     assert not any(word in said for word in ("nan", "inf ", "None"))
-    assert QUESTIONS[name].finding(study, frame.sample(frac=1.0, random_state=1).sort_index()) == said
+    assert QUESTION_MODULES[name].finding(study, frame.sample(frac=1.0, random_state=1).sort_index()) == said
 
 
 def made_up(asked: Asked, name: str, column: str, values: Callable[[pandas.DataFrame], object]) -> tuple[Study, str]:
     """A question's study, and what it finds where a column is what we say."""
     study, frame = asked[name]
     columns = [own for own in frame.columns if own.split(".")[0] == column]
-    return study, QUESTIONS[name].finding(study, frame.assign(**{own: values(frame) for own in columns}))
+    return study, QUESTION_MODULES[name].finding(study, frame.assign(**{own: values(frame) for own in columns}))
 
 
 def test_brake_that_helps_and_brake_that_does_not(asked: Asked) -> None:
@@ -105,7 +107,7 @@ def test_brake_that_helps_and_brake_that_does_not(asked: Asked) -> None:
 
 
 def test_losses_as_good_as_a_brake_and_not(asked: Asked) -> None:
-    brake = losses_and_brake.BRAKE
+    brake = losses_and_brake.BRAKE_COLUMN
     _, said = made_up(
         asked, "losses-and-brake", "settling", lambda frame: np.where(frame["scenario.payload"] < 5, 1.0, np.inf)
     )
@@ -156,14 +158,14 @@ def test_a_valve_is_judged_with_its_own_best_gains(asked: Asked) -> None:
     settling = np.where(suits, 0.6, 1.9)
     air = np.where(frame[pressure] == frame[pressure].max(), 1.0, 2.0)
     columns = [own for own in frame.columns if own.startswith("settling")]
-    found = valves.best(study, frame.assign(**dict.fromkeys(columns, settling), air_used=air))
+    found = valves.best_by_valve(study, frame.assign(**dict.fromkeys(columns, settling), air_used=air))
     assert np.allclose(found["settling"], 0.6)
     assert np.allclose(found["air"], 1.0)
     assert list(found.index) == [one.name for one in study.variants]
 
 
 def test_supply_that_is_enough_and_that_is_not(asked: Asked) -> None:
-    column = supply_pressure.PRESSURE
+    column = supply_pressure.PRESSURE_COLUMN
     assert "The joint settles within 1.5 s at every" in made_up(asked, "supply-pressure", "settling", lambda _: 0.5)[1]
     _, said = made_up(asked, "supply-pressure", "settling", lambda frame: np.where(frame[column] < 3e5, np.inf, 0.5))
     assert "From 3.75 bar on the joint settles within 1.5 s" in said
@@ -175,7 +177,7 @@ def test_supply_that_is_enough_and_that_is_not(asked: Asked) -> None:
 def test_air_alone_is_as_stiff_as_its_law_says(asked: Asked) -> None:
     """Two hoses: twice K squared times pressure by volume, times 1 (slow) to 1.4 (fast); losses add a little."""
     study, frame = asked["supply-pressure"]
-    found = supply_pressure.results(frame)
+    found = supply_pressure.results_by_pressure(frame)
     from layflat.machine import parameters
 
     joint, air = study.machine.joint["small"], study.machine.supply
@@ -211,17 +213,17 @@ def test_what_decides_is_named_first(asked: Asked) -> None:
     own = frame.assign(**{name: settling for name in frame.columns if name.startswith("settling")})
     found = assumptions.finding(study, own)
     assert "Settling depends most on hose dead volume (" in found
-    ranked = assumptions.indices(study, own)["settling"].total[: len(study.varied)]
+    ranked = assumptions.result_indices(study, own)["settling"].total[: len(study.varied)]
     assert study.varied[int(np.argmax(ranked))].path == path
     assert np.count_nonzero(ranked > 1e-9) == 1
 
 
 def test_every_value_that_is_not_the_papers_varies_or_is_told_why_not() -> None:
-    study = read("assumptions")
+    study = read_study("assumptions")
     spread = {path for one in study.varied for path in one.paths}
     group = {path: one.group for one in study.varied for path in one.paths}
     arm = load("paper-arm")
-    for line in listing(*tables("paper-arm")):
+    for line in list_values(*tables("paper-arm")):
         if line.source not in {"assumed", "calibrated"}:
             continue
         own = [path for path in spread if path == line.path or path.startswith(f"{line.path}.")]
@@ -233,18 +235,18 @@ def test_every_value_that_is_not_the_papers_varies_or_is_told_why_not() -> None:
             if isinstance(value, float):  # a word or a whole number could not
                 both = {line.path: np.array([value, 0.9 * value + 1e-3])}
                 with pytest.raises(InputError, match="has no effect"):
-                    check(arm, study.scenarios[:1], both, study.step, line.path)
+                    check_runs(arm, study.scenarios[:1], both, study.step, line.path)
 
 
 def test_limits_begin_at_the_papers_comparison() -> None:
     ratios = np.array([0.005, 0.01, 0.02, 0.04])
     times = np.array([[9.0, 1.0, 1.0], [1.0, 1.0, 2.0], [1.0, 9.0, 1.0], [2.0, 1.0, 1.0]])
-    assert list(limits(ratios, times, 1.5)) == [0.02, 0.01, 0.0]
+    assert list(inertia_limits(ratios, times, 1.5)) == [0.02, 0.01, 0.0]
 
 
 def test_a_run_that_diverged_has_not_settled() -> None:
     frame = pandas.DataFrame({"x": [1.0] * 3 + [2.0] * 3, "y": [1.0] * 6, "z": [1.0, 2.0, np.nan, 1.0, np.nan, np.inf]})
-    assert list(grid(frame, "x", "y", "z")[2][0]) == [2.0, np.inf]
+    assert list(median_grid(frame, "x", "y", "z")[2][0]) == [2.0, np.inf]
 
 
 def test_inertia_per_torque_is_that_of_the_paper() -> None:
@@ -255,18 +257,18 @@ def test_answers_come_from_finished_tables_alone(
     tmp_path: Path, paper: Reproduction, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def shorter(name: str) -> Study:
-        return read(name).thinned(3)
+        return read_study(name).thinned(3)
 
-    monkeypatch.setattr(questions, "read", shorter)
-    assert answers(tmp_path / "none") == []
+    monkeypatch.setattr(questions, "read_study", shorter)
+    assert read_answers(tmp_path / "none") == []
     name = "supply-pressure"
-    run(read(name).thinned(2), tmp_path / "thin" / name)
-    assert answer(name, tmp_path / "thin" / name).finding
-    assert answers(tmp_path / "thin") == [], "it is the table of another study"
-    own = ask(name, tmp_path / "whole" / name)
-    assert finished(shorter(name), tmp_path / "whole" / name)
-    assert answers(tmp_path / "whole") == [own]
-    assert answer(name, tmp_path / "whole" / name) == own
+    run_study(read_study(name).thinned(2), tmp_path / "thin" / name)
+    assert answer_question(name, tmp_path / "thin" / name).finding
+    assert read_answers(tmp_path / "thin") == [], "it is the table of another study"
+    own = run_question(name, tmp_path / "whole" / name)
+    assert is_finished(shorter(name), tmp_path / "whole" / name)
+    assert read_answers(tmp_path / "whole") == [own]
+    assert answer_question(name, tmp_path / "whole" / name) == own
     without_figures = replace(paper, claims=[])
     html = write_report(without_figures, [], tmp_path / "report.html", [own]).read_text(encoding="utf-8")
     assert "<h2>Open questions</h2>" in html
@@ -274,11 +276,11 @@ def test_answers_come_from_finished_tables_alone(
     assert own.finding in html
     assert "Open questions" not in write_report(without_figures, [], tmp_path / "b.html").read_text(encoding="utf-8")
     (tmp_path / "whole" / name / "figure.svg").unlink()
-    assert answers(tmp_path / "whole") == []
+    assert read_answers(tmp_path / "whole") == []
 
 
 def test_samples_of_the_assumptions_stay_within_their_spread() -> None:
-    study = read("assumptions").thinned(4)
-    on_arm = applied(study.varied, samples(study.varied, study.file), study.machine)
+    study = read_study("assumptions").thinned(4)
+    on_arm = machine_values(study.varied, draw_samples(study.varied, study.file), study.machine)
     usual = value_at(study.machine, "valve.leakage")
     assert np.all((on_arm["valve.leakage"] >= 0.5 * usual) & (on_arm["valve.leakage"] <= 2.0 * usual))

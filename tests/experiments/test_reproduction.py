@@ -4,10 +4,10 @@ from dataclasses import replace
 
 import pytest
 
-from layflat.experiments import Bench, Reproduction, axis_one, bench, reproduce
+from layflat.experiments import Reproduction, ReproductionBench, axis_one, load_bench, reproduce
 from layflat.experiments.claim import Claim
-from layflat.experiments.report import perform
-from layflat.experiments.reproduction import ORDER, STOPPED
+from layflat.experiments.report import evaluate_other_claims
+from layflat.experiments.reproduction import CLAIM_IDS, STOPPED_REASON
 from layflat.machine import changed, load
 
 STATICS = {
@@ -24,16 +24,16 @@ LARGE = {"mean-torque", "large-joint-torque", "constant-torque"}
 @pytest.fixture
 def _one_seed(monkeypatch: pytest.MonkeyPatch) -> None:
     """Limits of inertia are sought with one seed of the noise instead of five."""
-    monkeypatch.setattr(axis_one, "SEEDS", 1)
+    monkeypatch.setattr(axis_one, "SEED_COUNT", 1)
 
 
-def failed(on: Bench) -> set[str]:
+def failed(on: ReproductionBench) -> set[str]:
     return {claim.id for claim in reproduce(on).claims if not claim.agrees}
 
 
 def test_all_twenty_claims_agree(paper: Reproduction) -> None:
-    assert [claim.id for claim in paper.claims] == list(ORDER)
-    assert len(ORDER) == 20
+    assert [claim.id for claim in paper.claims] == list(CLAIM_IDS)
+    assert len(CLAIM_IDS) == 20
     assert [claim.id for claim in paper.claims if not claim.agrees] == []
     assert paper.summary == "20 of 20 claims agree"
 
@@ -49,7 +49,7 @@ def test_the_papers_value_stands_beside_what_is_simulated(paper: Reproduction) -
 
 @pytest.mark.usefixtures("_one_seed")
 def test_without_brake_only_what_needs_it_fails() -> None:
-    broken = failed(replace(bench(), brake=0.0))
+    broken = failed(replace(load_bench(), brake=0.0))
     assert {
         "open-loop-hysteresis",
         "overall-hysteresis",
@@ -63,7 +63,7 @@ def test_without_brake_only_what_needs_it_fails() -> None:
 
 @pytest.mark.usefixtures("_one_seed")
 def test_without_dither_only_what_needs_it_fails() -> None:
-    on = bench()
+    on = load_bench()
     still = replace(on, arm=changed(on.arm, "valve.dither.amplitude", 0.0))
     broken = failed(still)
     assert {"dither-need", "long-term-integral"} <= broken
@@ -72,7 +72,7 @@ def test_without_dither_only_what_needs_it_fails() -> None:
 
 @pytest.mark.usefixtures("_one_seed")
 def test_with_twice_the_payload_only_motion_fails() -> None:
-    on = bench()
+    on = load_bench()
     broken = failed(replace(on, arm=changed(on.arm, "arm.payload", 2 * on.arm.arm.payload)))
     assert broken
     assert broken <= SETTLING
@@ -80,7 +80,7 @@ def test_with_twice_the_payload_only_motion_fails() -> None:
 
 @pytest.mark.usefixtures("_one_seed")
 def test_with_polyester_straps_on_the_new_joint_only_losses_fail() -> None:
-    on = bench()
+    on = load_bench()
     polyester = load("earlier-actuator").joint["small"].strap
     arm = changed(changed(on.arm, "joint.small.strap", polyester), "joint.large.strap", polyester)
     broken = failed(replace(on, arm=arm))
@@ -94,7 +94,7 @@ def by_id(found: Reproduction) -> dict[str, Claim]:
 
 
 def test_a_machine_of_one_joint_is_judged_by_what_it_has(paper: Reproduction) -> None:
-    found = reproduce(bench("paper-small-joint"))
+    found = reproduce(load_bench("paper-small-joint"))
     lacking = {claim.id: claim.reason for claim in found.claims if claim.agrees is None}
     assert lacking.keys() == TWO_JOINTS | LARGE
     assert set(lacking.values()) == {"not applicable: paper-small-joint: has no joint 'large'"}
@@ -106,7 +106,7 @@ def test_a_machine_of_one_joint_is_judged_by_what_it_has(paper: Reproduction) ->
 
 @pytest.mark.usefixtures("_one_seed")
 def test_a_rig_without_valve_and_controller_has_its_statics() -> None:
-    found = by_id(reproduce(bench("rig-kevlar")))
+    found = by_id(reproduce(load_bench("rig-kevlar")))
     evaluated = {name for name, claim in found.items() if claim.agrees is not None}
     assert evaluated == {"table-1", "small-joint-torque", "open-loop-hysteresis", "loop-character", "rig-variants"}
     assert found["dither-need"].reason == "not applicable: rig-kevlar: has no spool valve"
@@ -119,26 +119,26 @@ def test_an_interruption_keeps_what_was_evaluated() -> None:
         if done == 2:
             raise KeyboardInterrupt
 
-    found = reproduce(bench(), two)
-    assert found.stopped
+    found = reproduce(load_bench(), progress=two)
+    assert found.was_interrupted
     assert [claim.id for claim in found.evaluated] == ["table-1", "mean-torque"]
-    assert [claim.id for claim in found.claims] == list(ORDER)
-    assert {claim.reason for claim in found.claims[2:]} == {STOPPED}
+    assert [claim.id for claim in found.claims] == list(CLAIM_IDS)
+    assert {claim.reason for claim in found.claims[2:]} == {STOPPED_REASON}
     assert found.summary == "2 of 2 claims agree; partial: stopped before 18 were evaluated"
 
 
 def test_what_another_process_evaluates_is_taken_and_the_rest_is_evaluated_here(paper: Reproduction) -> None:
-    others = list(perform("paper-arm"))
-    assert [type(one).__name__ for one in others] == 5 * ["Claim"] + 10 * ["Drawn"]
+    others = list(evaluate_other_claims("paper-arm"))
+    assert [type(one).__name__ for one in others] == 5 * ["Claim"] + 10 * ["CaptionedFigure"]
     for given, drawn in ((others, 10), (others[:2], 0)):
-        found = by_id(whole := reproduce(bench(), others=given))
-        assert list(found) == list(ORDER)
+        found = by_id(whole := reproduce(load_bench(), others=given))
+        assert list(found) == list(CLAIM_IDS)
         assert len(whole.drawn) == drawn
         assert all(found[claim.id] == claim for claim in paper.claims if claim.id != "control-cycle")
 
 
 def test_the_same_bench_gives_the_same_values(paper: Reproduction) -> None:
-    again = by_id(reproduce(bench()))
+    again = by_id(reproduce(load_bench()))
     for claim in paper.claims:
         if claim.id != "control-cycle":
             assert again[claim.id] == claim

@@ -3,8 +3,8 @@ import pytest
 import xarray
 
 from layflat.design import Table1, design_joint, table1
-from layflat.experiments import bench
-from layflat.experiments.statics import Statics, cam_torque, printed_table, stiffness, wrong_cells
+from layflat.experiments import load_bench
+from layflat.experiments.statics import StaticsExperiment, air_stiffness, cam_torque, printed_table, wrong_cells
 from layflat.machine import load, parameters
 
 
@@ -38,13 +38,13 @@ def squeezed(slope: float) -> xarray.Dataset:
 
 @pytest.mark.parametrize("slope", [30.0, 107.0])
 def test_stiffness_is_the_slope_of_the_airs_torque(slope: float) -> None:
-    assert stiffness(squeezed(slope)) == pytest.approx(slope)
+    assert air_stiffness(squeezed(slope)) == pytest.approx(slope)
 
 
 def test_stiffness_looks_at_the_last_period_alone() -> None:
     run = squeezed(50.0)
     run["pressure_a"][:150] += 1e4
-    assert stiffness(run) == pytest.approx(50.0)
+    assert air_stiffness(run) == pytest.approx(50.0)
 
 
 def test_a_cam_turns_a_falling_force_into_a_constant_torque() -> None:
@@ -54,9 +54,9 @@ def test_a_cam_turns_a_falling_force_into_a_constant_torque() -> None:
 
 
 def test_torque_that_is_needed_for_a_mass_asks_for_both_joints() -> None:
-    found = Statics.torque_per_mass.evaluated(Statics(bench("paper-large-joint")))
+    found = StaticsExperiment.torque_per_mass.evaluate_claim(StaticsExperiment(load_bench("paper-large-joint")))
     assert found.reason == "not applicable: paper-large-joint: has no joint 'small'"
-    found = Statics.torque_per_mass.evaluated(Statics(bench()))
+    found = StaticsExperiment.torque_per_mass.evaluate_claim(StaticsExperiment(load_bench()))
     large, small, mean = (one.value for one in found.quantities)
     assert mean == pytest.approx((large + small) / 2)
     assert found.agrees

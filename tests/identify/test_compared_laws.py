@@ -5,22 +5,22 @@ from typing import Any
 
 import pytest
 
-from layflat.identify.kinds import Candidate, compared
+from layflat.identify.identification import LawCandidate, compare_candidates
 
 
-def candidates(*names: str) -> list[Candidate]:
-    return [Candidate(name, None, SimpleNamespace(remarks=())) for name in names]  # type: ignore[arg-type]
+def candidates(*names: str) -> list[LawCandidate]:
+    return [LawCandidate(name, None, SimpleNamespace(remarks=())) for name in names]  # type: ignore[arg-type]
 
 
 def taken(errors: dict[str, float], *, partial: str = "") -> Any:
     """The fit that is taken of laws that miss the validation so much, the simplest first."""
     of = candidates(*errors)
 
-    def fitted(_: int, one: Candidate) -> Any:
-        missed = [SimpleNamespace(share=errors[one.name])]
+    def fitted(_: int, one: LawCandidate) -> Any:
+        missed = [SimpleNamespace(relative_rms=errors[one.name])]
         return SimpleNamespace(model=one.model, predictions=missed, partial=one.name == partial, name=one.name)
 
-    return compared(of, fitted)
+    return compare_candidates(of, fitted)
 
 
 @pytest.mark.parametrize(

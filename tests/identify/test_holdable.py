@@ -12,10 +12,10 @@ from hypothesis import strategies as st
 from layflat.description import Part
 from layflat.description.change import annotation_at, changed_all, paths, quantity_of, value_at
 from layflat.errors import InputError
-from layflat.identify.benches.loader import build_bench, described_tables, load_bench, load_described
-from layflat.identify.holdable import file_text, file_texts, holds_another
-from layflat.machine.listing import at_path
-from layflat.machine.loader import BENCHES
+from layflat.identify.benches.loader import build_bench, description_tables, load_bench, load_description
+from layflat.identify.identified_file import format_value, format_values, holds_other_value
+from layflat.machine.listing import nested_value
+from layflat.machine.loader import BENCH_LIBRARY
 
 MACHINES = ("paper-small-joint", "picking-arm")
 NEAR = 1e-6  # rounding of a text with seven digits
@@ -29,16 +29,16 @@ def settable(described: Part) -> list[str]:
 
 
 def read_back(described: Part, path: str, value: float, before: Any) -> float:
-    text = file_text(described, path, value, before)
+    text = format_value(described, path, value, before)
     return float(value_at(changed_all(described, {path: text}, together=False), path))
 
 
-@pytest.mark.parametrize("name", [*BENCHES.names, *MACHINES])
+@pytest.mark.parametrize("name", [*BENCH_LIBRARY.names, *MACHINES])
 @pytest.mark.parametrize("odd", ODD)
 def test_any_value_of_any_key_is_written_so_that_it_loads(name: str, odd: float) -> None:
-    described, plain = load_described(name), described_tables(name)[0]
+    described, plain = load_description(name), description_tables(name)[0]
     for path in settable(described):
-        kept = read_back(described, path, odd, at_path(plain, path.split(".")))
+        kept = read_back(described, path, odd, nested_value(plain, path.split(".")))
         quantity = quantity_of(annotation_at(described, path))
         assert quantity is not None
         assert kept == 0.0 or quantity.least * (1.0 - NEAR) <= abs(kept) <= quantity.most * (1.0 + NEAR), path
@@ -59,29 +59,29 @@ def test_a_value_that_may_stand_there_is_kept(value: float) -> None:
 
 def test_a_length_below_what_makes_sense_is_zero_where_zero_may_stand_and_else_the_least() -> None:
     rig = load_bench("friction-rig")
-    texts = file_texts(
+    texts = format_values(
         rig,
         {"friction.profile_from": 5.99e-10, "friction.deflections.0": 5.99e-10, "piston.offset": -0.0},
         {"friction.profile_from": "0 mm", "friction.deflections.0": "0.05 mm", "piston.offset": "0 N"},
     )
     assert texts == {"friction.profile_from": "0 mm", "friction.deflections.0": "1e-06 mm", "piston.offset": "0 N"}
-    assert holds_another(rig, "friction.deflections.0", texts["friction.deflections.0"], 5.99e-10)
-    assert not holds_another(rig, "piston.offset", texts["piston.offset"], 0.0)
+    assert holds_other_value(rig, "friction.deflections.0", texts["friction.deflections.0"], 5.99e-10)
+    assert not holds_other_value(rig, "piston.offset", texts["piston.offset"], 0.0)
 
 
 def test_a_bound_of_another_value_that_rounds_beyond_it_is_written_with_all_digits() -> None:
     """A stop at the end of a reading of 119.999987 deg, in seven digits, lies inside the reading."""
-    plain = described_tables("regulated-elbow")[0]
+    plain = description_tables("regulated-elbow")[0]
     plain["stroke"] |= {"reading": "119.999987 deg"}
     rig = build_bench(plain, "test")
     stop = -0.5 * rig.stroke.reading
-    texts = file_texts(rig, {"stroke.lower_stop": stop}, {"stroke.lower_stop": "-60 deg"})
+    texts = format_values(rig, {"stroke.lower_stop": stop}, {"stroke.lower_stop": "-60 deg"})
     assert changed_all(rig, texts).stroke.lower_stop == pytest.approx(stop, rel=1e-12)
 
 
 def test_values_that_contradict_each_other_are_refused() -> None:
     rig = load_bench("regulated-elbow")
     with pytest.raises(InputError, match="stops lie inside"):
-        file_texts(rig, {"stroke.lower_stop": -0.5}, {"stroke.lower_stop": "-60 deg"})
+        format_values(rig, {"stroke.lower_stop": -0.5}, {"stroke.lower_stop": "-60 deg"})
     with pytest.raises(InputError):
-        file_texts(rig, {"load.inertia": inf}, {})
+        format_values(rig, {"load.inertia": inf}, {})

@@ -14,14 +14,14 @@ from hypothesis import strategies as st
 from layflat.arrays import Array
 from layflat.description.change import value_at
 from layflat.errors import InputError
-from layflat.identify import Fit, Model, Output, Unknown
-from layflat.identify.benches.loader import load_bench, load_described
-from layflat.identify.benches.moving.blocks import BLOCKS, unknowns
+from layflat.identify import Fit, Model, ModelOutput, Unknown
+from layflat.identify.benches.loader import load_bench, load_description
+from layflat.identify.benches.moving.blocks import MACHINE_BLOCKS, machine_unknowns
 from layflat.identify.benches.rod.description import RodBench
-from layflat.identify.fit import Estimate
+from layflat.identify.fit import FittedParameter
 from layflat.identify.identified_file import identified_path, write_identified
 from layflat.machine import Machine, load
-from layflat.machine.loader import BENCHES, tables
+from layflat.machine.loader import BENCH_LIBRARY, tables
 
 SMALL = load("paper-small-joint")
 SHARES = st.floats(0.02, 0.98)
@@ -33,7 +33,7 @@ class Nothing(Model):
     def __init__(self, sought: tuple[Unknown, ...]) -> None:
         one = np.ones(1)
         self.unknowns = sought
-        self.outputs = (Output("angle", "rad", "log", one, one, one > 0.0, 1.0),)
+        self.outputs = (ModelOutput("angle", "rad", "log", one, one, one > 0.0, 1.0),)
 
     def simulate(self, values: Array) -> Array:
         return np.ones((len(values), 1))
@@ -45,7 +45,7 @@ def found(sought: tuple[Unknown, ...], shares: list[float], *, sure: float = 0.0
     for one, share in zip(sought, shares, strict=True):
         value = one.low + share * (one.high - one.low)
         half = sure * (abs(value) if one.log else one.high - one.low)
-        estimates.append(Estimate(one, value, value - half, value + half, at_bound))
+        estimates.append(FittedParameter(one, value, value - half, value + half, at_bound))
     return Fit(Nothing(sought), tuple(estimates), np.ones(1), True, 1)
 
 
@@ -56,7 +56,7 @@ def small(fit: Fit, path: Path) -> Machine:
     return kept
 
 
-ALL = tuple(unknowns(SMALL, [block for block in BLOCKS if block != "line"]))
+ALL = tuple(machine_unknowns(SMALL, [block for block in MACHINE_BLOCKS if block != "line"]))
 
 
 @settings(max_examples=15)
@@ -74,7 +74,7 @@ def test_values_come_back_to_six_digits(tmp_path_factory: pytest.TempPathFactory
 
 
 def test_units_of_the_base_are_kept_and_sources_say_how_sure(tmp_path: Path) -> None:
-    sought = tuple(unknowns(SMALL, ["valve", "friction"]))
+    sought = tuple(machine_unknowns(SMALL, ["valve", "friction"]))
     path = identified_path("paper-small-joint", SMALL, tmp_path)
     kept = small(found(sought, [0.4] * len(sought)), path)
     before, after = tables("paper-small-joint")[0], tables(path)[0]
@@ -89,7 +89,7 @@ def test_units_of_the_base_are_kept_and_sources_say_how_sure(tmp_path: Path) -> 
 
 
 def test_what_is_not_identifiable_and_what_is_at_a_bound_are_marked(tmp_path: Path) -> None:
-    sought = tuple(unknowns(SMALL, ["friction"]))
+    sought = tuple(machine_unknowns(SMALL, ["friction"]))
     vague = small(found(sought, [0.5, 0.5], sure=0.6), tmp_path / "vague.toml")
     assert vague.provenance["joint.small.brake.torque"].source == "assumed"
     assert vague.provenance["joint.small.brake.torque"].note.startswith("not identifiable from log")
@@ -101,7 +101,7 @@ def test_what_is_not_identifiable_and_what_is_at_a_bound_are_marked(tmp_path: Pa
 
 def test_links_of_an_arm_in_space_are_written_as_lists_that_say_how_sure_they_are(tmp_path: Path) -> None:
     arm = load("picking-arm")
-    sought = tuple(one for one in unknowns(arm, ["inertia"]) if ".elbow." in one.path)
+    sought = tuple(one for one in machine_unknowns(arm, ["inertia"]) if ".elbow." in one.path)
     fit = found(sought, [0.5] * len(sought))
     vague = {"arm.link.elbow.centre.1", "arm.link.elbow.mass"}
     doubted = tuple(
@@ -125,7 +125,7 @@ def test_a_value_that_misses_zero_by_rounding_is_zero(tmp_path: Path) -> None:
     assert machine.joint["small"].brake.torque == 0.0
 
 
-@pytest.mark.parametrize("name", BENCHES.names)
+@pytest.mark.parametrize("name", BENCH_LIBRARY.names)
 def test_a_bench_is_written_whole(name: str, tmp_path: Path) -> None:
     path = {
         "blow-down-vessel": "path.conductance", "friction-rig": "piston.area", "regulated-elbow": "chamber.volume",
@@ -138,15 +138,18 @@ def test_a_bench_is_written_whole(name: str, tmp_path: Path) -> None:
     out = identified_path(name, rig, tmp_path)
     kept = write_identified(name, rig, found(sought, [0.5]), {"log": "ab" * 32}, out)
     assert value_at(cast(Any, kept), path) == pytest.approx(1.5 * value, rel=1e-6)
-    assert type(load_described(str(out))) is type(rig)
+    assert type(load_description(str(out))) is type(rig)
 
 
 def test_all_that_a_rod_bench_follows_from_a_fit_has_its_unit(tmp_path: Path) -> None:
     """Ends of the profile are not fitted but follow from the logs; a deflection of 6e-10 m makes no sense."""
 
     class Spread(Nothing):
-        def written(self, values: Array) -> dict[str, float]:
-            return super().written(values) | {"friction.profile_from": -5.99e-10, "friction.profile_to": 0.0412}
+        def described_values(self, values: Array) -> dict[str, float]:
+            return super().described_values(values) | {
+                "friction.profile_from": -5.99e-10,
+                "friction.profile_to": 0.0412,
+            }
 
     rig = load_bench("friction-rig")
     sought = (Unknown("friction.deflections.0", "m", 1e-5, 1e-11, 1e-1),)

@@ -19,42 +19,43 @@ from numba.core.runtime import _nrt_python as counted  # type: ignore[attr-defin
 
 import layflat
 from layflat.jit import Kernel, by_kind, cache_folder, kernel, law, libraries
-from layflat.jit.cache import forget_stale, included_sources, source_digest, sources
-from layflat.jit.compiler import FITTING, cached
-from layflat.jit.ordering import ordered
+from layflat.jit.cache import included_sources, kernel_sources, remove_stale, source_digest
+from layflat.jit.compiler import SUPPORTED_VERSIONS, compile_cached
+from layflat.jit.ordering import order_instructions
 from layflat.lanes import interpreted
 from layflat.physics.arms.planar import OneLink
-from layflat.physics.hose import Stroke
+from layflat.physics.hose import PolynomialStroke
 
 PACKAGE = Path(layflat.__file__).parent
 
 KERNEL = """
 from layflat.jit import kernel
-from layflat.physics.hose import Stroke, torque_per_pressure
+from layflat.physics.hose import PolynomialStroke, torque_per_pressure
 
 @kernel
 def doubled(stroke, s):
     return 2.0 * torque_per_pressure(stroke, s)
 
-print(doubled(Stroke(1.0, 2.0, 0.0, 0.0, 0.0), 3.0), sum(doubled.dispatcher.stats.cache_hits.values()))
+print(doubled(PolynomialStroke(1.0, 2.0, 0.0, 0.0, 0.0), 3.0), sum(doubled.dispatcher.stats.cache_hits.values()))
 """
 
 SHORT_RUN = """
 import sys
 sys.path.insert(0, sys.argv[1])
 import numpy as np
-from layflat.control.paper.gains import Settings
+from layflat.control.paper.law import Settings
 from tests.physics.plants import GAINS, AROUND, SIGNALS, JOINTS, TWO_LINKS, CYCLE, signals
 from layflat.lanes import Like, leaves
-from layflat.sim.kernel import Case, Timing, run_cycles
+from layflat.sim.kernel import run_cycles
+from layflat.sim.loop import Case, Timing
 
 noise = np.random.default_rng(0).normal(size=(7, 2, 2))
 acting = signals(6, 2, demand=[0.3, -0.2], brake=[6.7, 2.2], load=[1.0, 0.5], payload=1.5, opening=np.nan)
 start, filled = np.zeros(2), np.full((2, 2), 3e5)
 case = Case(TWO_LINKS, JOINTS, Settings((GAINS,) * 2), AROUND)
 timing = Timing(CYCLE, 20, 4)
-rest = acting, noise, timing, SIGNALS, np.zeros(1)
-records = run_cycles(Like.of(case), np.fromiter(leaves(case), float), start, filled, *rest)[0]
+rest = acting, noise, timing, SIGNALS, np.zeros(3, np.int64)
+records = run_cycles(Like.from_tuple(case), np.fromiter(leaves(case), float), start, filled, *rest)[0]
 sys.stdout.buffer.write(records.tobytes())
 """
 
@@ -108,8 +109,8 @@ def test_machine_code_depends_on_laws_alone() -> None:
     strangers = {
         f"{path.name} depends on {f.relative_to(PACKAGE)}"
         for path in kernels
-        for f in sources(path)
-        if f.relative_to(PACKAGE).parts[0] not in ("jit", "lanes", "physics", "control")
+        for f in kernel_sources(path)
+        if f.relative_to(PACKAGE).parts[0] not in ("jit", "lanes.py", "physics", "control")
         and f.name != "__init__.py"
         and not any(word in texts[f] for word in ("NamedTuple", "IntEnum", "@law", "@kernel", "layflat.lanes"))
     }
@@ -170,7 +171,7 @@ def slope(stroke: Any, scale: float) -> float:
     return float(scale * stroke.k1)
 
 
-chosen = by_kind({OneLink: length, Stroke: slope})
+chosen = by_kind({OneLink: length, PolynomialStroke: slope})
 
 
 @kernel
@@ -179,7 +180,7 @@ def both(arm: Any, stroke: Any) -> Any:
 
 
 def test_the_kind_of_the_first_argument_picks_the_law() -> None:
-    arm, stroke = OneLink(1.0, 2.0, 0.4, 0.0, 0.0), Stroke(1.0, 5.0, 0.0, 0.0, 0.0)
+    arm, stroke = OneLink(1.0, 2.0, 0.4, 0.0, 0.0), PolynomialStroke(1.0, 5.0, 0.0, 0.0, 0.0)
     assert both(arm, stroke) == (0.8, 15.0)
     assert chosen(arm, 2.0) == 0.8
 
@@ -198,7 +199,7 @@ def test_only_machine_code_is_removed_and_only_after_a_month(tmp_path: Path) -> 
         (folder / "kernel.nbc").write_bytes(b"")
     for folder in (old, other):
         os.utime(folder, (0, 0))
-    forget_stale(tmp_path)
+    remove_stale(tmp_path)
     assert sorted(tmp_path.iterdir()) == [young, other]
 
 
@@ -224,7 +225,7 @@ def test_garbage_is_collected_and_threads_take_turns_as_usual_after_a_compilatio
 
     usual = gc.get_threshold()[0], -sys.getswitchinterval()
     with event.install_listener("numba:compile", Seen()), pytest.raises(TypingError) if fails else nullcontext():
-        assert cached(twice, None)(3.0) == 12.0
+        assert compile_cached(twice, None)(3.0) == 12.0
     assert (gc.get_threshold()[0], -sys.getswitchinterval()) == usual
     assert len(seen) > 1
     assert all(rare > usual[0] and often > usual[1] for rare, often in seen[1:])
@@ -246,15 +247,15 @@ def test_laws_are_of_use_after_a_kernel_that_failed() -> None:
         return quadrupled(x) + ""
 
     with pytest.raises(TypingError):
-        cached(failing, None)(1.0)
+        compile_cached(failing, None)(1.0)
     assert len(quadrupled.dispatcher.overloads) == 1  # type: ignore[attr-defined]
-    assert cached(lambda x: quadrupled(quadrupled(x)), None)(1.0) == 16.0
+    assert compile_cached(lambda x: quadrupled(quadrupled(x)), None)(1.0) == 16.0
 
 
 @pytest.mark.skipif(interpreted(), reason="nothing is compiled")
 def test_llvm_works_on_laws_in_another_thread_and_its_failures_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
     threads = []
-    parsed = libraries._parsed
+    parsed = libraries._parse_module
 
     def watched(name: str, text: str) -> Any:
         threads.append(threading.get_ident())
@@ -262,7 +263,7 @@ def test_llvm_works_on_laws_in_another_thread_and_its_failures_are_told(monkeypa
             raise RuntimeError("LLVM can't")
         return parsed(name, text)
 
-    monkeypatch.setattr(libraries, "_parsed", watched)
+    monkeypatch.setattr(libraries, "_parse_module", watched)
 
     @law
     def halved(x: float) -> Any:
@@ -276,16 +277,16 @@ def test_llvm_works_on_laws_in_another_thread_and_its_failures_are_told(monkeypa
     def around(x: float) -> Any:
         return halved(broken(x))
 
-    assert cached(lambda x: 1.0 + halved(x), None)(3.0) == 2.5
+    assert compile_cached(lambda x: 1.0 + halved(x), None)(3.0) == 2.5
     assert len(threads) == 1
     assert threads[0] != threading.get_ident()
     with pytest.raises(RuntimeError, match="LLVM can't"):
-        cached(lambda x: 1.0 + around(x), None)(3.0)
+        compile_cached(lambda x: 1.0 + around(x), None)(3.0)
 
 
 def test_the_versions_that_fit_are_those_that_are_installed() -> None:
     project = tomllib.loads((PACKAGE.parents[1] / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-    for package, (first, end) in FITTING.items():
+    for package, (first, end) in SUPPORTED_VERSIONS.items():
         assert f"{package}>={'.'.join(map(str, first))},<{'.'.join(map(str, end))}" in project["dependencies"]
 
 
@@ -382,10 +383,10 @@ def test_a_kernel_is_put_in_order_where_llvm_reads_it_again(text: str, monkeypat
 
     def in_order(module: str) -> str:
         seen.append(module)
-        return text or ordered(module)
+        return text or order_instructions(module)
 
-    monkeypatch.setattr(libraries, "ordered", in_order)
-    thrice = cached(lambda x: 3.0 * x, None)
+    monkeypatch.setattr(libraries, "order_instructions", in_order)
+    thrice = compile_cached(lambda x: 3.0 * x, None)
     assert thrice(2.0) == 6.0
     assert len(seen) == 1
     assert "fmul double" in seen[0]

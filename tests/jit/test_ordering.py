@@ -5,7 +5,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from layflat.jit.ordering import AHEAD, LONG, LONGEST, WIDE, ordered
+from layflat.jit.ordering import (
+    LOOKAHEAD_INSTRUCTIONS,
+    MAX_BLOCK_LENGTH,
+    MAX_VECTOR_BITS,
+    MIN_BLOCK_LENGTH,
+    order_instructions,
+)
 
 OPERATIONS = ("fadd", "fsub", "fmul", "fdiv")
 
@@ -26,7 +32,7 @@ def body_of(text: str) -> list[str]:
 
 def test_chains_that_stand_one_after_the_other_go_side_by_side() -> None:
     first, second = chain("a", 100), chain("b", 120)
-    body = body_of(ordered(module([*first, *second])))
+    body = body_of(order_instructions(module([*first, *second])))
     assert sorted(body) == sorted([*first, *second, "ret void"])
     assert [line for line in body if line in first] == first
     assert [line for line in body if line in second] == second
@@ -36,58 +42,65 @@ def test_chains_that_stand_one_after_the_other_go_side_by_side() -> None:
 
 
 def test_nothing_goes_far_ahead_of_what_waits() -> None:
-    first, second = chain("a", 2 * AHEAD), chain("b", 3 * AHEAD)
-    body = body_of(ordered(module([*first, *second])))
+    first, second = chain("a", 2 * LOOKAHEAD_INSTRUCTIONS), chain("b", 3 * LOOKAHEAD_INSTRUCTIONS)
+    body = body_of(order_instructions(module([*first, *second])))
     for place, line in enumerate(second):
         before = body[: body.index(line)]
         missing = [other for other in first if other not in before]
-        assert not missing or len(first) + place < first.index(missing[0]) + AHEAD
+        assert not missing or len(first) + place < first.index(missing[0]) + LOOKAHEAD_INSTRUCTIONS
 
 
-@pytest.mark.parametrize(("count", "kind"), [(LONG // 3, "double"), (LONGEST, f"<{WIDE // 64 + 1} x double>")])
+@pytest.mark.parametrize(
+    ("count", "kind"),
+    [(MIN_BLOCK_LENGTH // 3, "double"), (MAX_BLOCK_LENGTH, f"<{MAX_VECTOR_BITS // 64 + 1} x double>")],
+)
 def test_short_blocks_and_very_long_ones_of_wide_numbers_stay_as_they_are(count: int, kind: str) -> None:
     text = module([*chain("a", count), f"%wide = fneg {kind} zeroinitializer", *chain("b", count)])
-    assert ordered(text) == text
+    assert order_instructions(text) == text
 
 
-@pytest.mark.parametrize(("count", "lanes"), [(LONGEST, WIDE // 64), (LONGEST // 3, WIDE // 8)])
+@pytest.mark.parametrize(
+    ("count", "lanes"), [(MAX_BLOCK_LENGTH, MAX_VECTOR_BITS // 64), (MAX_BLOCK_LENGTH // 3, MAX_VECTOR_BITS // 8)]
+)
 def test_very_long_blocks_are_put_in_order_where_no_number_is_wide_and_others_in_any_case(
     count: int, lanes: int
 ) -> None:
     text = module([*chain("a", count), f"%wide = fneg <{lanes} x double> zeroinitializer", *chain("b", count)])
-    assert ordered(text) != text
+    assert order_instructions(text) != text
 
 
 def test_numbers_for_names_are_as_good() -> None:
-    body = [f"%{i + 1} = fmul double %{i or 'x'}, 3.0" for i in range(LONG)]
-    found = body_of(ordered(module(body)))
+    body = [f"%{i + 1} = fmul double %{i or 'x'}, 3.0" for i in range(MIN_BLOCK_LENGTH)]
+    found = body_of(order_instructions(module(body)))
     assert found[:3] == ["%n0 = fmul double %x, 3.0", "%n1 = fmul double %n0, 3.0", "%n2 = fmul double %n1, 3.0"]
 
 
 def test_names_that_are_there_are_not_given_again() -> None:
-    body = [*chain("n", LONG), *(f"%{i} = fadd double %n1, %x" for i in range(3))]
-    found = body_of(ordered(module(body)))
+    body = [*chain("n", MIN_BLOCK_LENGTH), *(f"%{i} = fadd double %n1, %x" for i in range(3))]
+    found = body_of(order_instructions(module(body)))
     assert [line for line in found if "fadd" in line] == [f"%nn{i} = fadd double %n1, %x" for i in range(3)]
 
 
 def test_long_names_become_short() -> None:
     name = "long" * 100
     end = f"br label %{name}s"
-    text = ordered(module([f"%{name} = fmul double %x, 3.0", f"%y = fmul double %{name}, 3.0", *chain("a", LONG)], end))
+    text = order_instructions(
+        module([f"%{name} = fmul double %x, 3.0", f"%y = fmul double %{name}, 3.0", *chain("a", MIN_BLOCK_LENGTH)], end)
+    )
     assert {"%n0 = fmul double %x, 3.0", "%y = fmul double %n0, 3.0", "br label %n1"} <= set(body_of(text))
-    assert ordered(text.replace("begin:", f"{name}:")).split("\n")[1] == "nn0:"
+    assert order_instructions(text.replace("begin:", f"{name}:")).split("\n")[1] == "nn0:"
 
 
 def test_a_switch_stays_in_one_piece() -> None:
     end = "switch i64 0, label %begin [\n    i64 1, label %begin\n  ]"
-    found = ordered(module([*chain("a", LONG), *chain("b", LONG)], end))
+    found = order_instructions(module([*chain("a", MIN_BLOCK_LENGTH), *chain("b", MIN_BLOCK_LENGTH)], end))
     assert found.endswith(f"  {end}\n}}\n")
 
 
 @st.composite
 def blocks(draw: st.DrawFn) -> list[str]:
     names, body = ["%x"], list[str]()
-    for i in range(LONG + draw(st.integers(0, 60))):
+    for i in range(MIN_BLOCK_LENGTH + draw(st.integers(0, 60))):
         kind = draw(st.sampled_from((*OPERATIONS, "load", "store", "call")))
         one, other = draw(st.sampled_from(names[-40:])), draw(st.sampled_from(names))
         if kind == "store":
@@ -104,7 +117,7 @@ def blocks(draw: st.DrawFn) -> list[str]:
 
 @given(blocks())
 def test_what_is_used_stands_before_and_memory_keeps_its_order(block: list[str]) -> None:
-    found = body_of(ordered(module(block)))
+    found = body_of(order_instructions(module(block)))
     assert sorted(found) == sorted([*block, "ret void"])
     made = {"%x", "%place"}
     for line in found:

@@ -277,7 +277,7 @@ def read_like(like: Any, numbers: Any, block: Any) -> Any:
 def test_what_a_tuple_looks_like_is_enough_to_read_numbers_and_lanes() -> None:
     block = np.arange(3.0 * host_width()).reshape(3, -1)
     for like in (Nested(Pair(8, 9.0), 7.0), Nested(Pair(1.0, 2), True), (1.0, Pair(2.0, 3.0))):
-        own, lanes = read_like(Like.of(like), block[:, 1].copy(), block)
+        own, lanes = read_like(Like.from_tuple(like), block[:, 1].copy(), block)
         assert own == read_numbers(like, block[:, 1])
         assert lanes == read_lanes(like, block)
         assert type(own) is type(lanes) is type(like)
@@ -301,7 +301,7 @@ def test_lanes_take_as_many_bytes_as_are_said_and_others_as_many_beside_them(mos
     assert lanes == min(host_width(size), most // size)
     block = np.random.default_rng(1).uniform(0.05, 3.0, (3, host_width(size))).astype(number)
     out = np.zeros((2, host_width(size)), number)
-    assert read_narrow(Like.of(Pair(0.0, 0.0), most), block, out) == (lanes, lanes, lanes, 1)
+    assert read_narrow(Like.from_tuple(Pair(0.0, 0.0), most), block, out) == (lanes, lanes, lanes, 1)
     assert np.array_equal(out[:, :lanes], block[1:, :lanes])
     assert not out[:, lanes:].any()
 
@@ -318,7 +318,7 @@ def one_lane_weighted(like: Any, block: Any, out: Any) -> Any:
 @pytest.mark.compiled
 def test_one_lane_in_single_precision_is_packed_as_it_is() -> None:
     block, out = np.array([[3.0], [0.5], [2.0]], np.float32), np.zeros((4, 1), np.float32)
-    one_lane_weighted(Like.of(Pair(0.0, 0.0), most=block.itemsize), block, out)
+    one_lane_weighted(Like.from_tuple(Pair(0.0, 0.0), max_bytes=block.itemsize), block, out)
     assert out.ravel().tolist() == [9.0, -2.5, 1.5, -1.0]
 
 
@@ -327,5 +327,5 @@ def test_a_kernel_is_compiled_once_for_tuples_that_look_alike() -> None:
     compiled = len(read_like.dispatcher.overloads)  # type: ignore[attr-defined]
     block = np.zeros((2, host_width()))
     for like in (Pair(1.0, 2.0), Pair(3, True), Pair(np.ones(3), 1.0)):  # type: ignore[arg-type]
-        read_like(Like.of(like), block[:, 0].copy(), block)
+        read_like(Like.from_tuple(like), block[:, 0].copy(), block)
     assert len(read_like.dispatcher.overloads) == compiled + 1  # type: ignore[attr-defined]

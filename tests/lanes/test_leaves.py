@@ -46,13 +46,13 @@ def test_what_is_written_is_read_again(tree: Any) -> None:
     assert list(row[:-1]) == list(leaves(tree))
     assert np.isnan(row[-1])
     like = mapped(tree, lambda _: 0.0)
-    assert read_numbers(like, row) == read_numbers(Like.of(tree), row) == tree
+    assert read_numbers(like, row) == read_numbers(Like.from_tuple(tree), row) == tree
 
 
 @given(trees, trees)
 def test_tuples_that_look_alike_have_the_same_like(one: Any, other: Any) -> None:
-    assert (Like.of(one) is Like.of(other)) == (shape(one) == shape(other))
-    assert Like.of(mapped(one, round)) is Like.of(mapped(one, lambda number: np.ones(3) * number))
+    assert (Like.from_tuple(one) is Like.from_tuple(other)) == (shape(one) == shape(other))
+    assert Like.from_tuple(mapped(one, round)) is Like.from_tuple(mapped(one, lambda number: np.ones(3) * number))
 
 
 @pytest.mark.parametrize("name", names())

@@ -24,7 +24,7 @@ def swap(places: Any) -> None:
 def turned(pairs: Any, times: int) -> Any:
     items, counts = slots(pairs), slots(pairs, 0.0)
     for k in range(times):
-        for j in range(2):
+        for j in range(len(items)):
             items[j] = Pair(items[j].y, items[j].x + k)
             counts[j] = counts[j] + j
         swap(items)
@@ -46,7 +46,7 @@ def through_slots(block: Any, out: Any) -> int:
     row = read_lanes(Pair(0.0, 0.0), block)
     places = slots((0.0, 0.0, 0.0), in_lanes(Pair(1.0, 2.0), row.x))
     places[1] = row
-    for j in range(3):
+    for j in range(len(places)):
         write_lanes(out[2 * j : 2 * j + 2], places[j])
     return width(row.x)
 
@@ -60,7 +60,7 @@ def test_they_hold_lanes() -> None:
 
 
 def test_teaching_the_compiler_leaves_the_names_of_the_room_alone() -> None:
-    import layflat.lanes.compiled
+    import layflat.jit.lanes
 
     public = {name: value for name, value in vars(layflat.lanes).items() if callable(value) and name[0] != "_"}
     own = {name for name, value in public.items() if value.__module__ == "layflat.lanes"}

@@ -10,19 +10,19 @@ import pytest
 from layflat import __version__
 from layflat.errors import MachineError
 from layflat.machine import load
-from layflat.machine.loader import MACHINES, tables
+from layflat.machine.loader import MACHINE_LIBRARY, tables
 
 COLUMNS: list[dict[str, Any]] = [
     {"machine": "paper-arm", "paths": ["valve.conductance"], "unit": "dm^3/(s bar)"},
     {"machine": "paper-arm", "paths": ["joint.large.hose.dead_volume", "joint.small.hose.dead_volume"], "unit": "ml"},
     {"machine": "paper-arm", "paths": ["joint.large.losses.deflections.0"], "unit": "deg"},
-    {"machine": "earlier-actuator", "paths": ["joint.small.strap.loss_share"]},
+    {"machine": "earlier-actuator", "paths": ["joint.small.strap.loss_fraction"]},
 ]
 MEMBERS = [[0.2, 100.0, 0.3, 0.05], [0.1, 70.0, 0.2, 0.07]]
 
 
 def written(folder: Path, **other: Any) -> Path:
-    bases = {name: MACHINES.layers(name)[-1].plain for name in ("paper-arm", "earlier-actuator")}
+    bases = {name: MACHINE_LIBRARY.layers(name)[-1].plain for name in ("paper-arm", "earlier-actuator")}
     raw = {"layflat": __version__, "command": "make cloud", "columns": COLUMNS, "bases": bases, "members": MEMBERS}
     file = folder / "mine.cloud.json"
     file.write_text(json.dumps(raw | other), encoding="utf-8")
@@ -46,7 +46,7 @@ def test_a_member_is_the_machine_with_values_of_its_own(tmp_path: Path) -> None:
 def test_what_extends_a_machine_has_its_members(tmp_path: Path) -> None:
     file = written(tmp_path)
     earlier = load(f"earlier-actuator@{file}:1")
-    assert earlier.joint["small"].strap.loss_share == 0.07
+    assert earlier.joint["small"].strap.loss_fraction == 0.07
     assert earlier.valve is not None
     assert earlier.valve.conductance == pytest.approx(0.1e-8)
     mine = tmp_path / "mine.toml"
@@ -60,7 +60,7 @@ def test_what_extends_a_machine_has_its_members(tmp_path: Path) -> None:
 
 
 def test_a_cloud_of_other_machines_is_refused_with_the_difference(tmp_path: Path) -> None:
-    plain = MACHINES.layers("paper-arm")[-1].plain
+    plain = MACHINE_LIBRARY.layers("paper-arm")[-1].plain
     supply = plain["supply"] | {"pressure_gauge": "5 bar"}
     file = written(tmp_path, bases={"paper-arm": plain | {"supply": supply}})
     with pytest.raises(MachineError, match=r"supply.pressure_gauge.*'5 bar', which has '4 bar' now.*make cloud"):
@@ -93,7 +93,7 @@ def test_names_that_are_none(tmp_path: Path) -> None:
     with pytest.raises(MachineError, match="no such machine"):
         load(f"paper-arn@{file}:0")
     alone = tmp_path / "alone.toml"
-    alone.write_text(MACHINES.text("paper-arm"), encoding="utf-8")
+    alone.write_text(MACHINE_LIBRARY.text("paper-arm"), encoding="utf-8")
     with pytest.raises(MachineError, match="is no machine of this cloud"):
         load(f"{alone}@{file}:0")
     assert tables("paper-arm")[0]["name"] == "paper-arm"

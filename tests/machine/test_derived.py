@@ -6,10 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from layflat.description.provenance import Provenance
+from layflat.description.tables import Provenance
 from layflat.errors import InputError, OutputError
 from layflat.machine import load
-from layflat.machine.listing import at_path, derived_path, with_value, write_derived
+from layflat.machine.listing import derived_path, nested_value, set_nested_value, write_derived
 
 SMALL = "paper-small-joint"
 SOURCE = Provenance("identified", "95 %: 1 to 2; from a log")
@@ -65,10 +65,10 @@ def test_the_base_is_not_overwritten(tmp_path: Path) -> None:
 def test_items_of_lists() -> None:
     base = {"a": {"list": [1, 2, 3], "b": 4}}
     plain: dict[str, object] = {}
-    assert with_value(plain, base, "a.list.1", 20) == "a.list"
-    assert with_value(plain, base, "a.list.2", 30) == "a.list"
-    assert with_value(plain, base, "a.c.d", "x") == "a.c.d"
+    assert set_nested_value(plain, base, "a.list.1", 20) == "a.list"
+    assert set_nested_value(plain, base, "a.list.2", 30) == "a.list"
+    assert set_nested_value(plain, base, "a.c.d", "x") == "a.c.d"
     assert plain == {"a": {"list": [1, 20, 30], "c": {"d": "x"}}}
     assert base == {"a": {"list": [1, 2, 3], "b": 4}}
-    assert at_path(base, ["a", "list", "0"]) == 1
-    assert at_path(base, ["a", "nothing", "0"]) is None
+    assert nested_value(base, ["a", "list", "0"]) == 1
+    assert nested_value(base, ["a", "nothing", "0"]) is None

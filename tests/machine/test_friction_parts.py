@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from layflat.errors import MachineError
-from layflat.identify.benches.moving.blocks import unknowns
+from layflat.identify.benches.moving.blocks import machine_unknowns
 from layflat.machine import Machine, load, parameters
 from layflat.physics.friction.coulomb import Coulomb
 from layflat.physics.friction.stribeck import KIND, Stribeck
@@ -13,7 +13,7 @@ from layflat.sim import Scenario, rollout
 from layflat.sim.ensemble import ensemble
 from layflat.sim.sweep import sweep
 
-FALLING = 'kind = "stribeck"\nstatic_ratio = 1.4\nvelocity = "0.1 rad/s"\ndrag = "0.5 N m"\nload_share = 0.02'
+FALLING = 'kind = "stribeck"\nstatic_ratio = 1.4\nvelocity = "0.1 rad/s"\ndrag = "0.5 N m"\nload_ratio = 0.02'
 STICTION = '[valve.stiction]\nstatic_ratio = 1.5\nvelocity = "2 1/s"'
 
 
@@ -53,7 +53,7 @@ def test_one_joint_of_a_kind_and_one_with_coulomb_friction_go_side_by_side(tmp_p
         (FALLING.replace("1.4", "0.8"), r"friction\.static_ratio: 0\.8 is out of range; give at least 1"),
         (FALLING.replace('"0.1 rad/s"', '"-1 rad/s"'), r"friction\.velocity: '-1 rad/s' .*; give more than 0"),
         (FALLING.replace('"0.5 N m"', '"-1 N m"'), r"friction\.drag: '-1 N m' .*; give at least 0"),
-        (FALLING.replace("0.02", "-0.02"), r"friction\.load_share: -0\.02 .*; give at least 0"),
+        (FALLING.replace("0.02", "-0.02"), r"friction\.load_ratio: -0\.02 .*; give at least 0"),
         (FALLING.replace("stribeck", "stribek"), r'friction\.kind: .*did you mean "stribeck"'),
         (f"{FALLING}\n{STICTION}".replace("1.5", "0.5"), r"valve\.stiction\.static_ratio: .*; give at least 1"),
         (f"{FALLING}\n{STICTION}".replace("2 1/s", "-2 1/s"), r"valve\.stiction\.velocity: .*; give more than 0"),
@@ -78,8 +78,8 @@ def test_a_slow_sweep_meets_static_friction(tmp_path: Path) -> None:
 
 def test_the_fall_can_be_fitted_where_there_is_one(tmp_path: Path) -> None:
     machine = made(tmp_path, f"[joint.small.friction]\n{FALLING}")
-    paths = [one.path.removeprefix("joint.") for one in unknowns(machine, ["friction"])]
-    fall = ["small.friction.static_ratio", "small.friction.velocity", "small.friction.load_share"]
+    paths = [one.path.removeprefix("joint.") for one in machine_unknowns(machine, ["friction"])]
+    fall = ["small.friction.static_ratio", "small.friction.velocity", "small.friction.load_ratio"]
     assert paths == ["large.brake.torque", "large.brake.viscous", "small.brake.torque", "small.brake.viscous", *fall]
 
 

@@ -6,7 +6,7 @@ import jsonschema
 import pytest
 
 from layflat.machine import load, names
-from layflat.machine.listing import listing, schema_text, to_toml
+from layflat.machine.listing import list_values, schema_text, to_toml
 from layflat.machine.loader import BUILT_IN, tables
 
 
@@ -19,13 +19,13 @@ def test_a_printed_description_loads_as_the_same_machine(name: str, tmp_path: Pa
 
 
 def test_listing_shows_values_as_written_with_their_source() -> None:
-    lines = {line.path: line for line in listing(*tables("paper-arm"))}
+    lines = {line.path: line for line in list_values(*tables("paper-arm"))}
     width = lines["joint.large.hose.width"]
     assert (width.text, width.source, width.note) == ("160 mm", "paper", "section 2.3")
 
 
 def test_listing_leaves_out_joints_that_the_arm_does_not_use() -> None:
-    assert not any(line.path.startswith("joint.large") for line in listing(*tables("paper-small-joint")))
+    assert not any(line.path.startswith("joint.large") for line in list_values(*tables("paper-small-joint")))
 
 
 @pytest.fixture(scope="module")

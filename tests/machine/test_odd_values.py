@@ -17,9 +17,9 @@ from layflat.cell.file import loader as cells
 from layflat.cell.file.model import Cell
 from layflat.errors import InputError
 from layflat.identify.benches.loader import bench_tables, build_bench
-from layflat.identify.logs.mapping import mapping_of
+from layflat.identify.logs.mapping import parse_mapping
 from layflat.machine import build
-from layflat.machine.loader import BENCHES, tables
+from layflat.machine.loader import BENCH_LIBRARY, tables
 
 ODD: list[Any] = [
     None, True, 0, -1, 3, 1e14, -1e300, 1e300, 5e-324, inf, nan, "", "x", "3", "1 kg", "1 m", "-1 Pa", "1e300 m",
@@ -72,15 +72,15 @@ def test_machines(name: str) -> None:
     assert refused(lambda plain: build(plain, {}, "f.toml"), tables(name)[0], every=13) > 300
 
 
-@pytest.mark.parametrize("name", BENCHES.names)
+@pytest.mark.parametrize("name", BENCH_LIBRARY.names)
 def test_benches(name: str) -> None:
     assert refused(lambda plain: build_bench(plain, "f.toml"), bench_tables(name)[0]) > 300
 
 
 def test_cells() -> None:
-    described, _ = cells.CELLS.tables("packing")
+    described, _ = cells.CELL_LIBRARY.tables("packing")
     plain = {key: value for key, value in described.items() if key not in {"machine", "container"}}
-    made = refused(lambda plain: cells._validated(Cell, plain, "f.toml"), plain, every=31)
+    made = refused(lambda plain: cells._validate(Cell, plain, "f.toml"), plain, every=31)
     assert made > 200
 
 
@@ -95,7 +95,7 @@ def test_mappings() -> None:
         "scale": 1.0,
     }
     plain = {"ambient": "1 bar", "time": {"column": "t", "unit": "s"}, "column": [column]}
-    assert refused(lambda plain: mapping_of(plain, "f.toml"), plain) > 150
+    assert refused(lambda plain: parse_mapping(plain, "f.toml"), plain) > 150
 
 
 def test_nothing_has_to_be_written_to_read_a_description(tmp_path: Path) -> None:

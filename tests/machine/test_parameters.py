@@ -5,11 +5,12 @@ import pytest
 from numpy.polynomial import Polynomial
 
 from layflat.errors import MachineError
-from layflat.experiments.bench import alone
+from layflat.experiments.bench import isolate_joint
 from layflat.lanes import leaves
 from layflat.machine import changed, load, parameters
+from layflat.machine.exchanged import with_losses
 from layflat.physics.arms.planar import LevelTwoLink, OneLink, TwoLink
-from layflat.physics.hose import Stroke, roller_torque
+from layflat.physics.hose import PolynomialStroke, roller_torque
 
 ARM = load("paper-arm-fast")
 
@@ -42,17 +43,17 @@ def test_strokes_of_the_paper() -> None:
 def test_a_single_acting_joint_has_no_second_hose() -> None:
     rig = load("rig-polyester").model_copy(update={"valve": ARM.valve})
     (joint,) = parameters.joints(rig)
-    nothing = parameters.no_hose(joint.hose_a)._replace(stroke=Stroke(0.0, 0.0, 0.0, 0.0, 0.0))
+    nothing = parameters.missing_hose(joint.hose_a)._replace(stroke=PolynomialStroke(0.0, 0.0, 0.0, 0.0, 0.0))
     assert joint.hose_b == nothing
 
 
 def test_a_joint_with_a_cam_beside_one_with_a_roller_has_a_stroke_of_the_same_kind() -> None:
     mixed = changed(ARM, "joint.small.output.kind", "roller")
     large, small = parameters.joints(mixed)
-    assert isinstance(large.hose_a.stroke, Stroke)
-    assert isinstance(small.hose_a.stroke, Stroke)
+    assert isinstance(large.hose_a.stroke, PolynomialStroke)
+    assert isinstance(small.hose_a.stroke, PolynomialStroke)
     (even, _) = parameters.joints(ARM)
-    assert large.hose_a.stroke == Stroke(even.hose_a.stroke.k0, 0.0, 0.0, 0.0, 0.0)
+    assert large.hose_a.stroke == PolynomialStroke(even.hose_a.stroke.k0, 0.0, 0.0, 0.0, 0.0)
 
 
 def test_arms_by_number_of_joints() -> None:
@@ -60,7 +61,7 @@ def test_arms_by_number_of_joints() -> None:
     upright = changed(ARM, "arm.gravity", 9.81)
     assert isinstance(parameters.arm(upright), TwoLink)
     assert parameters.arm(upright)[:3] == parameters.arm(ARM)[:3]
-    assert isinstance(parameters.arm(alone(ARM, "small", 2.0)), OneLink)
+    assert isinstance(parameters.arm(isolate_joint(ARM, "small", 2.0)), OneLink)
 
 
 def test_two_links_with_a_locked_elbow_weigh_as_one() -> None:
@@ -87,11 +88,11 @@ def test_losses_add_up_to_the_described_share() -> None:
     at = joint.losses.reference_pressure_gauge
     limits = np.array(loss.base) + at * np.array(loss.slope)
     height = 2 * limits.sum() / (parameters.torque_constant(joint) * at)
-    assert height == pytest.approx(parameters.loss_share(joint), rel=1e-12)
+    assert height == pytest.approx(parameters.loss_fraction(joint), rel=1e-12)
 
 
 def test_rigs_without_valve_say_what_they_are_for() -> None:
-    with pytest.raises(MachineError, match="layflat loop"):
+    with pytest.raises(MachineError, match="layflat joint sweep"):
         parameters.joints(load("rig-polyester"))
 
 
@@ -128,5 +129,20 @@ def test_a_joint_may_have_a_larger_valve_than_the_others() -> None:
     assert large.conductance == 3.0 * small.conductance == 3.0 * valve.conductance
     assert large.leakage == 3.0 * small.leakage
     assert large._replace(conductance=0.0, leakage=0.0) == small._replace(conductance=0.0, leakage=0.0)
-    air = parameters.air_parts(arm, "large"), parameters.air_parts(ARM, "large")
+    air = parameters.air_observer_parameters(arm, "large"), parameters.air_observer_parameters(ARM, "large")
     assert air[0].conductance == 3.0 * air[1].conductance
+
+
+BOUC_WEN = {"deflection": "2 deg", "beta": 0.6, "exponent": 1.0}
+
+
+@pytest.mark.parametrize("machine", ["paper-arm", "paper-arm-tracking"])
+@pytest.mark.parametrize(
+    ("kind", "values"),
+    [("bouc-wen", BOUC_WEN), ("elasto-slip", {"deflections": ["1 deg", "9 deg"], "weights": [0.5, 0.5]})],
+)
+def test_joints_with_unlike_losses_are_refused_in_one_line(machine: str, kind: str, values: dict[str, object]) -> None:
+    one = with_losses(load(machine), kind, values, ["small"])
+    with pytest.raises(MachineError, match=r"joint\.small: has losses .* than joint\.large; give all joints the same"):
+        parameters.joints(one)
+    assert parameters.joints(with_losses(load(machine), kind, values))

@@ -9,8 +9,7 @@ from layflat.lanes import leaves
 from layflat.machine import Machine, load, parameters
 from layflat.machine.loader import tables
 from layflat.machine.model import build
-from layflat.machine.single_acting import needed_at_rest
-from layflat.motion.limits import arm_limits
+from layflat.motion.limits import arm_limits, static_torques
 from layflat.physics.joint import SecondHose, TwoHoses, pressures_at_rest
 
 LIFT = load("single-joint-lift")
@@ -33,13 +32,13 @@ def test_joints_beside_each_other_have_parameters_of_one_kind() -> None:
 
 def test_one_pressure_can_not_choose_torque_and_stiffness() -> None:
     with pytest.raises(MachineError, match="regulator needs two hoses: the pressure in a single one is its torque"):
-        mixed(acting="single", regulator={"least": 0.3, "stroke_time": "50 ms"})
+        mixed(acting="single", regulator={"min_fraction": 0.3, "stroke_time": "50 ms"})
 
 
 def test_the_air_holds_what_the_spring_does_not() -> None:
     (joint,), around = parameters.joints(LIFT), parameters.surroundings(LIFT)
     q, pull = np.array([[0.4]]), np.array([[-4.0]])
-    (needed,) = needed_at_rest(LIFT, pull, q)[0]
+    (needed,) = static_torques(LIFT, pull, q)[0]
     assert needed == pytest.approx(4.0 + 9.0 + 1.5 * 0.4)
     p_1, p_2 = pressures_at_rest(joint, 0.4, -4.0, around)
     assert p_2 == around.ambient_pressure

@@ -8,10 +8,10 @@ from typer.testing import CliRunner
 
 from layflat.cli import app
 from layflat.errors import InputError, MachineError
-from layflat.identify.benches.moving.blocks import unknowns
+from layflat.identify.benches.moving.blocks import machine_unknowns
 from layflat.machine import Machine, load, parameters
-from layflat.machine.stale import counted_twice
-from layflat.physics.air_balance import AirEstimate, AirParts, follow_air
+from layflat.machine.stale import tubes_counted_twice
+from layflat.physics.air_balance import AirEstimate, AirObserverParameters, update_air_estimate
 from layflat.physics.line import NoLine
 from layflat.sim import Scenario, rollout
 from layflat.sim.ensemble import ensemble
@@ -38,8 +38,8 @@ def test_the_pages_example_is_a_description(tmp_path: Path) -> None:
 def test_without_a_word_there_is_none() -> None:
     arm = load("paper-arm-fast")
     assert all(joint.hose_a.line == joint.hose_b.line == NoLine() for joint in parameters.joints(arm))
-    assert parameters.air_parts(arm, "small").line_conductance == inf
-    assert counted_twice(arm) == []
+    assert parameters.air_observer_parameters(arm, "small").line_conductance == inf
+    assert tubes_counted_twice(arm) == []
 
 
 def test_a_tube_has_volume_resistance_and_delay(tmp_path: Path) -> None:
@@ -52,7 +52,7 @@ def test_a_tube_has_volume_resistance_and_delay(tmp_path: Path) -> None:
         added = line.volume + joint.hose_a.chamber.dead_volume - before.hose_a.chamber.dead_volume
         assert added == pytest.approx(np.pi / 4 * 0.004**2, rel=1e-9)
         assert joint.valve.delay == pytest.approx(1.0 / 343.2, rel=1e-3)
-    parts = parameters.air_parts(machine, "small")
+    parts = parameters.air_observer_parameters(machine, "small")
     assert parts.dead_volume == pytest.approx(60e-6 + 12.57e-6, rel=1e-3)
     assert parts.line_conductance == parameters.joints(machine)[1].hose_a.line.conductance
 
@@ -89,21 +89,21 @@ def test_impossible_tubes_are_refused_in_one_line(tmp_path: Path, text: str, exp
 
 def test_a_tube_that_is_counted_twice_is_noted(tmp_path: Path) -> None:
     made(tmp_path, f"[line]\n{LINE}")
-    shown = CliRunner().invoke(app, ["check", str(tmp_path / "mine.toml")])
+    shown = CliRunner().invoke(app, ["machine", "check", str(tmp_path / "mine.toml")])
     assert shown.exit_code == 0
     assert "joint.small.hose.dead_volume" in shown.stdout
     parted = f'[joint.large.hose]\ndead_volume = "107 ml"\n[joint.small.hose]\ndead_volume = "47 ml"\n[line]\n{LINE}'
-    assert counted_twice(made(tmp_path, parted)) == []
+    assert tubes_counted_twice(made(tmp_path, parted)) == []
 
 
 def test_a_line_can_be_fitted_where_there_is_one(tmp_path: Path) -> None:
-    found = unknowns(made(tmp_path, f"[line]\n{LINE}"), ["line"])
+    found = machine_unknowns(made(tmp_path, f"[line]\n{LINE}"), ["line"])
     assert [one.path for one in found] == ["line.length", "line.bore"]
     own = made(tmp_path, f"[line]\n{LINE}\n[joint.small.line]\n{LINE}")
-    paths = [one.path for one in unknowns(own, ["line"])]
+    paths = [one.path for one in machine_unknowns(own, ["line"])]
     assert paths == ["line.length", "line.bore", "joint.small.line.length", "joint.small.line.bore"]
     with pytest.raises(InputError, match=r"paper-arm-fast: has no line; describe its \[line\]"):
-        unknowns(load("paper-arm-fast"), ["line"])
+        machine_unknowns(load("paper-arm-fast"), ["line"])
 
 
 MOVES = Scenario(demand=[("0 s", ("-10 deg", "0 deg")), ("0.2 s", ("20 deg", "15 deg"))], duration="0.8 s")
@@ -121,7 +121,7 @@ def test_runs_of_an_ensemble_are_the_rollouts(tmp_path: Path) -> None:
     assert not np.array_equal(runs["angle"][0], runs["angle"][2])
 
 
-def most_amiss(run, machine: Machine, parts: AirParts) -> float:  # type: ignore[no-untyped-def]
+def most_amiss(run, machine: Machine, parts: AirObserverParameters) -> float:  # type: ignore[no-untyped-def]
     """Greatest residual of the watch over the small joint's air."""
     valve, air = machine.valve, machine.supply
     assert valve is not None
@@ -131,7 +131,7 @@ def most_amiss(run, machine: Machine, parts: AirParts) -> float:  # type: ignore
     for k in range(1, run.sizes["time"]):
         opening = float(np.clip((joint.voltage[k - 1] - valve.centre_voltage) / valve.volts_to_full, -1.0, 1.0))
         gauge = float(joint.pressure_a[k] - joint.pressure_b[k])
-        estimate = follow_air(
+        estimate = update_air_estimate(
             parts, estimate, opening, float(joint.angle[k]), gauge, air.pressure, air.ambient_pressure, machine.cycle
         )
         worst = max(worst, abs(estimate.residual))
@@ -143,6 +143,9 @@ def test_the_watch_over_the_air_knows_the_tube(tmp_path: Path) -> None:
     machine = made(tmp_path, f"[line]\n{LINE}".replace("1 m", "3 m", 1).replace("4 mm", "3 mm"))
     run = rollout(machine, scenario=MOVES)
     assert np.ptp(run["angle"].sel(joint="small").values) > radians(10.0)
-    knowing = parameters.air_parts(machine, "small")
+    knowing = parameters.air_observer_parameters(machine, "small")
     assert most_amiss(run, machine, knowing) < machine.safety.air_residual
-    assert most_amiss(run, machine, parameters.air_parts(load("paper-arm-fast"), "small")) > machine.safety.air_residual
+    assert (
+        most_amiss(run, machine, parameters.air_observer_parameters(load("paper-arm-fast"), "small"))
+        > machine.safety.air_residual
+    )

@@ -7,7 +7,7 @@ from numpy.testing import assert_allclose
 from layflat.description.change import changed
 from layflat.machine import Machine, load
 from layflat.machine.parameters import arm, mass_and_pull
-from layflat.motion.dynamics import least_inertias, path_torques, rigid_torques
+from layflat.motion.dynamics import min_inertias, path_torques, rigid_torques
 from layflat.motion.path import JointLine
 from layflat.motion.trajectory import States
 from tests.physics.arms.chain.chains import random_arm
@@ -59,7 +59,7 @@ def test_a_weight_is_held_up_as_by_a_lever() -> None:
 def test_a_path_asks_for_what_its_motion_does() -> None:
     path = JointLine(np.array([-0.5, 0.3, -0.2, 0.4]), np.array([0.6, -0.4, 0.5, -0.3]))
     s = np.linspace(0.1, 0.6, 7)
-    q, first, second = path.at(s)
+    q, first, second = path.evaluate(s)
     asked = path_torques(PICKING, path, s, 0.4)
     speed, pull = 0.8, -1.7
     states = States(q, speed * first, pull * first + speed**2 * second)
@@ -70,7 +70,7 @@ def test_a_path_asks_for_what_its_motion_does() -> None:
 def test_a_torque_on_one_joint_meets_its_least_inertia_while_the_others_are_free() -> None:
     draw = np.random.default_rng(2)
     postures = draw.uniform(-1.0, 1.0, (4, 4))
-    found = least_inertias(PICKING, postures, PAYLOAD)
+    found = min_inertias(PICKING, postures, PAYLOAD)
     met = np.empty((4, 4))
     for posture, row in zip(postures, met, strict=True):
         mass = mass_and_pull(arm(PICKING), PAYLOAD, posture.tolist())[0]

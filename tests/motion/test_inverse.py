@@ -14,7 +14,13 @@ from scipy.optimize import NonlinearConstraint, least_squares, minimize
 from layflat.arrays import Array
 from layflat.errors import InputError
 from layflat.machine import Machine, changed, load
-from layflat.motion.inverse import ASKED, SINGULAR, THERE, Inverse, anywhere
+from layflat.motion.inverse import (
+    MIN_MOBILITY,
+    POSITION_TOLERANCE,
+    TARGET_TOLERANCE,
+    InverseKinematics,
+    solve_inverse_kinematics,
+)
 from layflat.motion.kinematics import Kinematics, tip_motion, tip_position
 from layflat.motion.path import half_strokes
 from tests.physics.arms.chain.chains import as_chain, random_arm
@@ -53,12 +59,12 @@ def test_the_jacobian_is_what_moves_the_tip(name: str) -> None:
 @pytest.mark.parametrize("name", ARMS)
 def test_random_places_within_reach_are_found(name: str) -> None:
     _, places = drawn(name, 300)
-    found, half = anywhere(ARMS[name], places), half_strokes(ARMS[name])
-    assert found.there.mean() >= 0.99
+    found, half = solve_inverse_kinematics(ARMS[name], places), half_strokes(ARMS[name])
+    assert found.reached.mean() >= 0.99
     assert np.all(np.abs(found.angles) <= half)
     apart = np.linalg.norm(Kinematics(ARMS[name]).tip(found.angles) - places, axis=1)
-    assert_allclose(apart, found.missing, atol=1e-14)
-    assert np.all(apart[found.there] < THERE)
+    assert_allclose(apart, found.distance, atol=1e-14)
+    assert np.all(apart[found.reached] < POSITION_TOLERANCE)
 
 
 def test_random_arms_of_three_joints_come_to_their_places() -> None:
@@ -66,23 +72,23 @@ def test_random_arms_of_three_joints_come_to_their_places() -> None:
         arm = random_arm(3, seed)
         half = half_strokes(arm)
         places = Kinematics(arm).tip(np.random.default_rng(seed).uniform(-half, half, (100, 3)))
-        assert anywhere(arm, places).there.mean() >= 0.99
+        assert solve_inverse_kinematics(arm, places).reached.mean() >= 0.99
 
 
 def test_a_place_has_the_same_answer_alone_and_among_others() -> None:
     _, places = drawn("four", 60)
-    inverse = Inverse(ARMS["four"])
-    every = inverse.anywhere(places)
+    inverse = InverseKinematics(ARMS["four"])
+    every = inverse.solve_globally(places)
     for k in (0, 17, 59):
-        assert_array_equal(inverse.anywhere(places[k : k + 1]).angles[0], every.angles[k])
+        assert_array_equal(inverse.solve_globally(places[k : k + 1]).angles[0], every.angles[k])
 
 
 def test_margins_are_kept() -> None:
     _, places = drawn("picking", 100)
-    inverse = Inverse(ARMS["picking"], margin=0.2)
-    found = inverse.anywhere(places)
+    inverse = InverseKinematics(ARMS["picking"], margin=0.2)
+    found = inverse.solve_globally(places)
     assert np.all(np.abs(found.angles) <= half_strokes(ARMS["picking"]) - 0.2 + 1e-15)
-    assert 0.3 < found.there.mean() < 1.0
+    assert 0.3 < found.reached.mean() < 1.0
 
 
 class Way:
@@ -105,10 +111,12 @@ def test_no_posture_is_nearer(name: str) -> None:
     """Against sequential quadratic programmes that begin in what was found."""
     _, places = drawn(name, 8)
     wanted, _ = drawn(name, 8, seed=6)
-    found, half = Inverse(ARMS[name]).near(places, wanted), half_strokes(ARMS[name])
+    found, half = InverseKinematics(ARMS[name]).solve_near(places, wanted), half_strokes(ARMS[name])
     bounds = list(zip(-half, half, strict=True))
-    assert found.there.sum() >= 5
-    for place, near, posture in zip(places[found.there], wanted[found.there], found.angles[found.there], strict=True):
+    assert found.reached.sum() >= 5
+    for place, near, posture in zip(
+        places[found.reached], wanted[found.reached], found.angles[found.reached], strict=True
+    ):
         way = Way(name, place)
 
         def apart(q: Array, near: Array = near) -> tuple[float, Array]:
@@ -124,11 +132,11 @@ def test_no_posture_is_nearer(name: str) -> None:
 @pytest.mark.parametrize("name", ["planar", "picking", "four"])
 def test_out_of_reach_nothing_is_nearer(name: str) -> None:
     """Against bounded least squares of SciPy from many postures."""
-    inverse, half, draw = Inverse(ARMS[name]), half_strokes(ARMS[name]), np.random.default_rng(7)
+    inverse, half, draw = InverseKinematics(ARMS[name]), half_strokes(ARMS[name]), np.random.default_rng(7)
     places = inverse.tips.mean(axis=0) + 0.6 * inverse.size * draw.normal(size=(6, 3))
     places[:, 2] *= name != "planar"
     bounds = (-half - 1e-9, half + 1e-9)
-    for place, missing in zip(places, inverse.anywhere(places).missing, strict=True):
+    for place, missing in zip(places, inverse.solve_globally(places).distance, strict=True):
         way, starts = Way(name, place), draw.uniform(-0.95 * half, 0.95 * half, (12, len(half)))
         fits = [least_squares(way, start, jac=way.slope, bounds=bounds).cost for start in starts]
         assert missing < np.sqrt(2.0 * min(fits)) + 1e-5
@@ -138,15 +146,15 @@ def test_out_of_reach_nothing_is_nearer(name: str) -> None:
 def test_near_a_singular_axis_no_posture_that_is_not_singular_is_nearer(place: tuple[float, ...]) -> None:
     """Against SciPy's trust region with constraints from many postures; and none of it takes long."""
     arm = ARMS["picking"]
-    inverse, half, draw = Inverse(arm), half_strokes(arm), np.random.default_rng(11)
-    inverse.anywhere(inverse.tips[:1])
+    inverse, half, draw = InverseKinematics(arm), half_strokes(arm), np.random.default_rng(11)
+    inverse.solve_globally(inverse.tips[:1])
     begun = process_time()
     with pytest.raises(InputError) as caught:
-        inverse.posture(np.array(place), np.zeros(4), "here")
+        inverse.compute_configuration(np.array(place), np.zeros(4), "here")
     assert process_time() - begun < 2.0  # 0.1 s on an idle machine; it took 8 s
     offered = 1e-3 * np.array([float(text) for text in re.findall(r"= (-?[\d.]+) mm", str(caught.value))[3:]])
     starts: Any = draw.uniform(-half, half, (200_000, 4))
-    starts = starts[inverse.mobility(starts) > 2.0 * SINGULAR]
+    starts = starts[inverse.mobility(starts) > 2.0 * MIN_MOBILITY]
     apart = np.linalg.norm(Kinematics(arm).tip(starts) - place, axis=1)
 
     def away(q: Any) -> Any:
@@ -158,51 +166,51 @@ def test_near_a_singular_axis_no_posture_that_is_not_singular_is_nearer(place: t
     for start in starts[np.argsort(apart)[:10]]:
         best = minimize(
             away, start, method="SLSQP", bounds=list(zip(-half, half, strict=True)),
-            constraints=[NonlinearConstraint(mobile, 2.0 * SINGULAR, 1.0)],
+            constraints=[NonlinearConstraint(mobile, 2.0 * MIN_MOBILITY, 1.0)],
             options={"ftol": 1e-10, "maxiter": 200},
         )  # fmt: skip
-        if mobile(best.x) > 2.0 * SINGULAR - 1e-6:
+        if mobile(best.x) > 2.0 * MIN_MOBILITY - 1e-6:
             assert np.linalg.norm(offered - place) < 1e-2 * np.sqrt(best.fun) + 5e-4
 
 
 @pytest.mark.parametrize("arm", [*ARMS.values(), STRETCHED, as_chain()])
 def test_what_is_offered_instead_is_accepted(arm: Machine) -> None:
     """As it is told, to a tenth of a millimetre."""
-    inverse, draw = Inverse(arm), np.random.default_rng(8)
-    axes = tip_position(arm, inverse.anywhere(inverse.tips[:1]).angles).shape[1]
+    inverse, draw = InverseKinematics(arm), np.random.default_rng(8)
+    axes = tip_position(arm, inverse.solve_globally(inverse.tips[:1]).angles).shape[1]
     for place in inverse.tips.mean(axis=0) + 0.8 * inverse.size * draw.normal(size=(5, 3)) * [1, 1, axes > 2]:
         with pytest.raises(InputError, match=r"^here: x = .* mm out of the arm's reach; the nearest") as caught:
-            inverse.posture(place[:axes], np.zeros(len(half_strokes(arm))), "here")
+            inverse.compute_configuration(place[:axes], np.zeros(len(half_strokes(arm))), "here")
         offered = 1e-3 * np.array([float(text) for text in re.findall(r"= (\S+) mm", str(caught.value))[axes:]])
-        posture = inverse.posture(offered, np.zeros(len(half_strokes(arm))), "here")
-        assert np.linalg.norm(tip_position(arm, posture) - offered) < ASKED
-        assert inverse.mobility(posture[None])[0] > SINGULAR
+        posture = inverse.compute_configuration(offered, np.zeros(len(half_strokes(arm))), "here")
+        assert np.linalg.norm(tip_position(arm, posture) - offered) < TARGET_TOLERANCE
+        assert inverse.mobility(posture[None])[0] > MIN_MOBILITY
 
 
 def test_a_singular_posture_is_told_with_a_place_beside_it() -> None:
-    inverse, straight = Inverse(STRETCHED), np.radians([20.0, 0.0])
+    inverse, straight = InverseKinematics(STRETCHED), np.radians([20.0, 0.0])
     with pytest.raises(
-        InputError, match=r"in a singular posture, such as stretched; the nearest place beside it"
+        InputError, match=r"in a singular configuration, such as stretched; the nearest place beside it"
     ) as caught:
-        inverse.posture(tip_position(STRETCHED, straight), straight, "--tip")
+        inverse.compute_configuration(tip_position(STRETCHED, straight), straight, "--tip")
     _, _, x, y, apart = (float(text) for text in re.findall(r"(?:= |, )(-?[\d.]+) mm", str(caught.value)))
     assert 0.0 < apart < 1.0
-    posture = inverse.posture(1e-3 * np.array([x, y]), straight, "--tip")
-    assert inverse.mobility(posture[None])[0] > SINGULAR
+    posture = inverse.compute_configuration(1e-3 * np.array([x, y]), straight, "--tip")
+    assert inverse.mobility(posture[None])[0] > MIN_MOBILITY
 
 
 def test_singular_postures_are_avoided_where_others_get_there() -> None:
     """Of random arms, places where the nearest posture may be singular."""
     arm = random_arm(4, 0)
-    inverse, half = Inverse(arm), half_strokes(arm)
+    inverse, half = InverseKinematics(arm), half_strokes(arm)
     q = np.random.default_rng(2).uniform(-half, half, (20000, 4))
-    singular = q[inverse.mobility(q) < SINGULAR]
+    singular = q[inverse.mobility(q) < MIN_MOBILITY]
     assert len(singular) > 10
-    found = inverse.anywhere(Kinematics(arm).tip(singular), singular)
-    assert found.there.all()
-    assert (inverse.mobility(found.angles) > SINGULAR).mean() > 0.5
+    found = inverse.solve_globally(Kinematics(arm).tip(singular), singular)
+    assert found.reached.all()
+    assert (inverse.mobility(found.angles) > MIN_MOBILITY).mean() > 0.5
 
 
 def test_arms_know_in_which_directions_they_move() -> None:
-    assert [Inverse(random_arm(n, 0)).directions for n in (2, 3, 4)] == [2, 3, 3]
-    assert Inverse(as_chain()).directions == 2
+    assert [InverseKinematics(random_arm(n, 0)).directions for n in (2, 3, 4)] == [2, 3, 3]
+    assert InverseKinematics(as_chain()).directions == 2

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from layflat.machine import load
-from layflat.motion.levers import joints_beside_tip, tip_levers
+from layflat.motion.kinematics import joints_not_moving_tip, tip_levers
 
 
 def test_levers_of_a_planar_arm_are_those_of_the_stretched_arm() -> None:
@@ -20,6 +20,6 @@ def test_a_wrist_about_the_tip_is_named(tool: str, names: list[str], tmp_path: P
         'extends = "picking-arm"\nname = "turned"\n[arm.link.wrist]\naxis = [1.0, 0.0, 0.0]\n'
         f'[arm]\ntool = ["{tool}", "0 mm", "0 mm"]\n'
     )
-    assert joints_beside_tip(load(file)) == names
-    assert joints_beside_tip(load("picking-arm")) == []
+    assert joints_not_moving_tip(load(file)) == names
+    assert joints_not_moving_tip(load("picking-arm")) == []
     assert np.all(tip_levers(load("picking-arm")) > 0.1)

@@ -12,30 +12,30 @@ from numpy.testing import assert_allclose
 from layflat.errors import InputError, MachineError
 from layflat.machine import Machine, load
 from layflat.motion.demand_file import read_demand, write_demand
-from layflat.motion.file import MOTIONS, read_motion
+from layflat.motion.file import MOTION_LIBRARY, read_motion
 from layflat.motion.kinematics import tip_position
-from layflat.motion.picture import outlines, picture
-from layflat.motion.plan import Plan, plan_motion
-from layflat.motion.reach import Reach
+from layflat.motion.picture import reach_outlines
+from layflat.motion.plan import MotionPlan, plan_motion
+from layflat.motion.planar import PlanarReach
 from layflat.sim import rollout
 
 ARM, SMALL = load("paper-arm-tracking"), load("paper-small-joint-fast")
 HEAD = 'name = "mine"\ntitle = "of a test"\nstart = ["0 deg", "0 deg"]\n'
 
 
-def planned(text: str, folder: Path, machine: Machine = ARM, head: str = HEAD) -> Plan:
+def planned(text: str, folder: Path, machine: Machine = ARM, head: str = HEAD) -> MotionPlan:
     path = folder / "mine.toml"
     path.write_text(head + text, encoding="utf-8")
     return plan_motion(machine, read_motion(path))
 
 
 @pytest.fixture(scope="module")
-def tour() -> Plan:
+def tour() -> MotionPlan:
     return plan_motion(ARM, read_motion("tour"))
 
 
 def test_every_built_in_motion_can_be_done() -> None:
-    for name in MOTIONS.names:
+    for name in MOTION_LIBRARY.names:
         motion = read_motion(name)
         machine = {2: ARM, 4: load("picking-arm")}[len(motion.start)]
         assert plan_motion(machine, motion).trajectory.duration > 0.0
@@ -46,12 +46,12 @@ def test_the_file_of_the_page_can_be_done(tmp_path: Path) -> None:
     text = page.partition("```toml\n")[2].partition("```")[0]
     plan = planned(text, tmp_path, head="")
     assert [segment.kind for segment in plan.segments] == ["line", "belt"]
-    assert all(segment.left is None for segment in plan.segments)
+    assert all(segment.reach_exit is None for segment in plan.segments)
 
 
-def test_segments_end_where_they_are_told_to(tour: Plan) -> None:
+def test_segments_end_where_they_are_told_to(tour: MotionPlan) -> None:
     file = read_motion("tour")
-    ends = dict(zip(range(1, 8), tour.trajectory.at(tour.trajectory.begins)[1:], strict=False))
+    ends = dict(zip(range(1, 8), tour.trajectory.angles_at(tour.trajectory.start_times)[1:], strict=False))
     for number, part in enumerate(file.segment[:6], 1):
         tip = tip_position(ARM, ends[number])
         to: Any = {"line": "to", "arc": "to", "via": "points"}.get(part.kind)
@@ -63,8 +63,8 @@ def test_segments_end_where_they_are_told_to(tour: Plan) -> None:
     assert [segment.kind for segment in tour.segments] == [part.kind for part in file.segment]
 
 
-def test_what_is_asked_stays_below_what_is_there(tour: Plan) -> None:
-    line, arc, wait, via, *_ = (tour.asked(segment) for segment in tour.segments)
+def test_what_is_asked_stays_below_what_is_there(tour: MotionPlan) -> None:
+    line, arc, wait, via, *_ = (tour.segment_peaks(segment) for segment in tour.segments)
     assert line.tip_speed == pytest.approx(0.4, rel=1e-3)
     assert arc.tip_speed == pytest.approx(0.6, rel=5e-3)
     assert wait.tip_speed == 0.0
@@ -72,7 +72,7 @@ def test_what_is_asked_stays_below_what_is_there(tour: Plan) -> None:
     assert via.joint in ARM.joints
 
 
-def test_an_arm_follows_its_file(tour: Plan, tmp_path: Path) -> None:
+def test_an_arm_follows_its_file(tour: MotionPlan, tmp_path: Path) -> None:
     """The tracking controller, by the demand file and its rates, is closer than by the angles alone."""
     q, v, a = tour.trajectory.rows(ARM.cycle)
     path = write_demand(ARM, tour.trajectory.times(ARM.cycle), q, tmp_path / "d.csv", velocity=v, acceleration=a)
@@ -100,10 +100,10 @@ def test_one_joint_goes_by_angles(tmp_path: Path) -> None:
         '[[segment]]\nkind = "via"\nangles = [["10 deg"], ["20 deg"]]\nspeed = "0.3 m/s"\n'
     )
     plan = planned(text, tmp_path, SMALL, HEAD.replace('"0 deg", "0 deg"', '"-40 deg"'))
-    assert_allclose(np.degrees(plan.trajectory.at([0.0, 99.0])), [[-40.0], [20.0]], atol=1e-9)
-    assert plan.asked(plan.segments[1]).tip_speed == pytest.approx(0.3, rel=1e-3)
-    assert len(picture(plan).axes) == 4
-    (arc,) = outlines(SMALL)
+    assert_allclose(np.degrees(plan.trajectory.angles_at([0.0, 99.0])), [[-40.0], [20.0]], atol=1e-9)
+    assert plan.segment_peaks(plan.segments[1]).tip_speed == pytest.approx(0.3, rel=1e-3)
+    assert len(plan.plot().axes) == 4
+    (arc,) = reach_outlines(SMALL)
     assert_allclose(np.linalg.norm(arc, axis=1), 0.4)
 
 
@@ -131,23 +131,23 @@ acceleration = "4 m/s^2"
 
 def test_an_arm_in_space_goes_where_it_is_told_to(tmp_path: Path) -> None:
     plan = planned("", tmp_path, load("picking-arm"), head=IN_SPACE)
-    at = plan.trajectory.at(plan.trajectory.begins)
+    at = plan.trajectory.angles_at(plan.trajectory.start_times)
     assert_allclose(tip_position(plan.machine, at[1:]), [(0.65, 0.2, 0.35), (0.65, -0.2, 0.35)], atol=1e-9)
-    assert plan.asked(plan.segments[0]).tip_speed == pytest.approx(0.4, rel=1e-2)
-    left = plan.segments[2].left
+    assert plan.segment_peaks(plan.segments[0]).tip_speed == pytest.approx(0.4, rel=1e-2)
+    left = plan.segments[2].reach_exit
     assert left is not None
-    assert left.place[2] == pytest.approx(0.35)
-    views = [axes.get_ylabel() for axes in picture(plan).axes]
+    assert left.position[2] == pytest.approx(0.35)
+    views = [axes.get_ylabel() for axes in plan.plot().axes]
     assert views.count("y (m)") == views.count("z (m)") == 1
     assert len(views) == 14
 
 
 @pytest.mark.parametrize("machine", [ARM, load("paper-arm-fast")])
 def test_outlines_are_the_edge_of_the_reach(machine: Machine) -> None:
-    reach = Reach(machine, margin=0.0)
-    (outline,) = outlines(machine)
+    reach = PlanarReach(machine, margin=0.0)
+    (outline,) = reach_outlines(machine)
     for x, y in outline.tolist():
-        assert reach.missing(x, y) < 1e-6
+        assert reach.distance_outside(x, y) < 1e-6
         assert min(arc.distance(x, y) for arc in reach._arcs) < 1e-6
 
 
@@ -175,7 +175,7 @@ BELT = '[[segment]]\nkind = "belt"\ndirection = "90 deg"\nacceleration = "90 m/s
             BELT + 'speeds = [["0 s", "3 m/s"], ["0.1 s", "0 m/s"]]\n',
             r"segment 1 \(belt\): asks joint '\w+' for \d+% of",
         ),
-        ("", "segment: is missing; `layflat motions tour` shows a complete motion"),
+        ("", "segment: is missing; `layflat motion show tour` shows a complete motion"),
     ],
 )
 def test_what_is_wrong_in_a_file_is_said_in_one_line(text: str, expected: str, tmp_path: Path) -> None:

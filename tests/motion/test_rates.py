@@ -6,9 +6,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from layflat.machine import load
-from layflat.motion.rates import derived_rates
+from layflat.motion.trajectory import derived_rates
 from layflat.sim import Scenario
-from layflat.sim.signals import expand
+from layflat.sim.signals import expand_scenario
 
 T = 0.005
 TIMES = T * np.arange(200)
@@ -39,12 +39,12 @@ def test_a_demand_that_sets_off_and_turns_at_once_has_its_velocity_from_there_on
 def test_rates_that_are_given_are_taken() -> None:
     arm = load("paper-arm-fast")
     moves = [(t, [radians(10.0), radians(30.0 * t)]) for t in (T * np.arange(200)).tolist()]
-    found = expand(Scenario(demand=moves, demand_velocity={"small": "30 deg/s"}, duration="1 s"), arm, T)
+    found = expand_scenario(Scenario(demand=moves, demand_velocity={"small": "30 deg/s"}, duration="1 s"), arm, T)
     assert found.named("demand_velocity")[0] == pytest.approx([0.0, radians(30.0)])
     assert not found.named("demand_acceleration").any()
     given_both = Scenario(
         demand=lambda t: 0.5 * t * t - 0.5, demand_velocity=lambda t: t, demand_acceleration="1 rad/s^2", duration="1 s"
     )
-    assert expand(given_both, arm, T).named("demand_acceleration") == pytest.approx(np.ones((200, 2)))
+    assert expand_scenario(given_both, arm, T).named("demand_acceleration") == pytest.approx(np.ones((200, 2)))
     jumps = Scenario(demand=[(0.0, "0 deg"), (0.5, "20 deg")], duration="1 s")
-    assert not expand(jumps, arm, T).named("demand_velocity").any()
+    assert not expand_scenario(jumps, arm, T).named("demand_velocity").any()

@@ -22,8 +22,8 @@ ARGUMENTS = ["--no-sandbox"]  # tests may run as root
 # cores, may pause for seconds, and a rig that is rightly held again and again gets nowhere.
 PATIENT = """
 from layflat.pages.panel import operators
-from layflat.rig import lease
-lease.HELD_AFTER, lease.STALE_AFTER, operators.FRESH, operators.BEATS = 8.0, 9.0, 8.0, 640
+from layflat.rig import session
+session.HELD_AFTER, session.STALE_AFTER, operators.MAX_BEAT_AGE, operators.MAX_BEATS = 8.0, 9.0, 8.0, 640
 """
 # A cycle and a reply may take long, too, where the computer itself is one of several on the same processors.
 PATIENT_ARM = """

@@ -4,7 +4,7 @@ import json
 import time
 from pathlib import Path
 
-from layflat.pages.server.turns import Turn
+from layflat.pages.server.logs import Turn
 
 KEPT = """
 import json, sys
@@ -14,7 +14,7 @@ _kept = open("turns.jsonl", "a", buffering=1)
 def keep(turn):
     if turn.duration > 5e-3:
         _kept.write(json.dumps(turn) + "\\n")
-serve.tell_slow_turn = keep
+serve.report_slow_turn = keep
 _monitor = serve.TurnMonitor
 serve.TurnMonitor = lambda report: _monitor(report, sampling=4e-3)
 """
@@ -34,5 +34,5 @@ class Turns:
     def longest(self) -> Turn:
         """The turn since `begin` in which the loop's thread worked longest: others on the computer do not count."""
         rows = [Turn(*json.loads(row)) for row in self._file.read_text(encoding="utf-8").splitlines()]
-        found = [turn for turn in rows if turn.begun + turn.duration >= self._since]
+        found = [turn for turn in rows if turn.start + turn.duration >= self._since]
         return max(found, key=lambda turn: turn.work, default=Turn(self._since, 0.0, 0.0, "", ""))

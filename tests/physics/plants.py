@@ -6,22 +6,22 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from layflat.control.paper.gains import Gains, Phase, Report, Settings
+from layflat.control.paper.law import FeedbackGains, Gains, Report, Settings
 from layflat.lanes import Like, leaves
 from layflat.physics.arms.planar import OneLink, TwoLink
 from layflat.physics.chamber import Chamber
 from layflat.physics.flow import laminar_slope
 from layflat.physics.friction.coulomb import Coulomb
-from layflat.physics.hose import Stroke
+from layflat.physics.hose import PolynomialStroke
 from layflat.physics.hysteresis.elasto_slip import ElastoSlip
-from layflat.physics.joint import Hose, Joint, Surroundings
+from layflat.physics.joint import HoseParameters, JointParameters, Surroundings
 from layflat.physics.sensor import Sensor
-from layflat.physics.stops_and_springs import Stops
+from layflat.physics.stops_and_springs import StopParameters
 from layflat.physics.valves.spool import SpoolValve
-from layflat.physics.valves.spool_motion import Spool
+from layflat.physics.valves.spool_laws import Spool
 from layflat.physics.valves.switching import Switch, SwitchingPair
-from layflat.sim.cycle import Acting, Around, Signals
-from layflat.sim.kernel import Case, Sample, Timing, run_cycles
+from layflat.sim.kernel import JointRecord, run_cycles
+from layflat.sim.loop import Case, JointSignals, SharedSignals, Signals, Timing
 
 Floats = NDArray[np.float64]
 
@@ -29,8 +29,8 @@ CYCLE = 0.005
 SIGNALS = len(Report._fields)
 DEFAULT = Timing(CYCLE, 20, 1)
 AROUND = Surroundings(5.01e5, 293.15, 1.013e5, 293.15, 0.0)
-FREE = Stops(radians(66.5), 50.0, radians(70.0), 2000.0, 5.0)
-NO_STOPS = Stops(1e3, 0.0, 1e3, 0.0, 0.0)
+FREE = StopParameters(radians(66.5), 50.0, radians(70.0), 2000.0, 5.0)
+NO_STOPS = StopParameters(1e3, 0.0, 1e3, 0.0, 0.0)
 NO_LOSS = ElastoSlip(*[(0.0, 0.0, 0.0)] * 3)
 RIGID = Chamber(1.2e-4, 0.0, 1.0)
 VALVE = SpoolValve(
@@ -41,7 +41,9 @@ PAIR = SwitchingPair(
 )
 ANGLE_SENSOR = Sensor(-radians(75.0), radians(75.0), radians(150.0) / 4096, 0.0, 0.0)
 PRESSURE_SENSOR = Sensor(-5e5, 5e5, 1e6 / 4096, 0.0, 0.0)
-FAR, NEAR, CLOSE = (Phase(5.0 / radians(angle), k_p) for angle, k_p in ((12.0, 1.5e-5), (9.0, 1e-5), (6.0, 3e-6)))
+FAR, NEAR, CLOSE = (
+    FeedbackGains(5.0 / radians(angle), k_p) for angle, k_p in ((12.0, 1.5e-5), (9.0, 1e-5), (6.0, 3e-6))
+)
 GAINS = Gains(
     *(FAR, NEAR, CLOSE, radians(8.0), radians(60.0), radians(1.5), radians(8.0), 5.0),
     *(20.0, 1.0, 10.0, 1.0, 500.0, radians(0.5), 0.0, 1e6, 0.0, 10.0, 1.0),
@@ -57,19 +59,22 @@ def losses(torque: float) -> ElastoSlip:
     return ElastoSlip(stiffness, (0.25 * share,) * 3, (0.75 * share / 4e5,) * 3)
 
 
-def joint(K: float, dead_volume: float, compliance: float = 0.0) -> Joint:
+def joint(K: float, dead_volume: float, compliance: float = 0.0) -> JointParameters:
     """A joint with constant K (m3/rad), dead volume (m3) and compliance (m3/Pa)."""
-    hose = Hose(
-        Stroke(K, 0.0, 0.0, 0.0, 0.0), Chamber(dead_volume, compliance, 1.0), losses(0.035 * K * 4e5), radians(66.5)
+    hose = HoseParameters(
+        PolynomialStroke(K, 0.0, 0.0, 0.0, 0.0),
+        Chamber(dead_volume, compliance, 1.0),
+        losses(0.035 * K * 4e5),
+        radians(66.5),
     )
-    return Joint(hose, hose, VALVE, FREE, 250.0 * K, 0.0, Coulomb(), ANGLE_SENSOR, PRESSURE_SENSOR)
+    return JointParameters(hose, hose, VALVE, FREE, 250.0 * K, 0.0, Coulomb(), ANGLE_SENSOR, PRESSURE_SENSOR)
 
 
 LARGE, SMALL = joint(2.05e-4, 1.2e-4), joint(0.63e-4, 0.5e-4)
 JOINTS = (LARGE, SMALL)
 PASSIVE = LARGE._replace(
-    hose_a=Hose(Stroke(*[0.0] * 5), RIGID, NO_LOSS, 0.0),
-    hose_b=Hose(Stroke(*[0.0] * 5), RIGID, NO_LOSS, 0.0),
+    hose_a=HoseParameters(PolynomialStroke(*[0.0] * 5), RIGID, NO_LOSS, 0.0),
+    hose_b=HoseParameters(PolynomialStroke(*[0.0] * 5), RIGID, NO_LOSS, 0.0),
     stops=NO_STOPS,
     viscous_friction=0.0,
 )
@@ -82,21 +87,21 @@ class Run(NamedTuple):
     records: Floats
 
     def column(self, name: str) -> Floats:
-        return np.asarray(self.records[:, :, Sample._fields.index(name)], dtype=np.float64)
+        return np.asarray(self.records[:, :, JointRecord._fields.index(name)], dtype=np.float64)
 
 
 def signals(cycles: int, joints: int, **given: Any) -> Signals:
     """Signals that are zero but for those given (which are spread over cycles and joints), at full supply."""
     p_a = AROUND.ambient_pressure
     usual = {"supply": AROUND.supply_pressure - p_a, "ambient": p_a, "dither": 1.0, "voltage": np.nan}
-    by_joint = [np.broadcast_to((usual | given).get(name, 0.0), (cycles, joints)) for name in Acting._fields]
-    shared = [np.broadcast_to((usual | given).get(name, 0.0), cycles) for name in Around._fields]
+    by_joint = [np.broadcast_to((usual | given).get(name, 0.0), (cycles, joints)) for name in JointSignals._fields]
+    shared = [np.broadcast_to((usual | given).get(name, 0.0), cycles) for name in SharedSignals._fields]
     return Signals(np.stack(by_joint, axis=-1), np.stack(shared, axis=-1))
 
 
 def run(
     arm: OneLink | TwoLink,
-    joints: tuple[Joint, ...],
+    joints: tuple[JointParameters, ...],
     acting: Signals,
     timing: Timing = DEFAULT,
     angles: float | tuple[float, ...] = 0.0,
@@ -109,10 +114,10 @@ def run(
     filled = np.array(np.broadcast_to(pressure, (n, 2)), float)
     case = Case(arm, joints, Settings((GAINS,) * n), AROUND)
     numbers = np.fromiter(leaves(case), float)
-    rest = acting, calm, timing, SIGNALS, np.zeros(1)
-    records, _, rows, diverged = run_cycles(Like.of(case), numbers, start, filled, *rest)
-    assert diverged == -1
-    return Run(records[:rows])
+    seen = np.zeros(3, np.int64)
+    records, _ = run_cycles(Like.from_tuple(case), numbers, start, filled, acting, calm, timing, SIGNALS, seen)
+    assert seen[2] == -1
+    return Run(records)
 
 
 def kinetic_energy(arm: TwoLink, payload: float, angles: Floats, velocities: Floats) -> Floats:

@@ -9,7 +9,7 @@ from layflat.physics.chamber import (
     energy,
     internal_energy,
     pressure,
-    pressure_after_swelling,
+    pressure_after_expansion,
     temperature,
     temperature_and_roots,
     wall_heat,
@@ -52,13 +52,13 @@ def test_pressure_rises_with_energy_by_its_slope(chamber: Chamber, p: float, V: 
     E = energy(chamber, p, V, P_A)
     dE = 1e-5 * E
     slope = (pressure(chamber, E + dE, V, P_A) - pressure(chamber, E - dE, V, P_A)) / (2 * dE)
-    assert pressure_after_swelling(chamber, E, V, 0.0, p, P_A) == pytest.approx((p, slope), rel=1e-6)
+    assert pressure_after_expansion(chamber, E, V, 0.0, p, P_A) == pytest.approx((p, slope), rel=1e-6)
 
 
 @given(chambers, pressures, volumes, st.floats(-0.02, 0.02))
 def test_swelling_does_work_at_the_pressure_it_ends_with(chamber: Chamber, p: float, V: float, share: float) -> None:
     E, dV = energy(chamber, p, V, P_A), share * V
-    after, _ = pressure_after_swelling(chamber, E, V + dV, dV, p, P_A)
+    after, _ = pressure_after_expansion(chamber, E, V + dV, dV, p, P_A)
     # What is left out of the energy is of second order in the swelling.
     assert (
         abs(energy(chamber, after, V + dV, P_A) - (E - after * dV))
@@ -82,7 +82,7 @@ def test_slow_swelling_is_adiabatic() -> None:
     for _ in range(n):
         # As in a step: first implicit, then explicit.
         V += dV
-        p, _ = pressure_after_swelling(rigid, E, V, dV, p, P_A)
+        p, _ = pressure_after_expansion(rigid, E, V, dV, p, P_A)
         V += dV
         E -= p * 2 * dV
     assert pressure(rigid, E, V, P_A) == pytest.approx(5e5 * 0.5**GAMMA, rel=1e-6)

@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from layflat.physics.dither import start_dither, turn_dither
+from layflat.physics.driver import advance_dither, start_dither
 
 H = 2.5e-4
 
@@ -21,6 +21,6 @@ def test_dither_starts_where_its_time_says(t: float, f: float) -> None:
 def test_turning_keeps_to_the_sine(f: float, n: int) -> None:
     dither = start_dither(f, 0.0, H)
     for _ in range(n):
-        dither = turn_dither(dither)
+        dither = advance_dither(dither)
     assert dither.sine == pytest.approx(sin(2 * pi * f * (n + 0.5) * H), abs=1e-11)
     assert dither.cosine == pytest.approx(cos(2 * pi * f * (n + 0.5) * H), abs=1e-11)

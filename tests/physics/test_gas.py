@@ -7,10 +7,10 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from layflat.physics.chamber import Chamber
-from layflat.physics.hose import Stroke, swept_volume
-from layflat.physics.joint import Joint
-from layflat.physics.valves.spool_motion import Spool
-from layflat.sim.kernel import Timing
+from layflat.physics.hose import PolynomialStroke, swept_volume
+from layflat.physics.joint import JointParameters
+from layflat.physics.valves.spool_laws import Spool
+from layflat.sim.loop import Timing
 from tests.physics.plants import AROUND, CYCLE, LARGE, NO_LOSS, ONE_LINK, VALVE, Floats, Run, run, signals
 
 pytestmark = pytest.mark.compiled
@@ -21,13 +21,13 @@ SMOOTH = VALVE._replace(spool=Spool(500.0, 0.7, 0.0), dither_amplitude=0.0, over
 OPENING = np.concatenate([np.full(60, 0.3), np.full(60, -0.4), np.full(80, 0.05)])
 
 
-def locked_joint(conductance: float, compliance: float = 0.0) -> Joint:
+def locked_joint(conductance: float, compliance: float = 0.0) -> JointParameters:
     """A joint whose brake never lets go, with hoses of this wall conductance (W/K) and compliance (m3/Pa)."""
     hose = LARGE.hose_a._replace(chamber=Chamber(1.2e-4, compliance, conductance), loss=NO_LOSS)
     return LARGE._replace(hose_a=hose, hose_b=hose, valve=SMOOTH)
 
 
-def locked_run(joint: Joint, opening: Floats, steps: int = 20) -> Run:
+def locked_run(joint: JointParameters, opening: Floats, steps: int = 20) -> Run:
     acting = signals(len(opening), 1, opening=opening[:, None], brake=LOCKED)
     done = run(ONE_LINK, (joint,), acting, Timing(CYCLE, steps, 1), pressure=2e5)
     assert np.all(done.column("angle") == 0.0)
@@ -115,6 +115,6 @@ def test_pressure_ends_at_supply_or_ambient_and_never_beyond(opening: float) -> 
 
 def test_air_taken_from_the_supply_is_air_gained_and_lost() -> None:
     done = locked_run(locked_joint(1.0)._replace(valve=SMOOTH._replace(leakage=0.0)), np.full(50, 0.3))
-    V = 1.2e-4 + float(swept_volume(Stroke(2.05e-4, 0.0, 0.0, 0.0, 0.0), LARGE.hose_a.neutral))
+    V = 1.2e-4 + float(swept_volume(PolynomialStroke(2.05e-4, 0.0, 0.0, 0.0, 0.0), LARGE.hose_a.neutral))
     mass = done.column("pressure_a")[:, 0] * V / (R_AIR * done.column("temperature_a")[:, 0])
     assert done.column("air_taken")[:, 0] == pytest.approx(mass - mass[0], rel=1e-6, abs=1e-12)

@@ -6,11 +6,18 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import quad
 
-from layflat.physics.hose import Stroke, peeled_volume, roller_torque, roller_travel, swept_volume, torque_per_pressure
+from layflat.physics.hose import (
+    PolynomialStroke,
+    peeled_volume,
+    roller_torque,
+    roller_travel,
+    swept_volume,
+    torque_per_pressure,
+)
 
 # The paper's Table 1 was computed with pi = 3.14.
 R, r, R_H, GAMMA = 0.0762, 0.026, 0.16 / 3.14, 2.094
-coefficients = st.builds(Stroke, *[st.floats(-1e-3, 1e-3)] * 5)
+coefficients = st.builds(PolynomialStroke, *[st.floats(-1e-3, 1e-3)] * 5)
 
 
 def table_torque(alpha: float) -> float:
@@ -53,7 +60,7 @@ def test_travel_of_a_roller_starts_at_the_collapsed_hose() -> None:
 
 
 @given(coefficients, st.floats(0.0, 2.5))
-def test_swept_volume_grows_by_torque_per_pressure(stroke: Stroke, s: float) -> None:
+def test_swept_volume_grows_by_torque_per_pressure(stroke: PolynomialStroke, s: float) -> None:
     step = 1e-4
     # Richardson extrapolation of central differences is exact for polynomials of this degree.
     coarse = (swept_volume(stroke, s + 2 * step) - swept_volume(stroke, s - 2 * step)) / (4 * step)
@@ -62,5 +69,5 @@ def test_swept_volume_grows_by_torque_per_pressure(stroke: Stroke, s: float) -> 
 
 
 @given(coefficients)
-def test_nothing_is_swept_without_travel(stroke: Stroke) -> None:
+def test_nothing_is_swept_without_travel(stroke: PolynomialStroke) -> None:
     assert swept_volume(stroke, 0.0) == 0.0

@@ -4,7 +4,7 @@ import pytest
 
 from layflat.physics.chamber import pressure, temperature
 from layflat.physics.hose import swept_volume
-from layflat.physics.joint import Ledger, is_sound, joint_at_rest
+from layflat.physics.joint import EnergyLedger, is_sound, joint_at_rest
 from tests.physics.plants import AROUND, LARGE, RIGID
 
 SOUND = [True, True, False, False, False]
@@ -14,7 +14,7 @@ def test_a_joint_at_rest_has_what_it_was_given() -> None:
     state = joint_at_rest(LARGE, 0.3, 4e5, 3e5, AROUND)
     assert state.motion == (0.3, 0.0, 0.0)
     assert state.valve == (0.0, 0.0)
-    assert state.ledger == Ledger(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    assert state.ledger == EnergyLedger(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     for hose, p, travel in ((state.hose_a, 4e5, 0.3), (state.hose_b, 3e5, -0.3)):
         volume = RIGID.dead_volume + swept_volume(LARGE.hose_a.stroke, LARGE.hose_a.neutral + travel)
         assert hose.volume == pytest.approx(volume)

@@ -17,18 +17,18 @@ from layflat.physics.air import CP, CV, GAMMA, GAS_CONSTANT, REFERENCE_DENSITY
 from layflat.physics.flow import laminar_slope, orifice
 from layflat.physics.line import (
     SPEED_OF_SOUND,
-    Line,
     LineAir,
+    LineParameters,
     NoAir,
     NoLine,
-    air_at,
-    exchange,
+    exchange_air,
+    line_air,
     tube_conductance,
     tube_critical_ratio,
     tube_volume,
 )
 from layflat.physics.step import STEP
-from layflat.sim.kernel import Timing
+from layflat.sim.loop import Timing
 from tests.physics.plants import AROUND, CYCLE, JOINTS, TWO_LINKS, VALVE, Run, kinetic_energy, run, signals
 
 Floats = NDArray[np.float64]
@@ -37,10 +37,10 @@ SUPPLY, OUTSIDE, ROOM = AROUND.supply_pressure, AROUND.ambient_pressure, AROUND.
 VISCOSITY = 1.82e-5  # of air, Pa s
 
 
-def tube(length: float, bore: float) -> Line:
+def tube(length: float, bore: float) -> LineParameters:
     through = tube_conductance(length, bore)
     ratio = tube_critical_ratio(through, bore)
-    return Line(tube_volume(length, bore), through, ratio, float(laminar_slope(ratio)), 0.3 * length)
+    return LineParameters(tube_volume(length, bore), through, ratio, float(laminar_slope(ratio)), 0.3 * length)
 
 
 def fanno(length: float, bore: float) -> tuple[float, float]:
@@ -84,7 +84,7 @@ def filled(line: Any, valve: Any, around: Any, opens: Any, vents: Any, h: float,
         p, m = p_0 + 0.5 * change, y[i, 3] + 0.5 * gain
         T = p * 3e-4 / (m * 287.05)
         air = LineAir(y[i, 0], y[i, 1])
-        flow, heat, taken, air = exchange(
+        flow, heat, taken, air = exchange_air(
             line, air, valve, (opens[i], vents[i]), p, p_0, stiffness, T, 1.0 / T, 0.0, around, h
         )
         y[i + 1, 0], y[i + 1, 1] = air.energy, air.mass
@@ -102,7 +102,7 @@ class Filled(NamedTuple):
     taken: Floats
 
 
-def fill(line: Line, opens: Floats, vents: Floats, h: float, pressure: float = 3e5) -> Filled:
+def fill(line: LineParameters, opens: Floats, vents: Floats, h: float, pressure: float = 3e5) -> Filled:
     y = np.zeros((len(opens) + 1, 5))
     for at, volume in ((0, line.volume), (2, VOLUME)):
         y[0, at : at + 2] = pressure * volume / (GAMMA - 1.0), pressure * volume / (GAS_CONSTANT * ROOM)
@@ -125,7 +125,7 @@ def smooth(t: Any) -> tuple[Any, Any]:
 Drive = Callable[[Any], tuple[Any, Any]]
 
 
-def reference(line: Line, drive: Drive, seconds: float, instants: Floats) -> tuple[Floats, Floats]:
+def reference(line: LineParameters, drive: Drive, seconds: float, instants: Floats) -> tuple[Floats, Floats]:
     """Pressures of line and hose by LSODA."""
 
     def rates(t: float, y: Floats) -> list[float]:
@@ -145,7 +145,7 @@ def reference(line: Line, drive: Drive, seconds: float, instants: Floats) -> tup
     return 0.4 * found.y[0] / line.volume, 0.4 * found.y[2] / VOLUME
 
 
-def errors(line: Line, drive: Drive, steps: list[float]) -> list[float]:
+def errors(line: LineParameters, drive: Drive, steps: list[float]) -> list[float]:
     """Greatest errors of the hose's pressure, Pa."""
     seconds = 0.125
     instants = np.linspace(0.0, seconds, 251)
@@ -182,7 +182,7 @@ openings = st.lists(st.tuples(st.sampled_from([0.0, 1.0, 0.01]), st.floats(0.0, 
 @settings(max_examples=40, deadline=None)
 @given(tubes, openings, st.floats(1.02e5, 5e5), st.sampled_from([1e-4, 2.5e-4, 1e-3]))
 def test_no_air_and_no_energy_is_lost_however_abruptly_the_valve_moves(
-    line: Line, moves: list[tuple[float, float]], pressure: float, h: float
+    line: LineParameters, moves: list[tuple[float, float]], pressure: float, h: float
 ) -> None:
     line = line._replace(wall_conductance=0.0)
     opens = np.repeat([FULL * x for x, _ in moves], 20)
@@ -199,7 +199,7 @@ def test_no_air_and_no_energy_is_lost_however_abruptly_the_valve_moves(
 @settings(max_examples=40, deadline=None)
 @given(tubes, openings, st.floats(1.02e5, 5e5), st.sampled_from([1e-4, 2.5e-4, 1e-3]))
 def test_pressures_stay_between_those_that_drive_them(
-    line: Line, moves: list[tuple[float, float]], pressure: float, h: float
+    line: LineParameters, moves: list[tuple[float, float]], pressure: float, h: float
 ) -> None:
     opens, vents = (np.repeat([FULL * move[i] for move in moves], 20) for i in (0, 1))
     found = fill(line, opens, vents, h, pressure)
@@ -213,8 +213,8 @@ def test_pressures_stay_between_those_that_drive_them(
 
 
 def test_without_a_line_there_is_no_air_in_it() -> None:
-    assert air_at(NoLine(), 3e5, ROOM) == NoAir()
-    held = air_at(tube(1.0, 4e-3), 3e5, ROOM)
+    assert line_air(NoLine(), 3e5, ROOM) == NoAir()
+    held = line_air(tube(1.0, 4e-3), 3e5, ROOM)
     assert held.mass == pytest.approx(3e5 * 12.566e-6 / (GAS_CONSTANT * ROOM), rel=1e-3)
     assert held.energy == pytest.approx(CV * ROOM * held.mass)
 

@@ -3,9 +3,8 @@ from math import degrees, pi, radians
 import numpy as np
 import pytest
 
-from layflat.physics.joint import Joint
-from layflat.sim.cycle import Signals
-from layflat.sim.kernel import Timing
+from layflat.physics.joint import JointParameters
+from layflat.sim.loop import Signals, Timing
 from tests.physics.plants import (
     CYCLE,
     JOINTS,
@@ -115,7 +114,7 @@ def test_a_valve_that_opens_turns_its_joint_that_way() -> None:
 def test_mirrored_machines_move_alike_but_for_the_dither() -> None:
     still = LARGE._replace(valve=VALVE._replace(dither_amplitude=0.0))
 
-    def path(joint: Joint, side: float) -> Floats:
+    def path(joint: JointParameters, side: float) -> Floats:
         return run(ONE_LINK, (joint,), signals(6, 1, opening=side * 0.2), angles=side * 0.1).column("angle")
 
     assert np.array_equal(path(still, 1.0), -path(still, -1.0))

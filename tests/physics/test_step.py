@@ -6,25 +6,25 @@ import pytest
 from layflat.jit import composition, kernel
 from layflat.lanes import halves, join
 from layflat.physics.chamber import pressure
-from layflat.physics.dither import Dither
+from layflat.physics.driver import DitherPhasor
 from layflat.physics.joint import joint_at_rest
-from layflat.physics.step import finish, midpoint, pack, unpack
+from layflat.physics.step import advance_to_midpoint, finish_step, pack_hoses, unpack_hoses
 from layflat.physics.valves import start_wave, turn_wave
 from tests.physics.plants import AROUND, LARGE, PAIR, SMALL, VALVE
 
 H = 2.5e-4
-STILL = Dither(0.0, 1.0, 0.0, 1.0)
+STILL = DitherPhasor(0.0, 1.0, 0.0, 1.0)
 
 
 @composition
 def advanced(joint: Any, state: Any, opening: Any, v: Any, around: Any) -> Any:
     """A few steps with the velocities prescribed."""
-    running, wave = pack(state), start_wave(joint.valve, 0.0, H)
+    running, wave = pack_hoses(state), start_wave(joint.valve, 0.0, H)
     for _ in range(20):
-        mid = midpoint(joint, running, opening, wave, around, H)
-        running = finish(joint, running, mid, v, 0.0 * v, 0.0 * v, H)
+        mid = advance_to_midpoint(joint, running, opening, wave, around, H)
+        running = finish_step(joint, running, mid, v, 0.0 * v, 0.0 * v, H)
         wave = turn_wave(joint.valve, wave)
-    return unpack(running)
+    return unpack_hoses(running)
 
 
 @kernel
@@ -54,9 +54,9 @@ def test_joints_side_by_side_are_bit_for_bit_joints_alone(valve: Any) -> None:
 @composition
 def stepped(joint: Any, state: Any, v: float, impulse: float, load: float, opening: float, around: Any) -> Any:
     """One step with the velocity prescribed: the state after it, and the torques in its middle."""
-    running = pack(state)
-    mid = midpoint(joint, running, opening, STILL, around, H)
-    return unpack(finish(joint, running, mid, v, impulse, load, H)), mid.torque, mid.gas_torque
+    running = pack_hoses(state)
+    mid = advance_to_midpoint(joint, running, opening, STILL, around, H)
+    return unpack_hoses(finish_step(joint, running, mid, v, impulse, load, H)), mid.torque, mid.gas_torque
 
 
 def test_a_step_drifts_and_books_what_it_did() -> None:
@@ -72,7 +72,7 @@ def test_a_step_drifts_and_books_what_it_did() -> None:
 
 @composition
 def joined_and_parted(state: Any) -> Any:
-    return unpack(pack(state))
+    return unpack_hoses(pack_hoses(state))
 
 
 def test_parting_undoes_joining() -> None:

@@ -6,8 +6,8 @@ from hypothesis import strategies as st
 
 from layflat.physics.stops_and_springs import (
     NoSpring,
-    Spring,
-    Stops,
+    SpringParameters,
+    StopParameters,
     spring_energy,
     spring_torque,
     stop_damping,
@@ -15,7 +15,7 @@ from layflat.physics.stops_and_springs import (
     stop_torque,
 )
 
-STOPS = Stops(1.0, 50.0, 1.2, 2000.0, 5.0)
+STOPS = StopParameters(1.0, 50.0, 1.2, 2000.0, 5.0)
 
 
 @given(st.floats(-1.0, 1.0))
@@ -42,7 +42,7 @@ numbers = st.floats(-30.0, 30.0)
 
 @given(numbers, st.floats(0.0, 50.0), st.floats(-1.2, 1.2))
 def test_its_torque_is_the_slope_of_its_energy(torque: float, stiffness: float, q: float) -> None:
-    spring, d = Spring(torque, stiffness), 1e-4
+    spring, d = SpringParameters(torque, stiffness), 1e-4
     slope = (spring_energy(spring, q + d) - spring_energy(spring, q - d)) / (2.0 * d)
     assert spring_torque(spring, q) == pytest.approx(-slope, abs=1e-6)
 

@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from layflat.physics.trig import sincos, within_half_a_turn
+from layflat.physics.trig import sincos, wrap_angle
 
 
 @given(st.floats(-pi, pi))
@@ -25,7 +25,7 @@ def test_zero_is_exact() -> None:
 
 @given(st.floats(-40.0, 40.0))
 def test_angles_come_within_half_a_turn(x: float) -> None:
-    near = within_half_a_turn(x)
+    near = wrap_angle(x)
     assert abs(near) <= pi + 1e-12
     assert cos(near - x) == pytest.approx(1.0, abs=1e-12)
     assert near.hex() == x.hex() or abs(x) > pi - 1e-9

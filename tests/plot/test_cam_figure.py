@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from layflat.design import Cam, SizingRequest, design_joint, size_joint
-from layflat.plot.curves import SHOWN, cam_procedure
+from layflat.plot.curves import DRAWN_STRAP_LINES, cam_procedure
 from tests.plot.looks import covered, crossed_by_lines, cut_off, line_of, looks, units_of
 
 CAMS = {
@@ -25,7 +25,7 @@ def test_every_strap_line_touches_the_profile_and_does_not_cut_it(cam: Cam) -> N
     (axes,) = cam_procedure(cam).axes
     unnamed = [line for line in axes.lines if str(line.get_label()).startswith("_")]
     straps = [line for line in unnamed if np.shape(line.get_xydata()) == (3, 2)]
-    assert len(straps) == SHOWN
+    assert len(straps) == DRAWN_STRAP_LINES
     for line in straps:
         start, touch, end = np.asarray(line.get_xydata())
         along = (end - start) / np.hypot(*(end - start))

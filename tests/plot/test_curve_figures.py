@@ -9,8 +9,8 @@ import pytest
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from layflat.plot.curves import average_response, settling_over_inertia, valve_sweeps
-from layflat.plot.style import QUIET, figure, mark
+from layflat.plot.curves import moving_average_gain, settling_over_inertia, valve_sweeps
+from layflat.plot.style import GUIDE_STYLE, draw_mark, styled_figure
 from tests.plot.looks import covered, cut_off, line_of, looks, units_of
 
 SETTLING = {"new": {0.003: 0.5, 0.01: 0.7, 0.03: inf}, "earlier": {0.003: 0.9, 0.01: inf, 0.03: inf}}
@@ -24,7 +24,7 @@ def sweeps() -> Figure:
 
 
 def response() -> Figure:
-    return average_response(FREQUENCY, np.abs(np.cos(np.pi * FREQUENCY / 100)), 50.0)
+    return moving_average_gain(FREQUENCY, np.abs(np.cos(np.pi * FREQUENCY / 100)), 50.0)
 
 
 DRAWN = {"sweeps": sweeps, "settling": lambda: settling_over_inertia(SETTLING, 4.0), "response": response}
@@ -40,7 +40,7 @@ def test_axes_have_units_and_no_text_covers_another(name: str) -> None:
 
 
 def quiet(axes: Axes) -> int:
-    return sum(line.get_color() == QUIET["color"] for line in axes.lines)
+    return sum(line.get_color() == GUIDE_STYLE["color"] for line in axes.lines)
 
 
 @pytest.mark.parametrize("name", ["settling", "response"])
@@ -81,9 +81,9 @@ def test_response_is_in_decibels_and_a_zero_has_a_floor() -> None:
 
 @pytest.mark.parametrize("upright", [False, True])
 def test_a_mark_is_written_beside_its_line_within_the_axes(upright: bool) -> None:
-    with figure() as (made, (axes,)):
+    with styled_figure() as (made, (axes,)):
         axes.set(xlim=(0.0, 2.0), ylim=(0.0, 3.0), xlabel="Time (s)", ylabel="Angle (deg)")
-        mark(axes, 1.2, "goal", upright=upright)
+        draw_mark(axes, 1.2, "goal", upright=upright)
     (line,), (text,) = axes.lines, axes.texts
     values = line.get_xdata() if upright else line.get_ydata()
     assert set(np.asarray(values)) == {1.2}

@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 from matplotlib.colors import to_hex
 
-from layflat.plot.fits import FEW, Compared, measured_and_simulated
-from layflat.plot.style import SHADE, to_svg
+from layflat.plot.runs import MAX_MARKED_SAMPLES, ComparedSignal, measured_and_simulated
+from layflat.plot.style import SHADE_COLOUR, to_svg
 
 
-def signal(name: str = "angle", samples: int = 400, fitted: float = 2.0 / 3.0, unit: str = "deg") -> Compared:
+def signal(name: str = "angle", samples: int = 400, fitted: float = 2.0 / 3.0, unit: str = "deg") -> ComparedSignal:
     time = np.linspace(0.0, 4.0, samples)
     measured = np.sin(time)
-    return Compared(name, unit, time, measured, measured + 0.01, time <= fitted * time[-1])
+    return ComparedSignal(name, unit, time, measured, measured + 0.01, time <= fitted * time[-1])
 
 
 @pytest.mark.parametrize("count", [1, 3, 8])
@@ -34,13 +34,13 @@ def test_what_was_not_fitted_stands_on_grey_and_in_the_legend() -> None:
         assert legend is not None
         assert ("not fitted" in [text.get_text() for text in legend.get_texts()]) == words
         for axes in made.axes:
-            shades = [patch for patch in axes.patches if to_hex(patch.get_facecolor()) == SHADE]
+            shades = [patch for patch in axes.patches if to_hex(patch.get_facecolor()) == SHADE_COLOUR]
             assert len(shades) == (1 if words else 0)
 
 
 def test_few_samples_are_marked_and_joined_and_gaps_in_many_stay_open() -> None:
-    few = measured_and_simulated([signal(samples=FEW)]).axes[0].lines[0]
-    many = measured_and_simulated([signal(samples=FEW + 1)]).axes[0].lines[0]
+    few = measured_and_simulated([signal(samples=MAX_MARKED_SAMPLES)]).axes[0].lines[0]
+    many = measured_and_simulated([signal(samples=MAX_MARKED_SAMPLES + 1)]).axes[0].lines[0]
     assert (few.get_marker(), many.get_marker()) == ("o", "None")
     for samples, whole in ((50, True), (1000, False)):
         holey = signal(samples=samples)

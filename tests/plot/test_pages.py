@@ -7,14 +7,14 @@ from xml.etree import ElementTree
 import jinja2
 import pytest
 
-from layflat.plot.page import Drawn, page
-from layflat.plot.style import figure, to_svg
+from layflat.plot import CaptionedFigure, render_page
+from layflat.plot.style import styled_figure, to_svg
 
 
 def test_a_figure_keeps_its_drawing_and_escapes_its_words() -> None:
-    with figure() as (made, (axes,)):
+    with styled_figure() as (made, (axes,)):
         axes.set_xlabel("a < b & c (s)")
-    drawn = Drawn("fig-1", "Torque <b>", "5 N m & more", to_svg(made))
+    drawn = CaptionedFigure("fig-1", "Torque <b>", "5 N m & more", to_svg(made))
     text = drawn.__html__()
     root = ElementTree.fromstring(text)
     assert root.attrib["id"] == "fig-1"
@@ -26,6 +26,6 @@ def test_a_figure_keeps_its_drawing_and_escapes_its_words() -> None:
 
 def test_a_page_without_its_values_is_an_error() -> None:
     with pytest.raises(jinja2.UndefinedError):
-        page("layflat.tune", "tuning.html.j2")
+        render_page("layflat.tune", "tuning.html.j2")
     with pytest.raises(FileNotFoundError):
-        page("layflat.tune", "none.html.j2")
+        render_page("layflat.tune", "none.html.j2")

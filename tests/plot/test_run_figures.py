@@ -8,8 +8,8 @@ import xarray
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from layflat.plot.runs import MOST_MARKS, WARN, angles, arm_steps, run_figure
-from layflat.plot.tuning import responses
+from layflat.plot.runs import MAX_MARKS, WARNING_LEVEL, angle_figure, arm_steps, run_figure
+from layflat.plot.tuning import response_figure
 from tests.plot.looks import covered, cut_off, line_of, looks, units_of
 
 TIME = np.linspace(0.0, 4.0, 401)
@@ -68,10 +68,10 @@ def test_every_figure_of_runs_has_units_and_readable_texts() -> None:
     run, other = simulated(), simulated(0.01)
     for made in (
         run_figure(run),
-        run_figure(recorded([(1.0, WARN), (3.0, WARN)])),
-        angles({"one": run, "other": other}, "small", band=BAND),
+        run_figure(recorded([(1.0, WARNING_LEVEL), (3.0, WARNING_LEVEL)])),
+        angle_figure({"one": run, "other": other}, "small", band=BAND),
         arm_steps(run, band=BAND),
-        responses({"before": run, "after": other}, band=BAND, since=1.0),
+        response_figure({"before": run, "after": other}, band=BAND, since=1.0),
     ):
         assert all(label.endswith(")") for label in units_of(made))
         assert all(axes.get_ylabel() for axes in made.axes)
@@ -85,15 +85,13 @@ def test_a_rig_that_knows_one_pressure_shows_the_difference() -> None:
     np.testing.assert_allclose(line_of(made.axes[2], "hose A less hose B")[1], simulated()["angle"].sel(joint="large"))
 
 
-times = st.lists(
-    st.one_of(st.floats(0.0, 4.0), st.sampled_from([1.0, 1.01, 3.9, 4.0])), min_size=1, max_size=MOST_MARKS
-)
+times = st.lists(st.one_of(st.floats(0.0, 4.0), st.sampled_from([1.0, 1.01, 3.9, 4.0])), min_size=1, max_size=MAX_MARKS)
 
 
 @settings(deadline=None, max_examples=6)
 @given(times=times)
 def test_events_never_hide_each_others_labels(times: list[float]) -> None:
-    made = run_figure(recorded([(at, WARN) for at in sorted(times)]).isel(joint=[0]))
+    made = run_figure(recorded([(at, WARNING_LEVEL) for at in sorted(times)]).isel(joint=[0]))
     assert covered(made) == []
     for axes in made.axes[-1:]:
         ends = [[int(end) for end in text.get_text().split("–")] for text in axes.texts]
@@ -107,10 +105,10 @@ def test_events_never_hide_each_others_labels(times: list[float]) -> None:
 
 
 def test_only_warnings_and_errors_are_marked_and_not_more_than_can_be_told_apart() -> None:
-    quiet = run_figure(recorded([(0.5, WARN - 10), (1.0, WARN)]))
+    quiet = run_figure(recorded([(0.5, WARNING_LEVEL - 10), (1.0, WARNING_LEVEL)]))
     assert [text.get_text() for text in quiet.texts] == ["2: at 1.00 s, what happened at 1.00"]
-    many = run_figure(recorded([(0.1 * i, WARN) for i in range(30)]))
-    assert len(many.texts) == MOST_MARKS
+    many = run_figure(recorded([(0.1 * i, WARNING_LEVEL) for i in range(30)]))
+    assert len(many.texts) == MAX_MARKS
     assert run_figure(simulated()).texts == []
 
 
@@ -127,7 +125,7 @@ def test_a_fault_is_shaded_where_it_lasts_and_named() -> None:
 
 def test_angles_of_several_runs_share_one_demand_and_time_counts_from_the_move() -> None:
     runs = {f"run {i}": simulated(0.01 * i) for i in range(3)}
-    (axes,) = angles(runs, "large", since=1.0, band=BAND).axes
+    (axes,) = angle_figure(runs, "large", since=1.0, band=BAND).axes
     assert len(set(looks(axes))) == 4
     for label, run in runs.items():
         time, angle = line_of(axes, label)

@@ -3,7 +3,7 @@ import pytest
 import xarray
 
 from layflat.plot.style import to_svg
-from layflat.plot.tuning import cost_history, responses, settled_shares
+from layflat.plot.tuning import cost_figure, response_figure, settled_fraction_figure
 from layflat.sim import rollout
 from tests.plot.looks import covered, cut_off, line_of
 
@@ -12,7 +12,7 @@ SETTLING = {"before": np.array([[0.2, np.inf], [0.6, 0.4]]), "after": np.array([
 
 
 def test_shares_end_at_what_ever_settles() -> None:
-    (axes,) = settled_shares(SETTLING, 1.5, 1.7).axes
+    (axes,) = settled_fraction_figure(SETTLING, 1.5, 1.7).axes
     before, after = axes.lines[:2]
     assert np.asarray(before.get_ydata())[-1] == pytest.approx(75.0)
     assert np.asarray(after.get_ydata())[-1] == pytest.approx(100.0)
@@ -20,7 +20,7 @@ def test_shares_end_at_what_ever_settles() -> None:
 
 
 def test_nothing_settled_is_a_line_at_zero() -> None:
-    (axes,) = settled_shares({"before": np.full((3, 2), np.inf)}, 1.5, 1.7).axes
+    (axes,) = settled_fraction_figure({"before": np.full((3, 2), np.inf)}, 1.5, 1.7).axes
     assert np.asarray(axes.lines[0].get_ydata()).tolist() == [0.0]
 
 
@@ -29,9 +29,9 @@ def test_every_axis_has_its_unit_and_the_same_data_give_the_same_bytes() -> None
 
     def drawn() -> list[str]:
         made = (
-            responses(runs, band=0.005, since=0.1),
-            settled_shares(SETTLING, 1.5, 1.7),
-            cost_history([3, 2], {"a": 0}),
+            response_figure(runs, band=0.005, since=0.1),
+            settled_fraction_figure(SETTLING, 1.5, 1.7),
+            cost_figure([3, 2], {"a": 0}),
         )
         assert all(axes.get_ylabel().endswith(")") for figure in made for axes in figure.axes)
         return [to_svg(figure) for figure in made]
@@ -47,7 +47,7 @@ def test_joints_of_an_arm_stand_two_beside_each_other(joints: int) -> None:
         name: (("time", "joint"), np.radians(values)) for name, values in (("angle", moved), ("demand", moved > 0.0))
     }
     run = xarray.Dataset(angles, {"time": time, "joint": list(JOINTS[:joints])})
-    made = responses({"after": run}, band=0.005, since=0.1)
+    made = response_figure({"after": run}, band=0.005, since=0.1)
     shown = [axes for axes in made.axes if axes.get_visible()]
     assert len(shown) == 2 * joints
     assert [axes.get_title(loc="left") for axes in shown if axes.get_title(loc="left")] == [
@@ -59,7 +59,7 @@ def test_joints_of_an_arm_stand_two_beside_each_other(joints: int) -> None:
 
 
 def test_a_limit_is_named_and_shares_rise() -> None:
-    made = settled_shares(SETTLING, 1.5, 1.7)
+    made = settled_fraction_figure(SETTLING, 1.5, 1.7)
     (axes,) = made.axes
     assert [text.get_text() for text in axes.texts] == ["1.5 s"]
     for label, times in SETTLING.items():
@@ -77,7 +77,7 @@ PARTS = ["large joint, far", "large joint, near", "large joint, close", "small j
 
 @pytest.mark.parametrize("begun", [(0, 20, 40, 60, 80), (0, 5, 90, 95, 100)])
 def test_parts_of_a_search_are_named_where_they_began_and_within_the_figure(begun: tuple[int, ...]) -> None:
-    made = cost_history(list(np.linspace(3.0, 1.0, 101)), dict(zip(PARTS, begun, strict=True)))
+    made = cost_figure(list(np.linspace(3.0, 1.0, 101)), dict(zip(PARTS, begun, strict=True)))
     (axes,) = made.axes
     assert [text.get_text() for text in axes.texts] == PARTS
     centres = [
@@ -90,6 +90,6 @@ def test_parts_of_a_search_are_named_where_they_began_and_within_the_figure(begu
 
 
 def test_a_search_in_one_part_needs_no_names() -> None:
-    (axes,) = cost_history([3.0, 2.0], {"all gains": 0}).axes
+    (axes,) = cost_figure([3.0, 2.0], {"all gains": 0}).axes
     assert not axes.texts
     assert len(axes.lines) == 1

@@ -13,14 +13,13 @@ import numpy as np
 
 from layflat import changed, load
 from layflat.machine.model import Machine
-from layflat.rig.clock import Clock, VirtualClock
-from layflat.rig.device.link import Link, Spoil
+from layflat.rig.clock import LoopClock, VirtualClock
 from layflat.rig.device.modbus_server import ModbusStation
 from layflat.rig.device.process import DeviceProcess, ModbusPort, SerialPort
 from layflat.rig.device.serial_server import SerialStation
-from layflat.rig.device.virtual import VirtualDevice
-from layflat.rig.driver import Capabilities, Command, DeviceState, Reading
-from layflat.rig.wire.content import Wire
+from layflat.rig.device.virtual import DeviceLink, ReplyFault, VirtualDevice
+from layflat.rig.driver import Capabilities, DeviceState, RigCommand, SensorReading
+from layflat.rig.wire import Wire
 
 
 def patient(machine: Machine, seconds: float = 0.3) -> Machine:
@@ -31,7 +30,7 @@ def patient(machine: Machine, seconds: float = 0.3) -> Machine:
 
 
 ARM = patient(load("paper-arm"))
-WIRE = Wire.of(ARM)
+WIRE = Wire.for_machine(ARM)
 
 
 def angle_after(commands: int) -> float:
@@ -40,25 +39,25 @@ def angle_after(commands: int) -> float:
 
 
 class FakeDevice(VirtualDevice):
-    def __init__(self, clock: Clock, able: Capabilities | None = None) -> None:
+    def __init__(self, clock: LoopClock, able: Capabilities | None = None) -> None:
         self.capabilities = able or Capabilities(2, 0.0, 10.0, 5.0, True, 1e-3)
-        self.link = Link()
+        self.link = DeviceLink()
         self.clock, self.ticks = clock, 0
-        self.obeyed: list[Command] = []
+        self.obeyed: list[RigCommand] = []
 
-    def obey(self, command: Command) -> None:
+    def obey(self, command: RigCommand) -> None:
         self.obeyed.append(command)
 
-    def reading(self) -> Reading:
+    def reading(self) -> SensorReading:
         angles = np.array([angle_after(len(self.obeyed)), WIRE.angle.low])
         pressures = np.array([WIRE.pressure.value(4096), WIRE.pressure.value(7)])
-        return Reading(angles, pressures, WIRE.supply.value(1638), False, DeviceState.CENTRED)
+        return SensorReading(angles, pressures, WIRE.supply.value(1638), False, DeviceState.CENTRED)
 
     def tick(self) -> None:
         self.ticks += 1
 
 
-def spoil(device: FakeDevice, kind: Spoil | None, replies: float = 1.0) -> None:
+def spoil(device: FakeDevice, kind: ReplyFault | None, replies: float = 1.0) -> None:
     """Spoil coming replies; without a kind nothing is heard either."""
     if kind is None:
         device.link.silent = True

@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 
 from layflat.machine import load
-from layflat.rig.driver import Driver, DriverError, Reading
-from layflat.rig.loop import Recorder
+from layflat.rig.driver import Driver, DriverError, SensorReading
+from layflat.rig.loop import LoopRecorder
 from tests.rig.fake_rig import FakeDriver
 from tests.rig.plant_bench import PlantBench
 
@@ -33,11 +33,11 @@ def breaking() -> Driver:
     return driver
 
 
-def _break() -> Reading:
+def _break() -> SensorReading:
     raise RuntimeError("out of order")
 
 
-class LineRecorder(Recorder):
+class LineRecorder(LoopRecorder):
     """Keeps lines in a file."""
 
     def __init__(self, path: Path) -> None:

@@ -9,11 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from layflat.machine import Machine
-from layflat.rig.clock import SECOND, VirtualClock
-from layflat.rig.driver import Capabilities, Command, DeviceState, Driver, LinkError, Reading
-from layflat.rig.loop import Loop, Recorder
-from layflat.rig.safety.faults import Fault
-from layflat.rig.safety.states import State, ValveMode
+from layflat.rig.clock import NS_PER_SECOND, VirtualClock
+from layflat.rig.driver import Capabilities, DeviceState, Driver, LinkError, RigCommand, SensorReading
+from layflat.rig.loop import LoopRecorder, RigLoop
+from layflat.rig.safety.faults import Fault, RigState, ValveMode
 from layflat.rig.safety.supervisor import HostRequest
 from tests.rig.plant_bench import PlantBench
 
@@ -29,15 +28,15 @@ class FakeDriver(Driver):
     def __init__(self, machine: Machine, bench: PlantBench) -> None:
         super().__init__()
         self.machine, self.bench = machine, bench
-        self.command: Command | None = None
-        self.commands: list[Command] = []
+        self.command: RigCommand | None = None
+        self.commands: list[RigCommand] = []
         self.link: str | None = None
         self.device = DeviceState.RUNNING
         self.stopped = False
         self.supply: float | None = None
         self.spoil: Callable[[Array, Array], None] = _nothing
 
-    def read(self) -> Reading:
+    def read(self) -> SensorReading:
         if self.command is not None:
             self.bench.advance(self.command.voltages)
         angles, pressures = self.bench.sense()
@@ -45,9 +44,9 @@ class FakeDriver(Driver):
         if self.link is not None:
             raise LinkError(self.link)
         supply = self.bench.around.supply_pressure if self.supply is None else self.supply
-        return Reading(angles, pressures, supply, self.stopped, self.device)
+        return SensorReading(angles, pressures, supply, self.stopped, self.device)
 
-    def write(self, command: Command) -> None:
+    def write(self, command: RigCommand) -> None:
         self.command = command
         self.commands.append(command)
         gauge = self.machine.supply.pressure_gauge if command.air else 0.0
@@ -60,7 +59,7 @@ class FakeDriver(Driver):
     def _deactivate(self) -> None: ...
 
 
-class PlannedHost(Recorder):
+class PlannedHost(LoopRecorder):
     """Wants what it is told to, once; keeps rows and lines."""
 
     def __init__(self, n: int) -> None:
@@ -89,7 +88,7 @@ class PlannedHost(Recorder):
     def event(self, text: str) -> None:
         self.lines.append(text)
 
-    def alive(self) -> bool:
+    def is_alive(self) -> bool:
         return self.recording
 
 
@@ -106,12 +105,12 @@ class Rig:
         self.driver = FakeDriver(machine, self.bench)
         self.host = PlannedHost(n)
         self.clock = VirtualClock()
-        self.loop = Loop(described or machine, self.driver, self.clock, self.host, self.host)
+        self.loop = RigLoop(described or machine, self.driver, self.clock, self.host, self.host)
         self.supervisor = self.loop.supervisor
         if filled:
             self.host.demands = at.tolist()
             quiet = self.bench.exact()
-            self.loop.begin(Reading(*quiet, self.bench.around.supply_pressure, False, DeviceState.RUNNING))
+            self.loop.start_filled(SensorReading(*quiet, self.bench.around.supply_pressure, False, DeviceState.RUNNING))
 
     def cycles(self, count: int) -> Rig:
         for _ in range(count):
@@ -129,7 +128,7 @@ class Rig:
                 return (k + 1) * self.bench.cycle
         raise AssertionError(f"nothing within {most} s: {self.host.lines[-5:]}")
 
-    def shows(self, *what: State | ValveMode | Fault) -> bool:
+    def shows(self, *what: RigState | ValveMode | Fault) -> bool:
         """Whether all of this is its state, its act, its latched or its worst fault."""
         ledger = self.supervisor.ledger
         present = (self.supervisor.state, self.supervisor.valve_mode, ledger.latched, ledger.worst)
@@ -137,4 +136,4 @@ class Rig:
 
     @property
     def now(self) -> float:
-        return self.clock.now() / SECOND
+        return self.clock.now() / NS_PER_SECOND

@@ -24,7 +24,7 @@ def lifting_arm(law: str = "tracking") -> Machine:
         up = name == "shoulder"
         links[name] = {
             "axis": axis,
-            "place": ["0 m" if up else f"{along} m", "0 m", f"{along} m" if up else "0 m"],
+            "position": ["0 m" if up else f"{along} m", "0 m", f"{along} m" if up else "0 m"],
             "mass": f"{mass} kg",
             "centre": ["0.08 m", "0 m", "0 m"],
             "inertia": ["0.0005 kg m^2", "0.001 kg m^2", "0.001 kg m^2"],
@@ -42,5 +42,5 @@ def lifting_arm(law: str = "tracking") -> Machine:
     if law == "tracking":
         for joint in plain["joint"].values():
             del joint["gains"]
-        plain["controller"] = {"kind": "tracking", "cycle": "5 ms", "payload_spread": "0.1 kg"}
+        plain["controller"] = {"kind": "tracking", "cycle": "5 ms", "payload_std": "0.1 kg"}
     return build(plain, sources, "lifting-arm")

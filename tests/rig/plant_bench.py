@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from layflat.jit import kernel
 from layflat.machine import Machine, parameters
-from layflat.physics.delay import NOTHING_ASKED, delayed
+from layflat.physics.driver import ZERO_COMMANDS, delay_command
 from layflat.physics.joint import Drive, joint_at_rest
-from layflat.physics.plant import advance, together
+from layflat.physics.plant import advance_arm, pack_joints
 from layflat.physics.sensor import read_sensor
 from layflat.physics.step import STEP
 from layflat.physics.valves import commanded_opening, start_wave
@@ -33,10 +33,10 @@ def through_a_cycle(arm, joints, states, lines, around, voltages, held, brakes, 
     for j in range(n):
         stuck = abs(held[j]) <= 1.0
         asked = commanded_opening(joints[j].valve, voltages[j])
-        opening, lines[j] = delayed(lines[j], asked, joints[j].valve.delay / cycle)
+        opening, lines[j] = delay_command(lines[j], asked, joints[j].valve.delay / cycle)
         drives[j] = Drive(held[j] if stuck else opening, brakes[j], load[j], around.supply_pressure)
         waves[j] = start_wave(joints[j].valve, 0.0 if stuck else cycle * k, 0.0 if stuck else h)
-    advance(arm, together(arm, joints), states, drives, waves, around, h, steps)
+    advance_arm(arm, pack_joints(arm, joints), states, drives, waves, around, h, steps)
     return states, lines
 
 
@@ -63,7 +63,7 @@ class PlantBench:
         self.states: list[Any] = [
             joint_at_rest(joint, angle, p, p, self.around) for joint, angle in zip(self._joints, angles, strict=True)
         ]
-        self._lines: list[Any] = [NOTHING_ASKED] * self.n
+        self._lines: list[Any] = [ZERO_COMMANDS] * self.n
         self._noise = np.random.default_rng(seed)
         self.held = np.full(self.n, FREE)
         self.brakes = np.array([joint.brake_torque for joint in self._joints])

@@ -9,7 +9,7 @@ import time
 from collections.abc import Callable
 from contextlib import suppress
 
-from layflat.rig.wire.identity import Identity
+from layflat.rig.wire import Identity
 from tests.rig.devices import ARM, patient
 
 HASTY = patient(ARM, 0.03)
@@ -22,7 +22,7 @@ Reply = Callable[[bytes], bytes]
 def good(request: bytes) -> bytes:
     """The right reply to function 3 and 23."""
     number, _, _, unit, function = struct.unpack_from(">HHHBB", request)
-    words = Identity.of(ARM).words() if function == 3 else [*struct.unpack_from(">H", request, 17), *READING]
+    words = Identity.for_machine(ARM).words() if function == 3 else [*struct.unpack_from(">H", request, 17), *READING]
     body = struct.pack(f">BBB{len(words)}H", unit, function, 2 * len(words), *words)
     return struct.pack(">HHH", number, 0, len(body)) + body
 

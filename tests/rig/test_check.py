@@ -7,15 +7,15 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from layflat.cli.virtual_rig import VirtualRig
+from layflat.cli.rig import VirtualRig
 from layflat.errors import InputError
 from layflat.machine import changed, load
-from layflat.rig.check.all import check_rig, noise_of
-from layflat.rig.check.open_loop import CheckResult
+from layflat.rig.check import check_rig, estimate_noise
 from layflat.rig.clock import VirtualClock
-from layflat.rig.device.failures import failure
-from layflat.rig.driver import Capabilities, Command, DeviceState, Lifecycle, Reading
-from layflat.rig.drivers.simulated import SimulatedDriver
+from layflat.rig.device.failures import get_failure
+from layflat.rig.device.virtual import SimulatedDriver
+from layflat.rig.driver import Capabilities, DeviceState, Lifecycle, RigCommand, SensorReading
+from layflat.rig.open_loop import CheckResult
 
 ARM = load("paper-arm")
 CENTRE = 5.0
@@ -32,7 +32,7 @@ class Wired(SimulatedDriver):
         self.breaks: tuple[float, Callable[[], None]] = (1e9, lambda: None)
         self.reached = self.pressed = 0.0
 
-    def read(self) -> Reading:
+    def read(self) -> SensorReading:
         if self.clock.now() > self.breaks[0] * 1e9:
             begin, self.breaks = self.breaks[1], (1e9, lambda: None)
             begin()
@@ -43,7 +43,7 @@ class Wired(SimulatedDriver):
             angles=self.signs["angle"] * reading.angles, pressures=self.signs["pressure"] * reading.pressures
         )
 
-    def write(self, command: Command) -> None:
+    def write(self, command: RigCommand) -> None:
         volts = CENTRE + self.signs["valve"] * (command.voltages - CENTRE)
         super().write(command._replace(voltages=volts[self.order]))
 
@@ -55,7 +55,7 @@ def checked(driver: Wired, *, air: bool = True) -> dict[str, CheckResult]:
 
 
 def wrong(found: dict[str, CheckResult]) -> dict[str, str]:
-    return {one.what: one.action for one in found.values() if not one.passed}
+    return {one.what: one.action for one in found.values() if not one.has_passed}
 
 
 def test_a_sound_rig_passes_and_is_left_without_air() -> None:
@@ -113,7 +113,7 @@ def test_swapped_valves_are_told() -> None:
 )
 def test_what_is_wrong_without_air_keeps_the_air_off(name: str, joint: int, what: str, right: str) -> None:
     driver = Wired()
-    failure(name).begin(driver.device, joint)
+    get_failure(name).inject(driver.device, joint)
     found = wrong(checked(driver))
     assert set(found) == {what, "air"}
     assert right in found[what]
@@ -125,7 +125,7 @@ def test_a_line_with_air_in_it_is_told() -> None:
     driver.device = VirtualRig(ARM, filled=True)(driver.clock)
     take = driver.device.reading
 
-    def offset() -> Reading:
+    def offset() -> SensorReading:
         return take()._replace(supply=ARM.supply.ambient_pressure + 0.4e5)
 
     driver.device.reading = offset  # type: ignore[method-assign]
@@ -138,7 +138,7 @@ def test_a_line_with_air_in_it_is_told() -> None:
 )
 def test_what_is_wrong_with_air(name: str, size: float | None, what: str, right: str) -> None:
     driver = Wired()
-    failure(name).begin(driver.device, 0, size)
+    get_failure(name).inject(driver.device, 0, size)
     assert right in wrong(checked(driver))[what]
 
 
@@ -148,9 +148,9 @@ def test_what_is_wrong_with_air(name: str, size: float | None, what: str, right:
 )
 def test_what_happens_with_air_ends_the_check(after: float, name: str, right: str) -> None:
     driver = Wired()
-    driver.breaks = (after, lambda: failure(name).begin(driver.device, 0))
+    driver.breaks = (after, lambda: get_failure(name).inject(driver.device, 0))
     found = checked(driver)
-    assert right in found["ended early"].found
+    assert right in found["ended early"].finding
     assert "signs of small" not in found
 
 
@@ -190,5 +190,5 @@ def test_noise_is_told_from_a_motion_and_a_jolt(count: float) -> None:
     draw, time = np.random.default_rng(5), 0.005 * np.arange(400)
     samples = -4.0 * np.minimum(time, 1.1) ** 2 + np.where(time > 1.1, 0.05 * np.sin(300.0 * time), 0.0) * (time < 1.2)
     samples = count * np.round((samples + 1.0 * draw.standard_normal(400)) / count)
-    assert noise_of(samples) == pytest.approx(np.hypot(1.0, count / np.sqrt(12.0)), rel=0.15)
-    assert noise_of(samples[:2]) == noise_of(np.full(400, 0.3)) == 0.0
+    assert estimate_noise(samples) == pytest.approx(np.hypot(1.0, count / np.sqrt(12.0)), rel=0.15)
+    assert estimate_noise(samples[:2]) == estimate_noise(np.full(400, 0.3)) == 0.0

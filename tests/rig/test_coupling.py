@@ -6,7 +6,7 @@ import pytest
 from layflat.arrays import Array
 from layflat.machine import parameters
 from layflat.physics.arms import dynamics
-from layflat.rig.safety.coupling import torques_at_rest
+from layflat.rig.safety.estimator import write_holding_torques
 from tests.rig.hanging_arm import lifting_arm
 
 ARM = parameters.arm(lifting_arm())
@@ -14,7 +14,7 @@ ARM = parameters.arm(lifting_arm())
 
 def at_rest(mass: Array, torques: Array, passive: Array, turns: list[float]) -> Array:
     n, out = len(torques), np.empty(len(torques))
-    torques_at_rest(mass, torques, passive, np.array(turns), np.empty((n, n + 1)), out)
+    write_holding_torques(mass, torques, passive, np.array(turns), np.empty((n, n + 1)), out)
     return out
 
 

@@ -7,49 +7,40 @@ import pytest
 
 from layflat.machine import changed, load
 from layflat.physics.sensor import Sensor
-from layflat.rig.safety.detectors import (
-    angle_frozen,
-    doubt,
-    following,
-    joint,
-    outside,
-    pressure_frozen,
-    rail,
-    supply,
-    valve_unresponsive,
-)  # fmt: skip
-from layflat.rig.safety.detectors.sample import AIR, MOTION, SENSORS, Sample
+from layflat.rig.safety import detectors
+from layflat.rig.safety.detectors import air, angle_frozen, bounds, following
+from layflat.rig.safety.detectors.sample import AIR_LEVEL, MOTION_LEVEL, SENSORS_LEVEL, JointSample
 from layflat.rig.safety.faults import Fault
-from layflat.rig.safety.limits import joint_limits, never_rests
+from layflat.rig.safety.limits import detector_limits, noise_never_rests
 
 CYCLE = 0.005
 SPEED = 14.0
-LIMITS = joint.Limits(
-    rail.Limits(-1.3, 1.3),
+LIMITS = detectors.DetectorLimits(
+    bounds.RailLimits(-1.3, 1.3),
     5e5,
     SPEED,
-    outside.Limits(1.2, rests=1.2, inside=1.2, thrown=0.0),
-    doubt.Limits(6e-4, 1.0, 0.25, 0.0125),
-    angle_frozen.Limits(6e-4, 1e5, CYCLE, 0.0375, 0.09),
-    valve_unresponsive.Limits(1000.0, 0.17, 2.4e5, 0.8),
-    pressure_frozen.Limits(0.09, 0.0375),
-    following.Limits(0.6, 0.1, 1.0, 0.09, 2.4e5),
+    bounds.StrokeLimits(1.2, rests=1.2, inside=1.2, thrown=0.0),
+    air.SuspicionLimits(6e-4, 1.0, 0.25, 0.0125),
+    angle_frozen.FrozenAngleLimits(6e-4, 1e5, CYCLE, 0.0375, 0.09),
+    air.ValveResponseLimits(1000.0, 0.17, 2.4e5, 0.8),
+    air.FrozenPressureLimits(0.09, 0.0375),
+    following.FollowingLimits(0.6, 0.1, 1.0, 0.09, 2.4e5),
 )
 SWING = (2000.0, 0.0, -2000.0, 0.0)
 
 
 def follow(
     samples: int, angle: list[float], *, pressure: list[float] | None = None, demand: float | None = None,
-    opening: float = 0.5, residual: float = 0.0, level: float = AIR, averaged: float = 0.0, others: float = 0.0,
-    velocity: float = 0.0, inertia: float = 1e9, limits: joint.Limits = LIMITS,
-) -> tuple[joint.Memory, list[Fault]]:  # fmt: skip
+    opening: float = 0.5, residual: float = 0.0, level: float = AIR_LEVEL, averaged: float = 0.0, others: float = 0.0,
+    velocity: float = 0.0, inertia: float = 1e9, limits: detectors.DetectorLimits = LIMITS,
+) -> tuple[detectors.DetectorMemory, list[Fault]]:  # fmt: skip
     """Memory after a signal, and the worst fault in each cycle."""
-    memory, found = joint.FRESH, []
+    memory, found = detectors.INITIAL_MEMORY, []
     for k in range(samples):
         x = angle[k % len(angle)]
         p = pressure[k % len(pressure)] if pressure else SWING[k % 4] + 0.3 * k
         wanted = x if demand is None else demand
-        sample = Sample(
+        sample = JointSample(
             x,
             p,
             averaged * k,
@@ -65,7 +56,7 @@ def follow(
             level,
             1.0,
         )
-        memory, fault = joint.find(limits, memory, sample)
+        memory, fault = detectors.find_joint_fault(limits, memory, sample)
         found.append(Fault(fault))
     return memory, found
 
@@ -84,32 +75,32 @@ def test_ripple_is_that_of_the_dither_whatever_the_slope(slope: float) -> None:
 
 @pytest.mark.parametrize("bad", [-1.3, 1.3, nan, inf])
 def test_the_rail_counts_samples_with_or_without_air(bad: float) -> None:
-    for level in (SENSORS, AIR):
+    for level in (SENSORS_LEVEL, AIR_LEVEL):
         assert follow(3, [bad], level=level)[1][:2] == [0, 0]
         assert follow(3, [bad], level=level)[1][2] is Fault.ANGLE_AT_RAIL
 
 
 def test_a_pressure_that_is_not_a_number_is_at_fault() -> None:
-    assert follow(2, [0.0], pressure=[nan], level=SENSORS)[1] == [0, Fault.OVER_PRESSURE]
+    assert follow(2, [0.0], pressure=[nan], level=SENSORS_LEVEL)[1] == [0, Fault.OVER_PRESSURE]
 
 
 def test_speed_and_stroke_count_where_the_joint_may_move() -> None:
     leap = [0.0, 0.08, 0.16, 0.24, 0.32]
-    assert follow(4, leap, level=MOTION)[1] == [0, 0, Fault.OVER_SPEED, Fault.OVER_SPEED]
-    assert not any(follow(4, leap, level=SENSORS)[1])
-    assert follow(2, [1.21, 1.2101], level=MOTION)[1] == [0, Fault.OUTSIDE_STROKE]
-    assert follow(2, [1.25, 1.31], level=MOTION)[1] == [0, Fault.OUTSIDE_STROKE], "it went on to the rail"
+    assert follow(4, leap, level=MOTION_LEVEL)[1] == [0, 0, Fault.OVER_SPEED, Fault.OVER_SPEED]
+    assert not any(follow(4, leap, level=SENSORS_LEVEL)[1])
+    assert follow(2, [1.21, 1.2101], level=MOTION_LEVEL)[1] == [0, Fault.OUTSIDE_STROKE]
+    assert follow(2, [1.25, 1.31], level=MOTION_LEVEL)[1] == [0, Fault.OUTSIDE_STROKE], "it went on to the rail"
 
 
 def test_a_joint_that_rests_at_the_border_of_its_stroke_may_be_led_inside_from_there() -> None:
-    limits, rails = outside.Limits(1.2, rests=1.25, inside=1.0, thrown=3.0), LIMITS.rail
+    limits, rails = bounds.StrokeLimits(1.2, rests=1.25, inside=1.0, thrown=3.0), LIMITS.rail
     shaking = [1.199, 1.201, 1.202, 1.24, 1.1, 1.201, 1.202]
 
     def after(angles: list[float]) -> list[int]:
-        memory, found = outside.AWAY, []
+        memory, found = bounds.NOT_YET_INSIDE, []
         for angle in angles:
-            taken = Sample(angle, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, CYCLE, MOTION, 1.0)
-            memory, fault = outside.find(limits, memory, rails, taken)
+            taken = JointSample(angle, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, CYCLE, MOTION_LEVEL, 1.0)
+            memory, fault = bounds.find_outside(limits, memory, rails, taken)
             found.append(fault)
         return found
 
@@ -123,19 +114,19 @@ def test_a_joint_that_rests_at_the_border_of_its_stroke_may_be_led_inside_from_t
 
 
 STILL = LIMITS._replace(
-    angle_frozen=LIMITS.angle_frozen._replace(hides=5e4), doubt=LIMITS.doubt._replace(still=0.1, filling=0.4)
+    angle_frozen=LIMITS.angle_frozen._replace(hides=5e4), suspicion=LIMITS.suspicion._replace(still=0.1, filling=0.4)
 )
 
 
 def frozen_after(pressure: float, light: float, heavy: float, inertia: float = 1e3, residual: float = 0.0) -> float:
     """Time in which an angle that stays is told to be frozen, s."""
-    memory = joint.FRESH
+    memory = detectors.INITIAL_MEMORY
     for k in range(17):
         p = SWING[k % 4] + 0.3 * k
-        taken = Sample(
-            0.5, p, pressure, light, heavy, inertia, 0.0, 0.0, residual, 0.5, 0.0, CYCLE, AIR, 1.0
+        taken = JointSample(
+            0.5, p, pressure, light, heavy, inertia, 0.0, 0.0, residual, 0.5, 0.0, CYCLE, AIR_LEVEL, 1.0
         )  # fmt: skip
-        memory, fault = joint.find(STILL, memory, taken)
+        memory, fault = detectors.find_joint_fault(STILL, memory, taken)
         if fault:
             assert fault == Fault.ANGLE_FROZEN
             return CYCLE * k
@@ -157,12 +148,14 @@ def test_air_that_moves_around_a_joint_at_rest_tells_that_it_moves() -> None:
 
 def test_of_payloads_that_may_be_there_the_one_counts_with_which_a_joint_bears_least() -> None:
     swing, others = 4e5, (0.0, 8e5)  # between none and the most there is one that bears all of it
-    memory = joint.FRESH
+    memory = detectors.INITIAL_MEMORY
     for k in range(30):
         turned = 1.0 if k > 15 else -1.0
         p, (light, heavy) = turned * swing, (turned * other for other in others)
-        taken = Sample(0.5, SWING[k % 4] + 0.3 * k, p, light, heavy, 1e9, 0.0, 0.0, 0.0, 0.5, 0.0, CYCLE, AIR, 1.0)
-        memory, fault = joint.find(LIMITS, memory, taken)
+        taken = JointSample(
+            0.5, SWING[k % 4] + 0.3 * k, p, light, heavy, 1e9, 0.0, 0.0, 0.0, 0.5, 0.0, CYCLE, AIR_LEVEL, 1.0
+        )
+        memory, fault = detectors.find_joint_fault(LIMITS, memory, taken)
         assert not fault
 
 
@@ -172,7 +165,7 @@ def test_a_joint_that_speeds_up_is_found_two_samples_after_it_is_too_fast(when: 
     times = CYCLE * (np.arange(14.0) - 10.0 + when)
     speeds = SPEED + rate * times
     angles = np.where(speeds > 0.0, speeds**2, 0.0) / (2.0 * rate)
-    found = follow(len(angles), list(angles - angles.max()), level=MOTION)[1]
+    found = follow(len(angles), list(angles - angles.max()), level=MOTION_LEVEL)[1]
     first, last = int(np.argmax(times > 0.0)), int(np.argmax([bits is Fault.OVER_SPEED for bits in found]))
     assert first <= last <= first + 1
 
@@ -221,22 +214,22 @@ def test_a_sensor_whose_noise_never_rests_is_frozen_where_it_repeats_itself_thou
     assert np.flatnonzero(found)[0] * CYCLE == pytest.approx(0.09, abs=0.01)
     assert found[-1] == Fault.ANGLE_FROZEN
     assert not any(follow(400, [0.5, *[0.5001] * 17], limits=limits)[1])
-    assert not any(follow(40, [0.5], limits=limits, level=MOTION)[1]), "it is asked for nothing without air"
+    assert not any(follow(40, [0.5], limits=limits, level=MOTION_LEVEL)[1]), "it is asked for nothing without air"
 
 
 def test_a_sensor_is_told_by_its_noise_where_that_never_leaves_it_at_one_count() -> None:
     sound = load("picking-arm")
-    assert joint_limits(sound, "wrist").angle_frozen.noisy == 1.0
+    assert detector_limits(sound, "wrist").angle_frozen.noisy == 1.0
     slow = changed(sound, "controller.cycle", "20 ms")
-    assert joint_limits(slow, "wrist").angle_frozen.noisy == 0.0, "three samples may well be the same"
-    assert joint_limits(load("paper-arm"), "small").angle_frozen.noisy == 0.0
+    assert detector_limits(slow, "wrist").angle_frozen.noisy == 0.0, "three samples may well be the same"
+    assert detector_limits(load("paper-arm"), "small").angle_frozen.noisy == 0.0
 
 
 @pytest.mark.parametrize("noise", [0.0, 0.27, 1.0, 2.0, 4.4])
 def test_how_long_noise_leaves_a_sensor_at_one_count(noise: float) -> None:
     samples = np.round(noise * np.random.default_rng(1).standard_normal(1_000_000))
     longest = np.diff(np.flatnonzero(np.diff(samples, prepend=np.nan, append=np.nan) != 0.0)).max()
-    never = next((n for n in range(1, 1000) if never_rests(Sensor(-1e3, 1e3, 1.0, 0.0, noise), n)), np.inf)
+    never = next((n for n in range(1, 1000) if noise_never_rests(Sensor(-1e3, 1e3, 1.0, 0.0, noise), n)), np.inf)
     # A million is the square root of the samples in which that many would be the same.
     assert 0.35 * never < longest < 0.75 * never or longest == len(samples)
 
@@ -263,10 +256,12 @@ def test_a_joint_that_hardly_moves_with_most_of_the_pressure_there_is_is_held_ba
 def test_a_joint_that_another_may_hold_back_is_given_four_times_the_time() -> None:
     strained, push = 2.5e5, 3e5
     for others, cycles in ((0.0, 60), (push, 240)):
-        memory, found = following.Memory(), []
+        memory, found = following.FollowingMemory(), []
         for _ in range(250):
-            sample = Sample(0.0, strained, strained, others, others, 1e9, 0.1, 0.5, 0.0, 0.2, 0.0, CYCLE, AIR, 1.0)
-            memory, fault = following.find(LIMITS.following, memory, sample)
+            sample = JointSample(
+                0.0, strained, strained, others, others, 1e9, 0.1, 0.5, 0.0, 0.2, 0.0, CYCLE, AIR_LEVEL, 1.0
+            )
+            memory, fault = following.find_following_error(LIMITS.following, memory, sample)
             found.append(fault)
         assert np.flatnonzero(found)[0] == pytest.approx(cycles, abs=2)
 
@@ -277,24 +272,24 @@ def test_a_ripple_that_is_gone_is_a_valve_that_does_not_respond() -> None:
     assert np.flatnonzero(found)[0] * CYCLE == pytest.approx(0.17 + 3 * CYCLE, abs=0.011)
 
 
-def judged(pressures: list[float], *, still: bool = False, level: float = AIR) -> list[Fault]:
-    limits, memory, found = supply.Limits(3e5, 6e5, 0.06), supply.Memory(), []
+def judged(pressures: list[float], *, still: bool = False, level: float = AIR_LEVEL) -> list[Fault]:
+    limits, memory, found = bounds.SupplyLimits(3e5, 6e5, 0.06), bounds.SupplyMemory(), []
     for pressure in pressures:
-        memory, fault = supply.find(limits, memory, pressure, still, CYCLE, level)
+        memory, fault = bounds.find_supply(limits, memory, pressure, still, CYCLE, level)
         found.append(Fault(fault))
     return found
 
 
 @pytest.mark.parametrize("pressure", [6e5, 7e5, nan, inf])
 def test_a_supply_that_is_too_high_is_found_in_two_samples_with_or_without_air(pressure: float) -> None:
-    for level in (SENSORS, AIR):
+    for level in (SENSORS_LEVEL, AIR_LEVEL):
         assert judged([pressure] * 2, level=level) == [Fault.NONE, Fault.OVER_PRESSURE]
 
 
 def test_a_supply_that_is_lost_is_found_while_there_should_be_air() -> None:
     assert judged([2e5] * 3) == [Fault.NONE, Fault.NONE, Fault.SUPPLY_LOST]
     assert judged([2e5, 2e5, 4e5, 2e5, 2e5]) == [Fault.NONE] * 5, "dips are none"
-    assert judged([2e5] * 9, level=MOTION) == [Fault.NONE] * 9
+    assert judged([2e5] * 9, level=MOTION_LEVEL) == [Fault.NONE] * 9
 
 
 def test_ripple_that_all_joints_lack_is_the_supply_s() -> None:

@@ -7,9 +7,8 @@ import pytest
 
 from layflat.machine import changed, load
 from layflat.rig.driver import DeviceState
-from layflat.rig.safety.faults import Fault, Reaction
-from layflat.rig.safety.state_machine import CENTRED
-from layflat.rig.safety.states import State, ValveMode
+from layflat.rig.safety.faults import Fault, Reaction, RigState, ValveMode
+from layflat.rig.safety.state_machine import CENTRED_TIME
 from tests.rig.fake_rig import Array, Rig
 
 ARM = load("paper-arm-fast")
@@ -122,7 +121,7 @@ CASES = [
 ]
 
 
-EMPTIES = CENTRED + 0.01
+EMPTIES = CENTRED_TIME + 0.01
 """In which the supply line is let out, before valves are opened, s."""
 
 
@@ -137,7 +136,7 @@ def test_found_in_time_and_latched(
     took = rig.until(lambda: rig.supervisor.ledger.latched is fault, 1.0)
     assert rig.shows(fault), rig.host.lines
     assert took <= (fault.seconds or fault.cycles * 0.005) + 1e-9
-    assert rig.shows(State.FAULT)
+    assert rig.shows(RigState.FAULT)
     command = rig.driver.commands[-1]
     assert command.air is (act is ValveMode.HOLD)
     if act is not ValveMode.HOLD:
@@ -197,7 +196,7 @@ def test_a_law_that_gives_up_is_told_and_tries_again_with_another_demand() -> No
     rig.host.demands = [0.5, -0.5]
     rig.until(lambda: rig.supervisor.ledger.now is Fault.MODEL_DOUBTED, 1.5)
     rig.seconds(0.2)
-    assert rig.shows(State.MOVING, Fault.MODEL_DOUBTED)
+    assert rig.shows(RigState.MOVING, Fault.MODEL_DOUBTED)
     assert list(rig.driver.commands[-1].voltages) == [CENTRE, CENTRE]
     assert sum(Fault.MODEL_DOUBTED.title in line for line in rig.host.lines) == 1
     rig.host.demands = [0.0, 0.0]
@@ -209,7 +208,7 @@ def test_a_law_that_gives_up_is_told_and_tries_again_with_another_demand() -> No
 def test_a_bad_voltage_never_leaves(bad: float) -> None:
     rig = moving()
     core = rig.supervisor.core
-    core.between = lambda: core.voltages_asked.__setitem__(1, bad)
+    core.between = lambda: core.law_voltages.__setitem__(1, bad)
     rig.cycles(1)
     assert rig.shows(Fault.BAD_COMMAND)
     assert rig.driver.commands[-1].voltages[1] == CENTRE
@@ -229,7 +228,7 @@ def test_one_lost_reply_is_told_and_forgiven() -> None:
     assert rig.supervisor.ledger.worst.name == "REPLY_LOST"
     rig.driver.link = None
     rig.seconds(1.0)
-    assert rig.shows(State.MOVING)
+    assert rig.shows(RigState.MOVING)
     assert rig.supervisor.ledger.worst.name == "NONE"
     assert Fault.REPLY_LOST.title in rig.host.lines
 
@@ -272,16 +271,16 @@ def test_a_reset_needs_an_edge_and_the_fault_to_be_gone() -> None:
     rig.cycles(1)
     rig.host.reset = True
     rig.cycles(1)
-    assert rig.shows(State.FAULT)
+    assert rig.shows(RigState.FAULT)
     rig.driver.stopped = False
     rig.seconds(3.0)
-    assert rig.shows(State.FAULT)
+    assert rig.shows(RigState.FAULT)
     rig.host.reset = True
     rig.cycles(1)
-    assert rig.shows(State.OFF)
-    assert not rig.supervisor.air
+    assert rig.shows(RigState.OFF)
+    assert not rig.supervisor.is_pressurised
     rig.seconds(1.0)
-    assert rig.shows(State.OFF)
+    assert rig.shows(RigState.OFF)
     resets = [command.reset for command in rig.driver.commands]
     assert any(resets)
     assert not resets[-1]
@@ -295,7 +294,7 @@ def test_after_a_hold_a_reset_holds_and_a_start_goes_on() -> None:
     rig.cycles(2)
     rig.host.reset = True
     rig.cycles(2)
-    assert rig.shows(State.HOLDING)
+    assert rig.shows(RigState.HOLDING)
     rig.host.start = True
     rig.cycles(2)
-    assert rig.shows(State.MOVING)
+    assert rig.shows(RigState.MOVING)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from benchmarks.rig_kills import VICTIMS, patient, trial
-from layflat.cli.virtual_rig import VirtualRig
+from layflat.cli.rig import VirtualRig
 from layflat.machine import load
 from layflat.rig.device.process import DeviceProcess, ModbusPort
 

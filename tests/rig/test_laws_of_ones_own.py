@@ -8,13 +8,12 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 import pytest
 
-from layflat.control import CONTROL_LAWS, FULL, Command, ControlKind, ControllerPart, voltages_alone
+from layflat.control import CONTROL_LAWS, FULL_FRACTIONS, Command, ControlKind, ControllerPart, voltages_alone
 from layflat.errors import KindError
 from layflat.jit import law
 from layflat.lanes import each
 from layflat.machine import Machine, load
-from layflat.rig.safety.faults import Fault
-from layflat.rig.safety.states import State
+from layflat.rig.safety.faults import Fault, RigState
 from tests.rig.fake_rig import Rig
 
 
@@ -61,7 +60,7 @@ def plain_step(
         asked = 5.0 + settings.gain * (wanted - angle) - settings.damping * pressure
         voltages.append(min(max(asked, 0.0), 10.0))
         reports.append(PlainReport(error=wanted - angle))
-    return Memory(memory.cycles + 1.0), Command(tuple(voltages), (FULL,) * len(voltages)), tuple(reports)
+    return Memory(memory.cycles + 1.0), Command(tuple(voltages), (FULL_FRACTIONS,) * len(voltages)), tuple(reports)
 
 
 @law
@@ -108,7 +107,7 @@ class BrakingReport(NamedTuple):
 def braking_step(settings: Any, memory: Memory, sensed: Any, demand: Any, elapsed: float) -> Any:
     """Hold with the brake alone where nothing is asked."""
     memory, command, reports = plain_step(settings, memory, sensed, demand, elapsed)
-    shares = tuple(FULL if abs(angle) > 0.1 else FULL._replace(brake=0.5) for angle in demand.angle)
+    shares = tuple(FULL_FRACTIONS if abs(angle) > 0.1 else FULL_FRACTIONS._replace(brake=0.5) for angle in demand.angle)
     return memory, Command(command.voltage, shares), tuple(BrakingReport(one.error) for one in reports)
 
 
@@ -135,7 +134,7 @@ def moved(machine: Machine) -> Rig:
 def test_a_law_of_ones_own_moves_a_rig_and_its_signals_are_recorded(part: Any, kind: str) -> None:
     rig = moved(with_law(part, kind))
     layout, rows = rig.loop.layout, np.array(rig.host.rows)
-    assert rig.shows(State.MOVING)
+    assert rig.shows(RigState.MOVING)
     assert rig.shows(Fault.NONE)
     joints, at = layout.joint_rows(rows), layout.columns
     assert layout.by_joint["error"] == ("rad", "demand less angle")

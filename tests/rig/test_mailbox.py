@@ -11,13 +11,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from layflat.machine.interface import MOST_OUTPUTS
-from layflat.rig.clock import SECOND, VirtualClock
-from layflat.rig.mailbox import HEAD, Mailbox, RemoteHost, Setpoints
-from layflat.rig.record import Layout
-from layflat.rig.system import MAILBOX, YOUNG, sweep
+from layflat.machine.interface import MAX_OUTPUTS
+from layflat.rig.clock import NS_PER_SECOND, VirtualClock
+from layflat.rig.mailbox import SLOT_HEADER, Mailbox, RemoteHost, Setpoints
+from layflat.rig.record import RowLayout
+from layflat.rig.system import MAILBOX_PREFIX, MIN_MAILBOX_AGE, remove_orphaned_files
 
-LAYOUT = Layout(("a", "b"), (("phase", ("1", "phase")),))
+LAYOUT = RowLayout(("a", "b"), (("phase", ("1", "phase")),))
 WIDTH = LAYOUT.width
 
 
@@ -32,7 +32,7 @@ def hammer(path: Path) -> None:
     box, k = Mailbox(path, LAYOUT), 0
     while True:
         k += 1
-        box.ask(Setpoints([float(k), -float(k)], k, k, k))
+        box.write_setpoints(Setpoints([float(k), -float(k)], k, k, k))
         box.publish(np.full(WIDTH, float(k)))
 
 
@@ -44,7 +44,7 @@ def test_no_message_is_ever_torn_and_a_writer_may_die_at_any_time(path: Path) ->
         seen: set[int] = set()
         until = time.monotonic() + 20.0
         while len(seen) < 50 and time.monotonic() < until:
-            found, row = box.asked(), box.shown()
+            found, row = box.read_setpoints(), box.read_row()
             if found is not None:
                 wanted = found[1]
                 assert wanted.demands == [wanted.starts, -wanted.starts]
@@ -56,8 +56,8 @@ def test_no_message_is_ever_torn_and_a_writer_may_die_at_any_time(path: Path) ->
         assert process.pid is not None
         os.kill(process.pid, signal.SIGKILL)
         process.join()
-    box.ask(Setpoints([1.0, 2.0]))
-    found = box.asked()
+    box.write_setpoints(Setpoints([1.0, 2.0]))
+    found = box.read_setpoints()
     assert found is not None
     assert found[1].demands == [1.0, 2.0]
 
@@ -67,16 +67,16 @@ def test_a_spoilt_message_is_not_taken(rubbish: bytes, at: int) -> None:
     path = Mailbox.create(LAYOUT)
     try:
         box = Mailbox(path, LAYOUT)
-        box.ask(Setpoints([0.25, 0.5], 3))
-        end = HEAD.size + 8 * (7 + MOST_OUTPUTS)
+        box.write_setpoints(Setpoints([0.25, 0.5], 3))
+        end = SLOT_HEADER.size + 8 * (7 + MAX_OUTPUTS)
         at = min(at, end - 1)
         before = bytes(box._memory[:end])
         box._memory[at : min(at + len(rubbish), end)] = rubbish[: end - at]
-        found = box.asked()
+        found = box.read_setpoints()
         # Padding aside, either nothing changed or nothing is taken.
         if found is not None:
             assert found[1] == Setpoints([0.25, 0.5], 3)
-            assert bytes(box._memory[HEAD.size : end]) == before[HEAD.size :]
+            assert bytes(box._memory[SLOT_HEADER.size : end]) == before[SLOT_HEADER.size :]
     finally:
         path.unlink()
 
@@ -85,16 +85,16 @@ def test_edges_are_given_once_and_age_is_by_the_loops_clock(path: Path) -> None:
     box, clock = Mailbox(path, LAYOUT), VirtualClock()
     host = RemoteHost(Mailbox(path, LAYOUT), clock, 2)
     assert all(isnan(demand) for demand in host.request(0).demands)
-    box.ask(Setpoints([nan, 1.0], starts=2, resets=1))
-    first, second = host.request(SECOND), host.request(SECOND + SECOND // 20)
+    box.write_setpoints(Setpoints([nan, 1.0], starts=2, resets=1))
+    first, second = host.request(NS_PER_SECOND), host.request(NS_PER_SECOND + NS_PER_SECOND // 20)
     assert (first.start, first.stop, first.reset, first.age) == (True, False, True, 0.0)
     assert (second.start, second.reset) == (False, False)
     assert second.age == pytest.approx(0.05)
-    box.ask(Setpoints([nan, 1.0], starts=2, resets=1))
-    assert host.request(2 * SECOND).age == 0.0
-    clock.wait(3 * SECOND)
+    box.write_setpoints(Setpoints([nan, 1.0], starts=2, resets=1))
+    assert host.request(2 * NS_PER_SECOND).age == 0.0
+    clock.wait(3 * NS_PER_SECOND)
     assert not host.ended
-    clock.wait(5 * SECOND)
+    clock.wait(5 * NS_PER_SECOND)
     assert host.ended
 
 
@@ -103,42 +103,46 @@ def test_digital_outputs_are_switched_by_edges_whatever_was_asked_for_before(pat
     wanted = Setpoints([nan, nan])
     for output, on in [(2, True), (2, True), (0, False), (2, False), (1, True)]:
         wanted = replace(wanted, switches=wanted.switched(output, on))
-        box.ask(wanted)
+        box.write_setpoints(wanted)
         assert host.request(0).switched == [(output, on)]
         assert host.request(0).switched == ()
     wanted = replace(wanted, switches=wanted.switched(0, True))
-    box.ask(replace(wanted, switches=wanted.switched(3, True)))
+    box.write_setpoints(replace(wanted, switches=wanted.switched(3, True)))
     assert host.request(0).switched == [(0, True), (3, True)]
 
 
 def test_rates_come_across_and_a_late_demand_counts_from_when_it_was_meant(path: Path) -> None:
     box, clock = Mailbox(path, LAYOUT), VirtualClock()
     host = RemoteHost(Mailbox(path, LAYOUT), clock, 2)
-    box.ask(Setpoints([0.1, 0.2]))
+    box.write_setpoints(Setpoints([0.1, 0.2]))
     assert host.request(0)[5:7] == (None, None)
-    meant = SECOND - SECOND // 50
-    box.ask(Setpoints([0.1, 0.2], velocities=[1.0, 2.0], accelerations=[3.0, 4.0], asks=1, meant=meant))
-    found = host.request(SECOND)
+    meant = NS_PER_SECOND - NS_PER_SECOND // 50
+    box.write_setpoints(
+        Setpoints([0.1, 0.2], velocities=[1.0, 2.0], accelerations=[3.0, 4.0], asks=1, target_time=meant)
+    )
+    found = host.request(NS_PER_SECOND)
     assert (found.velocities, found.accelerations) == ([1.0, 2.0], [3.0, 4.0])
     assert found.since == pytest.approx(0.02)
-    box.ask(Setpoints([0.1, 0.2], velocities=[1.0, 2.0], accelerations=[3.0, 4.0], asks=1, meant=meant))
-    again = host.request(SECOND + SECOND // 100)
+    box.write_setpoints(
+        Setpoints([0.1, 0.2], velocities=[1.0, 2.0], accelerations=[3.0, 4.0], asks=1, target_time=meant)
+    )
+    again = host.request(NS_PER_SECOND + NS_PER_SECOND // 100)
     assert again.age == 0.0
     assert again.since == pytest.approx(0.03), "to live is not to ask"
-    box.ask(Setpoints([0.1, 0.2], velocities=[1.0, 2.0], asks=2, meant=5))
-    assert host.request(2 * SECOND).since == 0.0, "a clock of another kind is not believed"
+    box.write_setpoints(Setpoints([0.1, 0.2], velocities=[1.0, 2.0], asks=2, target_time=5))
+    assert host.request(2 * NS_PER_SECOND).since == 0.0, "a clock of another kind is not believed"
 
 
 def test_the_mailbox_of_those_who_were_killed_is_swept_away() -> None:
     used, left = Mailbox.create(LAYOUT), Mailbox.create(LAYOUT)
     box, gone = Mailbox(used, LAYOUT), Mailbox(left, LAYOUT)
     gone.close()
-    sweep(MAILBOX)
+    remove_orphaned_files(MAILBOX_PREFIX)
     assert left.exists(), "it may be on its way to the loop"
-    long_ago = time.time() - 2.0 * YOUNG
+    long_ago = time.time() - 2.0 * MIN_MAILBOX_AGE
     for path in (used, left):
         os.utime(path, (long_ago, long_ago))
-    sweep(MAILBOX)
+    remove_orphaned_files(MAILBOX_PREFIX)
     assert not left.exists()
     assert used.exists(), "it is in use"
     box.close()

@@ -12,28 +12,28 @@ import pytest
 
 from layflat.errors import InputError
 from layflat.machine import load
-from layflat.rig.safety.states import State
-from layflat.rig.session import LoopError, Session
+from layflat.rig.safety.faults import RigState
+from layflat.rig.session import RigLoopError, RigSession
 from tests.rig import fake_drivers as drivers
 
 ARM = load("paper-arm")
 
 
-def wait(condition: Callable[[], bool], seconds: float = 10.0) -> None:
+def wait(condition: Callable[[], bool], seconds: float = 60.0) -> None:
     until = time.monotonic() + seconds
     while not condition():
         assert time.monotonic() < until
         time.sleep(0.01)
 
 
-def state(rig: Session) -> State | None:
+def state(rig: RigSession) -> RigState | None:
     shot = rig.snapshot()
     return shot.state if shot is not None else None
 
 
 def test_a_rig_starts_moves_and_stops(tmp_path: Path) -> None:
     recorder = partial(drivers.LineRecorder, tmp_path / "lines")
-    with Session(ARM, drivers.simulated, recorder) as rig:
+    with RigSession(ARM, drivers.simulated, recorder) as rig:
         assert rig.process.pid is not None
         os.kill(rig.process.pid, signal.SIGINT)  # as Ctrl-C would: the host decides
         with pytest.raises(InputError, match="one a joint"):
@@ -41,9 +41,9 @@ def test_a_rig_starts_moves_and_stops(tmp_path: Path) -> None:
         with pytest.raises(InputError, match=r"unknown output 'gripper'; name it in interface\.outputs"):
             rig.switch("gripper", True)
         rig.start()
-        wait(lambda: state(rig) is State.READY)
+        wait(lambda: state(rig) is RigState.READY)
         rig.ask([0.2, 0.1])
-        wait(lambda: state(rig) is State.MOVING)
+        wait(lambda: state(rig) is RigState.MOVING)
         time.sleep(1.5)
         shot = rig.snapshot()
         assert shot is not None
@@ -61,21 +61,21 @@ def test_a_rig_starts_moves_and_stops(tmp_path: Path) -> None:
     ],
 )
 def test_what_is_wrong_is_one_line(driver: Callable[[], object], line: str) -> None:
-    with pytest.raises(LoopError, match=line):
-        Session(ARM, driver)  # type: ignore[arg-type]
+    with pytest.raises(RigLoopError, match=line):
+        RigSession(ARM, driver)  # type: ignore[arg-type]
 
 
 def test_a_loop_that_breaks_is_told() -> None:
-    with Session(ARM, drivers.breaking) as rig:
+    with RigSession(ARM, drivers.breaking) as rig:
         rig.process.join(10.0)
-        with pytest.raises(LoopError, match="out of order"):
+        with pytest.raises(RigLoopError, match="out of order"):
             rig.check()
 
 
 def host(pipe: object) -> None:
-    rig = Session(ARM, drivers.simulated, partial(drivers.LineRecorder, Path(os.environ["LINES"])))
+    rig = RigSession(ARM, drivers.simulated, partial(drivers.LineRecorder, Path(os.environ["LINES"])))
     rig.start()
-    wait(lambda: state(rig) is State.READY)
+    wait(lambda: state(rig) is RigState.READY)
     rig.ask([0.1, 0.1])
     pipe.send(rig.process.pid)  # type: ignore[attr-defined]
     time.sleep(60.0)
@@ -102,9 +102,9 @@ def test_a_host_that_is_killed_leaves_a_loop_that_vents_and_ends(
 
 
 def broken_host(lines: Path) -> None:
-    rig = Session(ARM, drivers.simulated, partial(drivers.LineRecorder, lines))
+    rig = RigSession(ARM, drivers.simulated, partial(drivers.LineRecorder, lines))
     rig.start()
-    wait(lambda: state(rig) is State.READY)
+    wait(lambda: state(rig) is RigState.READY)
     raise SystemExit(3)
 
 

@@ -9,26 +9,25 @@ from hypothesis import strategies as st
 
 from layflat.machine import changed, load
 from layflat.rig.driver import DeviceState
-from layflat.rig.safety.demands import LIMITED, Demand, Gate, followed, margin
-from layflat.rig.safety.faults import Fault
-from layflat.rig.safety.states import State, ValveMode
+from layflat.rig.safety.demands import DEMAND_LIMITED, DemandGate, GatedDemand, follow_demand, stop_margin
+from layflat.rig.safety.faults import Fault, RigState, ValveMode
 from layflat.sim.run import rollout
 from tests.rig.fake_rig import Rig
 
 ARM = load("paper-arm-fast")
 WORKING, SPEED = ARM.joint["small"].stops.working_stroke / 2, ARM.safety.demand_speed
-GATE = Gate(WORKING, ARM.joint["small"].stops.mechanical_stroke / 2, SPEED)
+GATE = DemandGate(WORKING, ARM.joint["small"].stops.mechanical_stroke / 2, SPEED)
 
 
 def test_a_soft_start_brings_the_air_and_then_obeys() -> None:
     rig = Rig(ARM, np.array([0.1, -0.2]), filled=False).seconds(0.5)
-    assert rig.shows(State.OFF)
+    assert rig.shows(RigState.OFF)
     assert set(rig.driver.commands[-1].voltages) == {5.0}
     assert not rig.driver.commands[-1].air
     rig.host.start = True
     rig.cycles(1)
-    assert rig.shows(State.STARTING)
-    rig.until(lambda: rig.supervisor.state is State.READY, 4.0)
+    assert rig.shows(RigState.STARTING)
+    rig.until(lambda: rig.supervisor.state is RigState.READY, 4.0)
     assert rig.shows(Fault.NONE)
     ambient, supply = rig.bench.around.ambient_pressure, rig.bench.around.supply_pressure
     for state in rig.bench.states:
@@ -39,7 +38,7 @@ def test_a_soft_start_brings_the_air_and_then_obeys() -> None:
     assert at == pytest.approx([0.1, -0.2], abs=radians(3.0))
     rig.host.demands = [0.3, 0.3]
     rig.seconds(3.0)
-    assert rig.shows(State.MOVING)
+    assert rig.shows(RigState.MOVING)
     assert [state.motion.angle for state in rig.bench.states] == pytest.approx([0.3, 0.3], abs=radians(0.5))
     assert rig.shows(Fault.NONE)
 
@@ -50,11 +49,11 @@ def test_joints_that_lie_at_their_stops_are_led_inside(name: str) -> None:
     stops = [0.5 * joint.stops.mechanical_stroke for joint in machine.joints.values()]
     rig = Rig(machine, np.array([-stops[0], stops[1] + radians(0.1)]), filled=False).cycles(2)
     rig.host.start = True
-    rig.until(lambda: rig.supervisor.state is State.READY, 6.0)
+    rig.until(lambda: rig.supervisor.state is RigState.READY, 6.0)
     rig.seconds(1.0)
     rig.host.demands = [-0.3, 0.3]
     rig.seconds(5.0)
-    assert rig.shows(State.MOVING)
+    assert rig.shows(RigState.MOVING)
     assert [state.motion.angle for state in rig.bench.states] == pytest.approx([-0.3, 0.3], abs=radians(0.5))
     assert rig.supervisor.ledger.latched is Fault.NONE
 
@@ -66,7 +65,7 @@ def test_air_that_does_not_come_is_a_fault() -> None:
     took = rig.until(lambda: rig.supervisor.ledger.latched is Fault.NO_AIR, 6.0)
     assert took == pytest.approx(ARM.safety.start_time, abs=0.05)
     rig.seconds(1.0)
-    assert not rig.supervisor.air
+    assert not rig.supervisor.is_pressurised
 
 
 def test_the_air_that_a_rig_takes_is_estimated() -> None:
@@ -91,18 +90,18 @@ def test_a_hold_keeps_the_air_and_the_joints_where_they_are_until_a_start(name: 
     rig.seconds(0.15)
     rig.host.hold = True
     rig.cycles(1)
-    assert rig.shows(State.HOLDING)
+    assert rig.shows(RigState.HOLDING)
     held = rig.supervisor.demands.copy()
     rig.seconds(1.5)
-    assert rig.supervisor.air
+    assert rig.supervisor.is_pressurised
     assert rig.supervisor.demands.tolist() == held.tolist()
     assert [state.motion.velocity for state in rig.bench.states] == pytest.approx([0.0, 0.0], abs=0.02)
     rig.host.demands = [0.1, 0.1]
     rig.seconds(0.2)
-    assert rig.shows(State.HOLDING), "demands move nothing"
+    assert rig.shows(RigState.HOLDING), "demands move nothing"
     rig.host.start = True
     rig.seconds(2.0)
-    assert rig.shows(State.MOVING)
+    assert rig.shows(RigState.MOVING)
     assert [state.motion.angle for state in rig.bench.states] == pytest.approx([0.1, 0.1], abs=radians(1.0))
     assert rig.shows(Fault.NONE)
 
@@ -118,13 +117,13 @@ def test_a_controlled_stop_holds_centres_and_vents() -> None:
         acts.append(rig.supervisor.valve_mode)
     assert list(dict.fromkeys(acts)) == [ValveMode.HOLD, ValveMode.CENTRE, ValveMode.VENT]
     assert acts.count(ValveMode.HOLD) * 0.005 == pytest.approx(ARM.safety.hold_time, abs=0.011)
-    assert rig.shows(State.STOPPED)
-    assert rig.supervisor.empty
+    assert rig.shows(RigState.STOPPED)
+    assert rig.supervisor.is_vented
     for state in rig.bench.states:
         assert max(state.hose_a.pressure, state.hose_b.pressure) < 1.1 * rig.bench.around.ambient_pressure
     assert rig.shows(Fault.NONE)
     rig.host.start = True
-    rig.until(lambda: rig.supervisor.state is State.MOVING, 4.0)
+    rig.until(lambda: rig.supervisor.state is RigState.MOVING, 4.0)
 
 
 def test_digital_outputs_that_were_on_when_the_device_dumped_come_on_by_the_host_alone() -> None:
@@ -150,15 +149,15 @@ def test_stale_setpoints_hold_and_then_vent() -> None:
     rig = Rig(ARM, np.zeros(2)).seconds(0.1)
     rig.host.age = 0.094
     rig.cycles(1)
-    assert rig.shows(State.MOVING)
+    assert rig.shows(RigState.MOVING)
     rig.host.age = 0.0999
     rig.cycles(1)
     assert rig.supervisor.ledger.now is Fault.SETPOINT_STALE
     assert rig.shows(ValveMode.HOLD)
     rig.host.age = 0.0
     rig.seconds(2.5)
-    assert rig.shows(State.STOPPED)
-    assert rig.supervisor.empty
+    assert rig.shows(RigState.STOPPED)
+    assert rig.supervisor.is_vented
 
 
 def test_stale_setpoints_in_a_fault_that_holds_vent_too() -> None:
@@ -176,17 +175,17 @@ def test_a_dead_recorder_is_told_and_bars_a_start() -> None:
     rig.host.recording = False
     rig.seconds(0.2)
     assert rig.supervisor.ledger.now is Fault.RECORDER_DEAD
-    assert rig.shows(State.MOVING)
+    assert rig.shows(RigState.MOVING)
     rig.host.stop = True
     rig.seconds(2.5)
     rig.host.start = True
     rig.seconds(0.1)
-    assert rig.shows(State.STOPPED)
+    assert rig.shows(RigState.STOPPED)
     rig.host.recording = True
     rig.seconds(0.2)
     rig.host.start = True
     rig.cycles(1)
-    assert rig.shows(State.STARTING)
+    assert rig.shows(RigState.STARTING)
 
 
 @pytest.mark.parametrize("outside", [radians(60.1), -radians(90.0), nan, float("inf")])
@@ -197,15 +196,15 @@ def test_a_demand_outside_is_refused(outside: float) -> None:
     assert rig.supervisor.ledger.now is Fault.DEMAND_REFUSED
     assert rig.supervisor.demands.tolist() == [0.2, 0.0]
     assert sum("refused" in line for line in rig.host.lines) == 1
-    assert rig.shows(State.MOVING)
+    assert rig.shows(RigState.MOVING)
 
 
 @given(st.lists(st.floats(-1.2, 1.2) | st.just(nan), min_size=1, max_size=40), st.integers(1, 50))
 def test_the_gate_lets_through_only_what_joints_can_follow(asked: list[float], each: int) -> None:
-    lead, before = 0.5, Demand(0.0, 0.0)
+    lead, before = 0.5, GatedDemand(0.0, 0.0)
     for demand in asked:
         for _ in range(each):
-            now, _ = followed(GATE, before, demand, lead, 0.005)
+            now, _ = follow_demand(GATE, before, demand, lead, 0.005)
             assert abs(now.demand) <= WORKING + 1e-9
             assert abs(now.demand - before.demand) <= lead + 1e-12
             turned_back = (now.demand - before.demand) * (before.demand - before.reference) < 0.0
@@ -216,30 +215,30 @@ def test_the_gate_lets_through_only_what_joints_can_follow(asked: list[float], e
 
 
 def test_a_demand_that_turns_back_on_its_way_leaps_no_further_than_one_from_rest() -> None:
-    now = Demand(0.0, 0.0)
+    now = GatedDemand(0.0, 0.0)
     for _ in range(20):
-        now, _ = followed(GATE, now, radians(50.0), radians(20.0), 0.005)
-    back, _ = followed(GATE, now, radians(-50.0), radians(20.0), 0.005)
+        now, _ = follow_demand(GATE, now, radians(50.0), radians(20.0), 0.005)
+    back, _ = follow_demand(GATE, now, radians(-50.0), radians(20.0), 0.005)
     assert back.demand == pytest.approx(now.demand - radians(20.0))
 
 
 def test_a_step_of_the_paper_passes_as_it_is_and_a_greater_one_is_limited() -> None:
-    lead = ARM.safety.demand_lead
-    now, outcome = followed(GATE, Demand(0.0, 0.0), radians(40.0), lead, 0.005)
+    lead = ARM.safety.demand_step
+    now, outcome = follow_demand(GATE, GatedDemand(0.0, 0.0), radians(40.0), lead, 0.005)
     assert (now.demand, outcome) == (radians(40.0), 0)
-    now, outcome = followed(GATE, Demand(-radians(40.0), -radians(40.0)), radians(40.0), lead, 0.005)
-    assert (now.demand, outcome) == (pytest.approx(radians(5.0)), LIMITED)
+    now, outcome = follow_demand(GATE, GatedDemand(-radians(40.0), -radians(40.0)), radians(40.0), lead, 0.005)
+    assert (now.demand, outcome) == (pytest.approx(radians(5.0)), DEMAND_LIMITED)
     for _ in range(200):
-        now, outcome = followed(GATE, now, radians(40.0), lead, 0.005)
+        now, outcome = follow_demand(GATE, now, radians(40.0), lead, 0.005)
     assert (now.demand, outcome) == (radians(40.0), 0)
 
 
 def test_near_the_stops_demands_jump_less_and_the_moves_of_the_paper_pass_as_they_are() -> None:
-    held = Demand(-radians(20.0), -radians(20.0))
-    assert ARM.safety.demand_margin * margin(GATE, held, radians(20.0)) >= radians(40.0)
-    held = Demand(-radians(55.0), -radians(55.0))
-    assert margin(GATE, held, radians(20.0)) == pytest.approx(radians(15.0))
-    assert margin(GATE, held, nan) == pytest.approx(radians(15.0))
+    held = GatedDemand(-radians(20.0), -radians(20.0))
+    assert ARM.safety.demand_margin * stop_margin(GATE, held, radians(20.0)) >= radians(40.0)
+    held = GatedDemand(-radians(55.0), -radians(55.0))
+    assert stop_margin(GATE, held, radians(20.0)) == pytest.approx(radians(15.0))
+    assert stop_margin(GATE, held, nan) == pytest.approx(radians(15.0))
 
 
 @pytest.mark.parametrize(
@@ -255,7 +254,7 @@ def test_no_false_trip_in_minutes_of_random_moves(name: str) -> None:
         rig.bench.around = rig.bench.around._replace(payload=machine.arm.payload * rng.uniform(0.4, 1.6))
         rig.seconds(rng.uniform(1.0, 3.0))
         assert rig.shows(Fault.NONE), (rig.now, rig.host.lines[-3:])
-    assert rig.shows(State.MOVING)
+    assert rig.shows(RigState.MOVING)
 
 
 @pytest.mark.parametrize("name", ["paper-arm", "paper-arm-fast"])

@@ -40,13 +40,13 @@ msvcrt.LK_NBLCK, msvcrt.locking = 2, lambda handle, mode, size: None
 sys.modules["msvcrt"] = msvcrt
 from pathlib import Path
 from layflat.machine import load
-from layflat.rig.drivers.address import driver_of
+from layflat.rig.drivers import create_driver
 from layflat.rig.recorder.repair import repair
 from layflat.rig.recorder.run import read_run
-import layflat.rig.process, layflat.rig.recorded, layflat.rig.trials.campaign, layflat.rig.check.all
+import layflat.rig.process, layflat.rig.recorded, layflat.rig.trials.campaign, layflat.rig.check
 print(read_run(Path(sys.argv[1])).sizes["time"])
 print(repair(Path(sys.argv[2]))[0].name)
-print(type(driver_of("modbus://127.0.0.1:5020", load("paper-arm"))).__name__)
+print(type(create_driver("modbus://127.0.0.1:5020", load("paper-arm"))).__name__)
 """
     done = run(code, str(LOG), str(cut))
     assert done.returncode == 0, done.stderr
@@ -63,9 +63,9 @@ def test_what_takes_posix_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_what_a_process_with_priority_starts_has_none() -> None:
     code = """
 import os, subprocess, sys
-from layflat.rig.system import first_in
+from layflat.rig.system import set_fifo_priority
 try:
-    first_in()
+    set_fifo_priority()
 except OSError:
     print("refused")
     sys.exit()

@@ -18,7 +18,7 @@ def test_the_air_goes_where_lsoda_has_it() -> None:
     around = parameters.surroundings(machine)
     filled = 0.75 * around.supply_pressure
     ours = rollout(
-        machine, 0.0, opening=dict(zip(machine.joints, OPENINGS, strict=True)), start=0.0, pressures=(filled, filled),
+        machine, opening=dict(zip(machine.joints, OPENINGS, strict=True)), start=0.0, pressures=(filled, filled),
         noise=False, duration=SECONDS,
     ).isel(time=-1)  # fmt: skip
     theirs = run(machine, SECONDS).reshape(len(machine.joints), STATES)

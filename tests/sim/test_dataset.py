@@ -8,12 +8,12 @@ from layflat.errors import InputError, OutputError
 from layflat.machine import Machine, load
 from layflat.motion.kinematics import tip_position
 from layflat.sim import rollout
-from layflat.sim.dataset import open_run, save
+from layflat.sim.dataset import open_run, save_run
 
 
 def test_a_run_comes_back_from_disk_as_it_was(tmp_path: Path) -> None:
     run = rollout("paper-arm", "5 deg", duration=0.1)
-    back = open_run(save(run, tmp_path / "run.nc"))
+    back = open_run(save_run(run, tmp_path / "run.nc"))
     xarray.testing.assert_equal(run, back)
     assert Machine.model_validate_json(back.attrs["machine"]) is not None
 
@@ -21,7 +21,7 @@ def test_a_run_comes_back_from_disk_as_it_was(tmp_path: Path) -> None:
 def test_a_place_that_can_not_be_written(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("in the way")
     with pytest.raises(OutputError, match="can't write here"):
-        save(rollout("paper-arm", duration=0.01), tmp_path / "file" / "run.nc")
+        save_run(rollout("paper-arm", duration=0.01), tmp_path / "file" / "run.nc")
 
 
 def test_a_file_that_is_no_run(tmp_path: Path) -> None:

@@ -17,9 +17,9 @@ from layflat.machine import load
 from layflat.motion.kinematics import tip_position
 from layflat.physics.air import NORMAL_DENSITY
 from layflat.sim.metrics import (
-    MOST_MOVES,
+    MAX_MOVES,
     air_used,
-    move,
+    measure_move,
     move_windows,
     peak_tip_acceleration,
     settling_time,
@@ -59,7 +59,7 @@ def test_a_wider_band_is_never_later(error: Array, one: float, other: float) -> 
 
 @given(errors, angles)
 def test_a_move_by_its_definition(angle: Array, demand: float) -> None:
-    found = move(run_of(angle, demand), "a", band=0.1)
+    found = measure_move(run_of(angle, demand), "a", band=0.1)
     error = angle - demand
     end = error[floor(0.8 * len(error)) :]
     assert found.settling == settling_time(CYCLE * np.arange(len(error)), error, 0.1)
@@ -70,7 +70,7 @@ def test_a_move_by_its_definition(angle: Array, demand: float) -> None:
 
 @given(errors, angles)
 def test_the_other_way_round_a_move_is_worth_the_same(angle: Array, demand: float) -> None:
-    one, other = move(run_of(angle, demand), "a"), move(run_of(-angle, -demand), "a")
+    one, other = measure_move(run_of(angle, demand), "a"), measure_move(run_of(-angle, -demand), "a")
     assert (one.settling, one.overshoot, one.ripple) == (other.settling, other.overshoot, other.ripple)
     assert one.steady_error == -other.steady_error
 
@@ -79,11 +79,11 @@ def test_the_other_way_round_a_move_is_worth_the_same(angle: Array, demand: floa
 def test_moves_follow_each_other_without_a_gap(demand: Array) -> None:
     windows = move_windows(demand.astype(float))
     changes = int(np.any(np.diff(demand, axis=0) != 0, axis=1).sum())
-    assert len(windows) == (changes if 0 < changes <= MOST_MOVES else 1)
+    assert len(windows) == (changes if 0 < changes <= MAX_MOVES else 1)
     assert windows[-1][1] == len(demand) - 1
     for (_, last), (first, _) in pairwise(windows):
         assert first == last + 1
-    for first, last in windows if 0 < changes <= MOST_MOVES else []:
+    for first, last in windows if 0 < changes <= MAX_MOVES else []:
         assert np.all(demand[first : last + 1] == demand[first])
         assert np.any(demand[first] != demand[first - 1])
 

@@ -6,7 +6,7 @@ import xarray
 from hypothesis import given
 from hypothesis import strategies as st
 
-from layflat.sim.metrics import MOST_MOVES, move, moves_of, settling_time
+from layflat.sim.metrics import MAX_MOVES, measure_move, measure_moves, settling_time
 
 TIME = np.linspace(0.0, 2.0, 401)
 
@@ -40,21 +40,21 @@ def test_an_exponential_settles_when_mathematics_says(tau: float, ratio: float) 
 def test_overshoot_counts_beyond_the_demand_only() -> None:
     demand = np.ones_like(TIME)
     over = 1.0 + 0.2 * np.exp(-TIME) - 1.2 * np.exp(-5 * TIME)
-    assert move(fake(over, demand), "a").overshoot == pytest.approx(np.max(over) - 1.0)
-    assert move(fake(1.0 - np.exp(-TIME), demand), "a").overshoot == 0.0
+    assert measure_move(fake(over, demand), "a").overshoot == pytest.approx(np.max(over) - 1.0)
+    assert measure_move(fake(1.0 - np.exp(-TIME), demand), "a").overshoot == 0.0
 
 
 def test_moves_begin_where_a_demand_changes() -> None:
     demand = np.where(TIME < 0.5, 0.0, np.where(TIME < 1.0, 1.0, 0.5))
-    found = moves_of(fake(demand, demand))
+    found = measure_moves(fake(demand, demand))
     assert [since for since, _ in found] == pytest.approx([0.5, 1.0])
     assert all(one.settling == 0.0 for _, one in found)
 
 
 def test_a_demand_that_moves_all_the_time_is_one_move() -> None:
     demand = np.sin(TIME)
-    assert len(TIME) > MOST_MOVES
-    assert len(moves_of(fake(demand, demand))) == 1
+    assert len(TIME) > MAX_MOVES
+    assert len(measure_moves(fake(demand, demand))) == 1
 
 
 def test_joints_that_nobody_moves_are_not_reported() -> None:
@@ -65,8 +65,8 @@ def test_joints_that_nobody_moves_are_not_reported() -> None:
         {"angle": (("time", "joint"), demand), "demand": (("time", "joint"), demand)},
         {"time": time, "joint": ["a", "b"]},
     )
-    assert [(round(since, 6), one.joint) for since, one in moves_of(run)] == [(1.0, "a"), (2.0, "b")]
-    assert [one.joint for _, one in moves_of(run.isel(time=slice(0, 50)))] == ["a", "b"]
+    assert [(round(since, 6), one.joint) for since, one in measure_moves(run)] == [(1.0, "a"), (2.0, "b")]
+    assert [one.joint for _, one in measure_moves(run.isel(time=slice(0, 50)))] == ["a", "b"]
     away = run.isel(time=slice(0, 50)).copy(deep=True)
     away["angle"][:, 1] -= 0.3
-    assert [one.joint for _, one in moves_of(away)] == ["b"]
+    assert [one.joint for _, one in measure_moves(away)] == ["b"]

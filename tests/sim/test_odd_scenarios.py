@@ -16,7 +16,7 @@ from layflat.machine import load
 from layflat.motion.scenario import SIGNALS
 from layflat.sim import Scenario
 from layflat.sim.run import start_angles
-from layflat.sim.signals import signals, start_pressures
+from layflat.sim.signals import acting_signals, start_pressures
 
 ARM = load("paper-arm")
 NAMES = [field.name for field in fields(Scenario)]
@@ -57,7 +57,7 @@ values = st.one_of(
 def test_any_value_gives_a_run_or_one_line(name: str, value: Any) -> None:
     try:
         scenario = Scenario(**{"duration": 0.1, name: value})
-        acting = signals(scenario, ARM, ARM.cycle)
+        acting = acting_signals(scenario, ARM, ARM.cycle)
         start = start_angles(scenario, ARM, acting.named("demand")), start_pressures(scenario, ARM)
     except LayflatError as error:
         lines = str(error).strip().split("\n")

@@ -7,17 +7,17 @@ import pytest
 from layflat.errors import InputError
 from layflat.machine import load
 from layflat.motion.scenario import SIGNALS
-from layflat.physics.noise import NOISE_BLOCK, noise_samples, sensor_noise
+from layflat.physics.sensor import NOISE_BLOCK, noise_samples, sensor_noise
 from layflat.sim import Scenario
-from layflat.sim.cycle import Acting, Around
-from layflat.sim.run import prepare
-from layflat.sim.signals import signals, start_pressures, start_row
+from layflat.sim.loop import JointSignals, SharedSignals
+from layflat.sim.run import prepare_run
+from layflat.sim.signals import acting_signals, read_start_angles, start_pressures
 
 ARM = load("paper-arm")
 
 
 def test_a_disturbance_is_as_usual_before_its_first_step_and_for_other_joints() -> None:
-    acting = signals(
+    acting = acting_signals(
         Scenario(duration=1.0, payload=[("0.5 s", "2 kg")], brake={"large": 0.5}, supply=[(0.5, "1 bar")]), ARM, 0.005
     )
     assert acting.named("payload")[0] == ARM.arm.payload
@@ -28,18 +28,18 @@ def test_a_disturbance_is_as_usual_before_its_first_step_and_for_other_joints() 
 
 def test_the_loop_reads_every_row_of_the_table() -> None:
     by_joint = [name for name, row in SIGNALS.items() if row.by_joint]
-    assert by_joint == list(Acting._fields)
-    assert [name for name in SIGNALS if name not in by_joint] == list(Around._fields)
+    assert by_joint == list(JointSignals._fields)
+    assert [name for name in SIGNALS if name not in by_joint] == list(SharedSignals._fields)
 
 
 def test_a_demand_is_the_start_before_its_first_step_and_for_other_joints() -> None:
-    asked = signals(Scenario(demand=[("1 s", {"large": 0.3})], start={"small": 0.1}), ARM, 0.005).named("demand")
+    asked = acting_signals(Scenario(demand=[("1 s", {"large": 0.3})], start={"small": 0.1}), ARM, 0.005).named("demand")
     assert np.all(asked[:200] == [0.0, 0.1])
     assert np.all(asked[200:] == [0.3, 0.1])
 
 
 def test_a_voltage_of_joints_that_are_not_named_shuts_their_valves() -> None:
-    acting = signals(Scenario(voltage=[("1 s", {"large": "6 V"})]), ARM, 0.005)
+    acting = acting_signals(Scenario(voltage=[("1 s", {"large": "6 V"})]), ARM, 0.005)
     assert np.all(acting.named("opening")[:200] == 0.0)
     assert acting.named("opening")[200:] == pytest.approx(np.array([[0.2, 0.0]] * 200))
 
@@ -96,7 +96,7 @@ def test_a_voltage_of_joints_that_are_not_named_shuts_their_valves() -> None:
 )
 def test_mistakes_are_named(changes: dict[str, object], expected: str) -> None:
     with pytest.raises(InputError) as caught:
-        signals(Scenario(**changes), ARM, 0.005)  # type: ignore[arg-type]
+        acting_signals(Scenario(**changes), ARM, 0.005)  # type: ignore[arg-type]
     assert expected in str(caught.value)
 
 
@@ -107,14 +107,14 @@ def test_rates_that_fit_their_demand_are_taken() -> None:
         np.where(times < 1.0, 0.6 * np.cos(2.0 * times), 0.0),
         np.where(times < 1.0, -1.2 * np.sin(2.0 * times), 0.0),
     )
-    acting = signals(Scenario(demand=moved, demand_velocity=rates[0], demand_acceleration=rates[1]), ARM, 0.005)
+    acting = acting_signals(Scenario(demand=moved, demand_velocity=rates[0], demand_acceleration=rates[1]), ARM, 0.005)
     for name, rate in zip(("demand_velocity", "demand_acceleration"), rates, strict=True):
         assert np.array_equal(acting.named(name)[:, 0], rate)
 
 
 @pytest.mark.parametrize("start", [np.array([0.1, 0.2]), (0.1, 0.2), {"large": 0.1, "small": 0.2}])
 def test_a_start_is_one_row(start: Any) -> None:
-    angles = start_row(Scenario(start=start), ARM)
+    angles = read_start_angles(Scenario(start=start), ARM)
     assert angles is not None
     assert angles.tolist() == [0.1, 0.2]
 
@@ -122,7 +122,7 @@ def test_a_start_is_one_row(start: Any) -> None:
 @pytest.mark.parametrize("start", [[("0 s", 0.1)], lambda t: t, "61 deg", True, np.zeros((400, 2)), {"wrist": 0.0}])
 def test_what_is_no_start(start: Any) -> None:
     with pytest.raises(InputError, match="start: "):
-        start_row(Scenario(start=start), ARM)
+        read_start_angles(Scenario(start=start), ARM)
 
 
 @pytest.mark.parametrize(
@@ -134,7 +134,7 @@ def test_what_are_no_pressures(pressures: Any) -> None:
 
 
 def test_noise_comes_from_the_seed_alone() -> None:
-    one, same, other = (prepare(ARM, Scenario(seed=seed)).samples for seed in (1, 1, 2))
+    one, same, other = (prepare_run(ARM, Scenario(seed=seed)).samples for seed in (1, 1, 2))
     assert np.array_equal(one, same)
     assert not np.array_equal(one, other)
 

@@ -12,9 +12,9 @@ from layflat.machine import Machine, changed, load, parameters
 from layflat.physics.driven import BURST_TIME
 from layflat.physics.step import STEP
 from layflat.sim import Scenario, rollout
-from layflat.sim.cycle import Signals
+from layflat.sim.loop import Signals
 from layflat.sim.plant import SteppedPlant
-from layflat.sim.run import prepare
+from layflat.sim.run import prepare_run
 from tests.physics.controllers import Controller
 
 SMALL, ARM = load("paper-small-joint-fast"), load("paper-arm-fast")
@@ -57,7 +57,7 @@ def one_by_one(machine: Machine, acting: Signals, seed: int) -> dict[str, NDArra
 )
 def test_driven_cycle_by_cycle_it_is_the_rollout_bit_for_bit(machine: Machine) -> None:
     run = rollout(machine, scenario=EVENTFUL)
-    for name, column in one_by_one(machine, prepare(machine, EVENTFUL).signals, EVENTFUL.seed).items():
+    for name, column in one_by_one(machine, prepare_run(machine, EVENTFUL).signals, EVENTFUL.seed).items():
         assert np.array_equal(column, run[name].to_numpy()), name
 
 

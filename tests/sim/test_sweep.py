@@ -13,7 +13,7 @@ ARM = load("paper-arm")
 def test_without_losses_the_loop_is_a_line() -> None:
     from layflat.machine import changed
 
-    smooth = changed(ARM, "joint.small.hose.loss_share", 0.0)
+    smooth = changed(ARM, "joint.small.hose.loss_fraction", 0.0)
     loop = sweep(smooth, "small", 3e5, brake=0.0)
     assert loop.height == pytest.approx(0.0, abs=1e-12)
     assert loop.maximum_torque == pytest.approx(3e5 * parameters.torque_constant(ARM.joint["small"]))

@@ -14,8 +14,8 @@ from layflat.errors import InputError
 from layflat.machine import Machine, load
 from layflat.motion.kinematics import tip_position
 from layflat.sim import Scenario
-from layflat.sim.signals import expand
-from layflat.sim.tip_metrics import tip_missed, tip_moves_of
+from layflat.sim.signals import expand_scenario
+from layflat.sim.tip_metrics import measure_path_errors, measure_tip_moves
 
 PICKING, PLANAR = load("picking-arm"), load("paper-arm")
 PLACES = [("0 s", ["600 mm", "0 mm", "300 mm"]), ("0.1 s", {"z": "0.5 m", "x": "0.6 m", "y": "200 mm"})]
@@ -24,7 +24,7 @@ UP = np.array([0.0, 0.0, 0.001])
 
 
 def asked(machine: Machine, **given: object) -> Array:
-    return expand(Scenario(duration=0.2, **given), machine, 0.005).named("demand")  # type: ignore[arg-type]
+    return expand_scenario(Scenario(duration=0.2, **given), machine, 0.005).named("demand")  # type: ignore[arg-type]
 
 
 def test_the_tip_is_asked_for_where_it_is_told_to() -> None:
@@ -105,7 +105,7 @@ def test_the_tip_has_settled_when_its_distance_says_so() -> None:
     goals = tip_position(PICKING, demand)
     away = np.where(TIME < 0.5, 0.0, 0.1 * np.exp(-(TIME - 0.5) / 0.1)) + 0.001
     off = away[:, None] * np.array([0.6, 0.0, 0.8])
-    ((since, move),) = tip_moves_of(run(goals + off, demand), (0.002, 0.005, 0.0005))
+    ((since, move),) = measure_tip_moves(run(goals + off, demand), (0.002, 0.005, 0.0005))
     assert since == pytest.approx(0.5)
     assert move.settling[0] == pytest.approx(0.1 * np.log(100.0), abs=0.006)
     assert move.settling[1] == pytest.approx(0.1 * np.log(25.0), abs=0.006)
@@ -117,11 +117,11 @@ def test_a_tip_that_is_late_is_on_its_path_all_the_same() -> None:
     demand = np.stack([0.3 * np.sin(TIME), 0.0 * TIME, 0.2 * TIME, 0.0 * TIME], axis=1)
     goals = tip_position(PICKING, demand)
     late = np.concatenate([goals[:1].repeat(10, axis=0), goals[:-10]])
-    missed = tip_missed(run(late, demand))
-    assert missed.behind[1] > 5e-3
-    assert missed.beside[1] < 1e-12
-    lifted = tip_missed(run(goals + 3.0 * UP, demand))
-    assert lifted.behind == pytest.approx((0.003, 0.003))
-    assert 0.0 < lifted.beside[0] <= lifted.beside[1] <= 0.003 + 1e-12
+    missed = measure_path_errors(run(late, demand))
+    assert missed.tracking[1] > 5e-3
+    assert missed.contour[1] < 1e-12
+    lifted = measure_path_errors(run(goals + 3.0 * UP, demand))
+    assert lifted.tracking == pytest.approx((0.003, 0.003))
+    assert 0.0 < lifted.contour[0] <= lifted.contour[1] <= 0.003 + 1e-12
     between = 0.5 * (goals[1:] + goals[:-1])
-    assert tip_missed(run(np.concatenate([between, goals[-1:]]), demand)).beside[1] < 1e-12
+    assert measure_path_errors(run(np.concatenate([between, goals[-1:]]), demand)).contour[1] < 1e-12

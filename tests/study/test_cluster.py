@@ -10,9 +10,8 @@ from typing import Any
 import pytest
 
 from layflat.errors import InputError
-from layflat.study import Study, chunks, read, run, runs
-from layflat.study.chunks import made_with, measured_there
-from layflat.study.runs import _work
+from layflat.study import Study, read_study, run_study, runs
+from layflat.study.runs import _chunk_rows, simulate_rows_on_worker, software_versions
 from tests.study.studies import SMALL, written
 
 distributed = pytest.importorskip("distributed")
@@ -20,7 +19,7 @@ distributed = pytest.importorskip("distributed")
 
 @pytest.fixture
 def study(tmp_path: Path) -> Study:
-    return read(written(tmp_path, SMALL))
+    return read_study(written(tmp_path, SMALL))
 
 
 @pytest.fixture
@@ -41,11 +40,11 @@ def die_in_a_chunk(when: Path) -> None:
             time.sleep(0.01)
         os.kill(os.getpid(), signal.SIGKILL)
 
-    chunks.measured = killed
+    runs.simulate_rows = killed
 
 
 def test_a_lost_worker_changes_nothing(tmp_path: Path, study: Study, client: Any) -> None:
-    here = run(study, tmp_path / "here", chunk=2)
+    here = run_study(study, tmp_path / "here", chunk=2)
     doomed, other = client.scheduler_info()["workers"]
     client.run(die_in_a_chunk, tmp_path / "now", workers=[doomed])
     told = []
@@ -55,7 +54,7 @@ def test_a_lost_worker_changes_nothing(tmp_path: Path, study: Study, client: Any
         if done == total // 2:
             (tmp_path / "now").touch()
 
-    there = run(study, tmp_path / "there", chunk=2, scheduler=client.scheduler.address, progress=half_way)
+    there = run_study(study, tmp_path / "there", chunk=2, scheduler=client.scheduler.address, progress=half_way)
     workers = client.scheduler_info()["workers"]
     assert doomed not in workers
     assert other in workers
@@ -66,7 +65,7 @@ def test_a_lost_worker_changes_nothing(tmp_path: Path, study: Study, client: Any
 def test_a_study_goes_on_here_when_its_cluster_is_lost(
     tmp_path: Path, study: Study, client: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(runs, "PATIENCE", 1.0)
+    monkeypatch.setattr(runs, "SCHEDULER_TIMEOUT", 1.0)
 
     client.run(die_in_a_chunk, tmp_path / "never", workers=list(client.scheduler_info()["workers"])[:1])
 
@@ -75,30 +74,30 @@ def test_a_study_goes_on_here_when_its_cluster_is_lost(
             client.shutdown()
 
     with pytest.raises(InputError, match=r"the cluster failed \(.*; the same command goes on"):
-        run(study, tmp_path / "there", chunk=1, scheduler=client.scheduler.address, progress=lose)
-    there = run(study, tmp_path / "there", chunk=1)
-    assert there.read_bytes() == run(study, tmp_path / "here", chunk=1).read_bytes()
+        run_study(study, tmp_path / "there", chunk=1, scheduler=client.scheduler.address, progress=lose)
+    there = run_study(study, tmp_path / "there", chunk=1)
+    assert there.read_bytes() == run_study(study, tmp_path / "here", chunk=1).read_bytes()
 
 
 def test_a_worker_with_other_laws_is_refused(study: Study) -> None:
-    (_, runs), *_ = _work(study, 2, {0})
+    (_, runs), *_ = _chunk_rows(study, 2, {0})
     with pytest.raises(InputError, match=r"a worker has laws \w+, not others; install the same on all workers"):
-        measured_there(study, runs, {**made_with(study), "laws": "others"})
-    assert measured_there(study, runs, made_with(study)).num_rows == 2
+        simulate_rows_on_worker(study, runs, {**software_versions(study), "laws": "others"})
+    assert simulate_rows_on_worker(study, runs, software_versions(study)).num_rows == 2
 
 
 def test_no_cluster_at_the_address(tmp_path: Path, study: Study, monkeypatch: pytest.MonkeyPatch) -> None:
     # It is asked twice: who it is, and by the client.
-    assert 2 * runs.PATIENCE < 10.0
-    monkeypatch.setattr(runs, "PATIENCE", 1.0)
+    assert 2 * runs.SCHEDULER_TIMEOUT < 10.0
+    monkeypatch.setattr(runs, "SCHEDULER_TIMEOUT", 1.0)
     with socket.socket() as silent:
         silent.bind(("127.0.0.1", 0))
         silent.listen()
         taken = f"tcp://127.0.0.1:{silent.getsockname()[1]}"
         for address in (taken, "nonsense", "foo://127.0.0.1:1"):
             began = time.monotonic()
-            with pytest.raises(InputError, match=f"--scheduler {address}: no Dask scheduler answers; give the address"):
-                run(study, tmp_path / "out", scheduler=address)
+            with pytest.raises(InputError, match=f"scheduler {address}: no Dask scheduler answers; give the address"):
+                run_study(study, tmp_path / "out", scheduler=address)
             assert time.monotonic() - began < 4.0
     assert not list((tmp_path / "out").rglob("*.parquet"))
 
@@ -106,4 +105,4 @@ def test_no_cluster_at_the_address(tmp_path: Path, study: Study, monkeypatch: py
 def test_without_dask_it_says_how_to_get_it(tmp_path: Path, study: Study, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "distributed", None)
     with pytest.raises(InputError, match=r"distributed, not installed.*pip install 'layflat\[cluster\]'"):
-        run(study, tmp_path / "out", scheduler="tcp://127.0.0.1:8786")
+        run_study(study, tmp_path / "out", scheduler="tcp://127.0.0.1:8786")

@@ -7,9 +7,9 @@ import pytest
 
 from layflat.description.change import value_at
 from layflat.errors import InputError
-from layflat.study import read, run, table
-from layflat.study.sampling import samples
-from layflat.study.varied import applied
+from layflat.study import read_study, run_study, study_table
+from layflat.study.sampling import draw_samples
+from layflat.study.varied import machine_values
 from tests.study.studies import SMALL, written
 
 LINKED = """
@@ -21,12 +21,12 @@ values = [0.5, 2.0]
 
 
 def test_what_varies_along_is_scaled_by_the_same_factor(tmp_path: Path) -> None:
-    study = read(written(tmp_path, SMALL + LINKED))
+    study = read_study(written(tmp_path, SMALL + LINKED))
     assert study.samples == 2 * 24
-    drawn = samples(study.varied, study.file)
+    drawn = draw_samples(study.varied, study.file)
     factors = drawn["joint.small.gains.near.error"]
     assert set(factors) == {0.5, 2.0}
-    on_machine = applied(study.varied, drawn, study.machine)
+    on_machine = machine_values(study.varied, drawn, study.machine)
     for path in ("near.error", "close.error", "integral"):
         whole = f"joint.small.gains.{path}"
         assert np.allclose(on_machine[whole], factors * value_at(study.machine, whole), rtol=1e-15)
@@ -34,8 +34,8 @@ def test_what_varies_along_is_scaled_by_the_same_factor(tmp_path: Path) -> None:
 
 
 def test_the_table_has_the_factor_with_the_unit_of_a_number(tmp_path: Path) -> None:
-    run(read(written(tmp_path, SMALL + LINKED)), tmp_path / "out")
-    found = table(tmp_path / "out")
+    run_study(read_study(written(tmp_path, SMALL + LINKED)), tmp_path / "out")
+    found = study_table(tmp_path / "out")
     assert set(found["joint.small.gains.near.error"]) == {0.5, 2.0}
     assert found.attrs["units"]["joint.small.gains.near.error"] == "1"
     assert "joint.small.gains.integral" not in found
@@ -47,8 +47,8 @@ def test_the_same_value_for_all_that_vary_along(tmp_path: Path) -> None:
     text = (
         SMALL + '[vary."supply.temperature"]\nalso = ["supply.ambient_temperature"]\nvalues = ["5 degC", "30 degC"]\n'
     )
-    study = read(written(tmp_path, text))
-    on_machine = applied(study.varied, samples(study.varied, study.file), study.machine)
+    study = read_study(written(tmp_path, text))
+    on_machine = machine_values(study.varied, draw_samples(study.varied, study.file), study.machine)
     assert np.array_equal(on_machine["supply.temperature"], on_machine["supply.ambient_temperature"])
     assert set(on_machine["supply.temperature"]) == {278.15, 303.15}
 
@@ -70,7 +70,7 @@ def test_the_same_value_for_all_that_vary_along(tmp_path: Path) -> None:
 def test_a_mistake_is_named_in_one_line(tmp_path: Path, old: str, new: str, expected: str) -> None:
     assert old in LINKED
     with pytest.raises(InputError) as caught:
-        read(written(tmp_path, SMALL + LINKED.replace(old, new)))
+        read_study(written(tmp_path, SMALL + LINKED.replace(old, new)))
     assert expected in str(caught.value)
     assert "\n" not in str(caught.value)
 
@@ -78,7 +78,7 @@ def test_a_mistake_is_named_in_one_line(tmp_path: Path, old: str, new: str, expe
 def test_a_factor_that_leads_out_of_bounds_is_refused(tmp_path: Path) -> None:
     text = SMALL + '[vary."valve.friction"]\nrelative = true\nvalues = [1.0, 30.0]\n'
     with pytest.raises(InputError, match=r"vary.valve.friction: sample 1\.5 is out of range"):
-        read(written(tmp_path, text))
+        read_study(written(tmp_path, text))
     text = SMALL + '[vary."valve.leakage"]\nrelative = true\nvalues = [1.0, 1000.0]\n'
     with pytest.raises(InputError, match="leakage must be smaller than conductance"):
-        read(written(tmp_path, text))
+        read_study(written(tmp_path, text))

@@ -6,21 +6,23 @@ import numpy as np
 import pandas
 import pytest
 
-from layflat.plot.bars_and_maps import BINS, medians, study_figure
-from layflat.study import read
-from layflat.study.results import draw
+from layflat.plot.bars_and_maps import MAX_BINS, binned_medians, study_figure
+from layflat.study import read_study
+from layflat.study.results import draw_study
 from tests.study.studies import SMALL, written
 
 
 def test_medians_over_few_values_and_over_many() -> None:
-    across, upward = medians(np.array([1.0, 1.0, 1.0, 2.0, 2.0, 2.0]), np.array([3.0, 1.0, 2.0, np.inf, np.nan, 1.0]))
+    across, upward = binned_medians(
+        np.array([1.0, 1.0, 1.0, 2.0, 2.0, 2.0]), np.array([3.0, 1.0, 2.0, np.inf, np.nan, 1.0])
+    )
     assert across.tolist() == [1.0]  # of the other three most are infinite
     assert upward.tolist() == [2.0]
     x = np.linspace(0.0, 1.0, 400)
-    across, upward = medians(x, 3.0 * x)
-    assert len(across) == BINS
+    across, upward = binned_medians(x, 3.0 * x)
+    assert len(across) == MAX_BINS
     assert upward == pytest.approx(3.0 * across)
-    assert len(medians(x[:20], x[:20])[0]) == 2, "a bin has eight runs or more"
+    assert len(binned_medians(x[:20], x[:20])[0]) == 2, "a bin has eight runs or more"
 
 
 def test_a_run_that_has_not_settled_is_a_cross() -> None:
@@ -35,7 +37,7 @@ def test_a_run_that_has_not_settled_is_a_cross() -> None:
 
 
 def made_up(tmp_path: Path) -> tuple[object, pandas.DataFrame]:
-    study = read(written(tmp_path, SMALL))
+    study = read_study(written(tmp_path, SMALL))
     frame = pandas.DataFrame(
         {
             "variant": ["a", "b"] * 6,
@@ -53,7 +55,7 @@ def made_up(tmp_path: Path) -> tuple[object, pandas.DataFrame]:
 
 def test_panels_have_units_and_cases_have_names(tmp_path: Path) -> None:
     study, frame = made_up(tmp_path)
-    made = draw(study, frame)  # type: ignore[arg-type]
+    made = draw_study(study, frame)  # type: ignore[arg-type]
     assert len(made.axes) == 4
     assert [axes.get_ylabel() for axes in made.axes[::2]] == ["settling (s)", "air used (l)"]
     assert [axes.get_xlabel() for axes in made.axes[2:]] == ["small brake torque (N m)", "payload (kg)"]

@@ -8,8 +8,8 @@ import pytest
 from layflat.errors import InputError
 from layflat.machine import changed
 from layflat.sim.ensemble import ensemble
-from layflat.study import read, run, table
-from layflat.study.results import summary
+from layflat.study import read_study, run_study, study_table
+from layflat.study.results import summarize_study
 from tests.study.studies import SMALL, SOBOL, written
 
 DEMAND = 'demand = [["0 s", "-10 deg"], ["0.05 s", "10 deg"]]\n'
@@ -20,9 +20,9 @@ WILD = SMALL.replace(DEMAND, "").replace("[scenario]", "[scenario]\nopening = 1.
 
 
 def test_a_row_is_the_run_that_it_names(tmp_path: Path) -> None:
-    study = read(written(tmp_path))
-    run(study, tmp_path / "out")
-    found = table(tmp_path / "out")
+    study = read_study(written(tmp_path))
+    run_study(study, tmp_path / "out")
+    found = study_table(tmp_path / "out")
     assert list(found.columns) == [
         "sample", "scenario", "noise_seed", "joint.small.brake.torque", "scenario.payload",
         "settling.small.0", "air_used", "diverged",
@@ -39,21 +39,21 @@ def test_a_row_is_the_run_that_it_names(tmp_path: Path) -> None:
 
 
 def test_every_column_has_its_unit(tmp_path: Path) -> None:
-    path = run(read(written(tmp_path)), tmp_path / "out")
+    path = run_study(read_study(written(tmp_path)), tmp_path / "out")
     units = {field.name: field.metadata[b"unit"].decode() for field in pq.read_schema(path)}
     assert units["joint.small.brake.torque"] == "N*m"
     assert units["scenario.payload"] == "kg"
     assert units["settling.small.0"] == units["diverged"] == "s"
     assert units["sample"] == "1"
-    assert table(tmp_path / "out").attrs["units"] == units
+    assert study_table(tmp_path / "out").attrs["units"] == units
 
 
 def test_chunks_and_threads_make_no_difference(tmp_path: Path) -> None:
-    study = read(written(tmp_path, SOBOL))
-    whole = pq.read_table(run(study, tmp_path / "whole")).to_pandas()
+    study = read_study(written(tmp_path, SOBOL))
+    whole = pq.read_table(run_study(study, tmp_path / "whole")).to_pandas()
     for chunk, threads in ((1, 1), (3, 2), (5, 1)):
         out = tmp_path / f"{chunk}"
-        parts = pq.read_table(run(study, out, chunk=chunk, threads=threads)).to_pandas()
+        parts = pq.read_table(run_study(study, out, chunk=chunk, threads=threads)).to_pandas()
         pandas.testing.assert_frame_equal(parts, whole, check_exact=True)
         assert len(list((out / "chunks").iterdir())) == -(-8 // chunk)
 
@@ -62,7 +62,7 @@ def test_every_sample_runs_in_every_scenario_with_every_seed(tmp_path: Path) -> 
     demand = '[["0 s", "0 deg"], ["0.1 s", "20 deg"], ["0.15 s", "0 deg"]]'
     second = f'[[scenario]]\nname = "back"\nseed = 50\nduration = "0.2 s"\ndemand = {demand}\n'
     text = SOBOL.replace("[scenario]", "noise_seeds = 3\n[[scenario]]").replace("[vary", f"{second}[vary", 1)
-    found = run(read(written(tmp_path, text)), tmp_path / "out", chunk=7)
+    found = run_study(read_study(written(tmp_path, text)), tmp_path / "out", chunk=7)
     frame = pq.read_table(found).to_pandas()
     assert len(frame) == 8 * 2 * 3
     assert list(frame["scenario"][:6]) == ["0"] * 3 + ["back"] * 3
@@ -73,23 +73,23 @@ def test_every_sample_runs_in_every_scenario_with_every_seed(tmp_path: Path) -> 
 
 
 def test_runs_that_diverged_are_kept_and_counted(tmp_path: Path) -> None:
-    study = read(written(tmp_path, WILD.replace('"paper-small-joint"', '"paper-small-joint-fast"')))
-    run(study, tmp_path / "out")
-    frame = table(tmp_path / "out")
+    study = read_study(written(tmp_path, WILD.replace('"paper-small-joint"', '"paper-small-joint-fast"')))
+    run_study(study, tmp_path / "out")
+    frame = study_table(tmp_path / "out")
     wild = (frame["joint.small.stops.stop_stiffness"] == 1e9).to_numpy()
     assert len(frame) == 8
     assert np.all(frame["diverged"].notna() == wild)
     assert np.all(frame["air_used"].isna() == wild)
     assert np.all(frame["settling.small.0"].isna() == wild)
-    told = summary(tmp_path / "out", study.metrics)
+    told = summarize_study(tmp_path / "out", study.metrics)
     assert (told.runs, told.diverged) == (8, 4)
     assert told.settled == 0.0
 
 
 def test_a_summary_has_quantiles_even_of_what_never_settles(tmp_path: Path) -> None:
-    study = read(written(tmp_path, SMALL.replace('"0.2 s"', '"0.6 s"')))
-    run(study, tmp_path / "out")
-    frame, told = table(tmp_path / "out"), summary(tmp_path / "out", study.metrics)
+    study = read_study(written(tmp_path, SMALL.replace('"0.2 s"', '"0.6 s"')))
+    run_study(study, tmp_path / "out")
+    frame, told = study_table(tmp_path / "out"), summarize_study(tmp_path / "out", study.metrics)
     unit, (low, median, high) = told.quantiles["settling.small.0"]
     assert unit == "s"
     assert told.settled == float(np.isfinite(frame["settling.small.0"]).mean())
@@ -100,25 +100,25 @@ def test_a_summary_has_quantiles_even_of_what_never_settles(tmp_path: Path) -> N
 
 def test_progress_counts_up_to_all(tmp_path: Path) -> None:
     told: list[tuple[int, int]] = []
-    study = read(written(tmp_path))
-    run(study, tmp_path / "out", chunk=10, progress=lambda done, total: told.append((done, total)))
+    study = read_study(written(tmp_path))
+    run_study(study, tmp_path / "out", chunk=10, progress=lambda done, total: told.append((done, total)))
     assert told[0] == (0, 24)
     assert told[-1] == (24, 24)
     assert told == sorted(told)
     told.clear()
-    run(study, tmp_path / "out", chunk=10, progress=lambda done, total: told.append((done, total)))
+    run_study(study, tmp_path / "out", chunk=10, progress=lambda done, total: told.append((done, total)))
     assert told == [(24, 24)]
 
 
 def test_there_is_no_table_where_no_study_was(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="holds no table of a study"):
-        table(tmp_path)
+        study_table(tmp_path)
 
 
 def test_a_device_that_is_none_is_told_before_any_work(tmp_path: Path) -> None:
-    study = read(written(tmp_path))
+    study = read_study(written(tmp_path))
     with pytest.raises(InputError, match='device: \'tpu\' is not a device; use "cpu" or "cuda"'):
-        run(study, tmp_path / "out", device="tpu")
-    with pytest.raises(InputError, match="--device: a cluster works on its processors; leave out --scheduler"):
-        run(study, tmp_path / "out", device="cuda", scheduler="tcp://127.0.0.1:1")
+        run_study(study, tmp_path / "out", device="tpu")
+    with pytest.raises(InputError, match="device: a cluster works on its processors; leave out `scheduler`"):
+        run_study(study, tmp_path / "out", device="cuda", scheduler="tcp://127.0.0.1:1")
     assert not (tmp_path / "out").exists()

@@ -6,11 +6,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from layflat.arrays import Array
-from layflat.study.description import Kind, StudyFile
-from layflat.study.sampling import rows, samples
-from layflat.study.varied import Varied
+from layflat.study.description import StudyFile, VariedQuantity
+from layflat.study.sampling import draw_samples, study_rows
+from layflat.study.varied import StudyAxis
 
-NUMBER = Kind(float)
+NUMBER = VariedQuantity(float)
 
 
 def a_file(sampling: str, runs: int | None = None, seed: int = 0) -> StudyFile:
@@ -30,13 +30,13 @@ def a_file(sampling: str, runs: int | None = None, seed: int = 0) -> StudyFile:
 )
 def test_samples_lie_in_range_and_come_again(sampling: str, power: int, seed: int, low: float, span: float) -> None:
     varied = [
-        Varied("even", NUMBER, low, low + span),
-        Varied("log", NUMBER, span, 50.0 * span, log=True),
-        Varied("normal", NUMBER, low - span, low + 2 * span, mean=low, deviation=span),
-        Varied("values", NUMBER, values=(low, low + span)),
+        StudyAxis("even", NUMBER, low, low + span),
+        StudyAxis("log", NUMBER, span, 50.0 * span, log=True),
+        StudyAxis("normal", NUMBER, low - span, low + 2 * span, mean=low, std=span),
+        StudyAxis("values", NUMBER, values=(low, low + span)),
     ]
-    drawn = samples(varied, a_file(sampling, 1 << power, seed))
-    again = samples(varied, a_file(sampling, 1 << power, seed))
+    drawn = draw_samples(varied, a_file(sampling, 1 << power, seed))
+    again = draw_samples(varied, a_file(sampling, 1 << power, seed))
     for one in varied:
         values = drawn[one.path]
         assert len(values) == 1 << power
@@ -50,18 +50,18 @@ def test_samples_lie_in_range_and_come_again(sampling: str, power: int, seed: in
 
 
 def test_another_seed_gives_other_samples() -> None:
-    varied = [Varied("even", NUMBER, 0.0, 1.0)]
+    varied = [StudyAxis("even", NUMBER, 0.0, 1.0)]
     for sampling in ("sobol", "lhs"):
-        one, other = (samples(varied, a_file(sampling, 16, seed))["even"] for seed in (1, 2))
+        one, other = (draw_samples(varied, a_file(sampling, 16, seed))["even"] for seed in (1, 2))
         assert not np.array_equal(one, other)
 
 
 @pytest.mark.parametrize("seed", range(5))
 def test_sobol_samples_are_balanced(seed: int) -> None:
-    varied = [Varied(name, NUMBER, 0.0, 1.0) for name in "abc"]
-    varied.append(Varied("log", NUMBER, 1.0, 16.0, log=True))
-    varied.append(Varied("values", NUMBER, values=(1.0, 2.0, 3.0, 4.0)))
-    drawn = samples(varied, a_file("sobol", 64, seed))
+    varied = [StudyAxis(name, NUMBER, 0.0, 1.0) for name in "abc"]
+    varied.append(StudyAxis("log", NUMBER, 1.0, 16.0, log=True))
+    varied.append(StudyAxis("values", NUMBER, values=(1.0, 2.0, 3.0, 4.0)))
+    drawn = draw_samples(varied, a_file("sobol", 64, seed))
     for name in "abc":
         assert np.all(np.bincount((64 * drawn[name]).astype(int), minlength=64) == 1)
     # Two at a time, too: 2 and 2 and 4 and 4 cells hold equally many.
@@ -75,13 +75,15 @@ def test_sobol_samples_are_balanced(seed: int) -> None:
 
 @given(st.integers(1, 50), st.integers(0, 9))
 def test_a_latin_hypercube_has_one_sample_in_every_row(runs: int, seed: int) -> None:
-    drawn = samples([Varied("a", NUMBER, 0.0, 1.0), Varied("b", NUMBER, 0.0, 1.0)], a_file("lhs", runs, seed))
+    drawn = draw_samples(
+        [StudyAxis("a", NUMBER, 0.0, 1.0), StudyAxis("b", NUMBER, 0.0, 1.0)], a_file("lhs", runs, seed)
+    )
     for values in drawn.values():
         assert sorted((runs * values).astype(int)) == list(range(runs))
 
 
 def test_a_normal_distribution_has_its_mean_and_deviation() -> None:
-    drawn = samples([Varied("a", NUMBER, mean=5.0, deviation=2.0)], a_file("sobol", 4096))["a"]
+    drawn = draw_samples([StudyAxis("a", NUMBER, mean=5.0, std=2.0)], a_file("sobol", 4096))["a"]
     assert drawn.mean() == pytest.approx(5.0, abs=0.02)
     assert drawn.std() == pytest.approx(2.0, rel=0.02)
 
@@ -89,11 +91,11 @@ def test_a_normal_distribution_has_its_mean_and_deviation() -> None:
 @given(st.integers(2, 5), st.integers(2, 5))
 def test_a_grid_is_complete(points: int, more: int) -> None:
     varied = [
-        Varied("a", NUMBER, -1.0, 1.0, points),
-        Varied("b", NUMBER, 1.0, 100.0, more, log=True),
-        Varied("c", NUMBER, values=(7.0, 3.0)),
+        StudyAxis("a", NUMBER, -1.0, 1.0, points),
+        StudyAxis("b", NUMBER, 1.0, 100.0, more, log=True),
+        StudyAxis("c", NUMBER, values=(7.0, 3.0)),
     ]
-    drawn = samples(varied, a_file("grid"))
+    drawn = draw_samples(varied, a_file("grid"))
     found = list(zip(drawn["a"], drawn["b"], drawn["c"], strict=True))
     expected = product(np.linspace(-1, 1, points), np.geomspace(1, 100, more), (7.0, 3.0))
     assert np.allclose(found, list(expected))
@@ -104,12 +106,12 @@ def test_rows_are_the_same_in_any_pieces(count: int, scenarios: int, noise_seeds
     drawn: dict[str, Array] = {"a": np.linspace(0.5, count - 0.5, count)}
     seeds = [100 * i for i in range(scenarios)]
     total = count * scenarios * noise_seeds
-    whole = rows(drawn, count, 1, seeds, noise_seeds, 0, total)
+    whole = study_rows(drawn, count, 1, seeds, noise_seeds, 0, total)
     expected = list(product(range(count), range(scenarios), range(noise_seeds)))
     assert list(whole["sample"]) == [sample for sample, _, _ in expected]
     assert list(whole["a"]) == [sample + 0.5 for sample, _, _ in expected]
     assert list(whole["scenario"]) == [scenario for _, scenario, _ in expected]
     assert list(whole["seed"]) == [100 * scenario + noise for _, scenario, noise in expected]
-    pieces = [rows(drawn, count, 1, seeds, noise_seeds, i, min(i + piece, total)) for i in range(0, total, piece)]
+    pieces = [study_rows(drawn, count, 1, seeds, noise_seeds, i, min(i + piece, total)) for i in range(0, total, piece)]
     for key, values in whole.items():
         assert np.array_equal(values, np.concatenate([part[key] for part in pieces]))

@@ -5,9 +5,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from layflat.study.description import Kind, StudyFile
-from layflat.study.sampling import saltelli, samples, sobol_indices
-from layflat.study.varied import Varied
+from layflat.study.description import StudyFile, VariedQuantity
+from layflat.study.sampling import draw_samples, saltelli_points, sobol_indices
+from layflat.study.varied import StudyAxis
 
 A, B = 7.0, 0.1
 
@@ -23,13 +23,13 @@ def ishigami_variances() -> tuple[float, float, float, float]:
 def test_indices_of_a_function_that_has_known_ones() -> None:
     whole, one, two, both = ishigami_variances()
     file = StudyFile.model_validate({"name": "x", "machine": "x", "sampling": "saltelli", "runs": 2048, "scenario": {}})
-    kind = Kind(float)
+    kind = VariedQuantity(float)
     varied = [
-        Varied("a", kind, -pi, pi, group="odd"),
-        Varied("b", kind, -pi, pi),
-        Varied("c", kind, -pi, pi, group="odd"),
+        StudyAxis("a", kind, -pi, pi, group="odd"),
+        StudyAxis("b", kind, -pi, pi),
+        StudyAxis("c", kind, -pi, pi, group="odd"),
     ]
-    drawn = samples(varied, file)
+    drawn = draw_samples(varied, file)
     values = np.sin(drawn["a"]) + A * np.sin(drawn["b"]) ** 2 + B * drawn["c"] ** 4 * np.sin(drawn["a"])
     found = sobol_indices(values, 4)
     assert found.first == pytest.approx([one / whole, two / whole, 0.0, (one + both) / whole], abs=0.03)
@@ -50,7 +50,7 @@ def test_what_nothing_changes_depends_on_nothing() -> None:
 @given(st.integers(1, 5), st.integers(0, 5), st.integers(0, 9), st.data())
 def test_a_block_is_a_with_its_columns_from_b(dimensions: int, power: int, seed: int, data: st.DataObject) -> None:
     group = data.draw(st.sets(st.integers(0, dimensions - 1), min_size=1))
-    points = saltelli(dimensions, 1 << power, seed, [sorted(group)])
+    points = saltelli_points(dimensions, 1 << power, seed, [sorted(group)])
     blocks = points.reshape(dimensions + 3, 1 << power, dimensions)
     a, b = blocks[:2]
     for i, taken in enumerate([*({i} for i in range(dimensions)), group]):

@@ -4,7 +4,7 @@ from pathlib import Path
 import pytest
 
 from layflat.errors import InputError
-from layflat.study import read
+from layflat.study import read_study
 from tests.study.studies import SMALL, SOBOL, without, written
 
 TORQUE = '[vary."joint.small.brake.torque"]\n'
@@ -15,7 +15,7 @@ VARY = without(without(SMALL, 'vary."joint.small.brake.torque"'), 'vary."scenari
 def refused(folder: Path, text: str) -> str:
     path = written(folder, text)
     with pytest.raises(InputError) as caught:
-        read(path)
+        read_study(path)
     message = str(caught.value)
     assert "\n" not in message
     assert message.startswith((f"{path}: ", "papr-small-joint: "))
@@ -23,7 +23,7 @@ def refused(folder: Path, text: str) -> str:
 
 
 def test_what_a_file_says_is_read_in_si(tmp_path: Path) -> None:
-    study = read(written(tmp_path, SOBOL))
+    study = read_study(written(tmp_path, SOBOL))
     assert study.samples == 8
     assert study.metrics == ("settling", "air_used")
     payload, brake = sorted(study.varied, key=lambda one: one.path, reverse=True)
@@ -34,23 +34,23 @@ def test_what_a_file_says_is_read_in_si(tmp_path: Path) -> None:
 
 
 def test_the_same_in_other_words_is_the_same_study(tmp_path: Path) -> None:
-    one = read(written(tmp_path, SMALL))
+    one = read_study(written(tmp_path, SMALL))
     text = SMALL.replace('"4 N m"', '"400 N cm"').replace('"0.2 s"', '"200 ms"').replace("[scenario]", "[[scenario]]")
-    assert read(written(tmp_path, text)).canonical() == one.canonical()
-    other = read(written(tmp_path, SMALL.replace('"4 N m"', '"4.1 N m"')))
+    assert read_study(written(tmp_path, text)).canonical() == one.canonical()
+    other = read_study(written(tmp_path, SMALL.replace('"4 N m"', '"4.1 N m"')))
     assert other.canonical() != one.canonical()
 
 
 def test_a_machine_file_is_meant_relative_to_the_study(tmp_path: Path) -> None:
     (tmp_path / "mine.toml").write_text('extends = "paper-small-joint"\nname = "mine"\n', encoding="utf-8")
-    assert read(written(tmp_path, SMALL.replace("paper-small-joint", "mine.toml"))).machine.name == "mine"
+    assert read_study(written(tmp_path, SMALL.replace("paper-small-joint", "mine.toml"))).machine.name == "mine"
 
 
 def test_what_varies_takes_the_place_of_a_constant_but_not_of_steps(tmp_path: Path) -> None:
     constant = SMALL.replace("[scenario]", '[scenario]\npayload = "1.5 kg"')
-    assert read(written(tmp_path, constant)).scenarios[0].payload is None
+    assert read_study(written(tmp_path, constant)).scenarios[0].payload is None
     later = SMALL.replace("[scenario]", '[scenario]\npayload = [["0.1 s", "1.5 kg"]]')
-    assert read(written(tmp_path, later)).scenarios[0].payload == [(0.1, 1.5)]
+    assert read_study(written(tmp_path, later)).scenarios[0].payload == [(0.1, 1.5)]
     steps = SMALL.replace("[scenario]", '[scenario]\npayload = [["0 s", "1.5 kg"]]')
     assert "scenario.0.payload: hides scenario.payload, which varies" in refused(tmp_path, steps)
 
@@ -93,12 +93,12 @@ def test_what_varies_takes_the_place_of_a_constant_but_not_of_steps(tmp_path: Pa
         ("scenario.payload", "scenario.pay", "no number of this name can vary; nearest is 'scenario.payload'"),
         ("small.brake.torque", "small.break.torque", "nearest is 'joint.small.brake.torque'"),
         ("joint.small.brake.torque", "joint.small.brake", "joint.small.brake: no number of this name can vary"),
-        ("joint.small.brake.torque", "zebra", "zebra: no number of this name can vary; `layflat show"),
+        ("joint.small.brake.torque", "zebra", "zebra: no number of this name can vary; `layflat machine show"),
         ('"joint.small.brake.torque"', "joint.small.brake.torque", "vary.joint.small: unknown key; quote the whole path"),  # noqa: E501
         ('high = "4 N m"', "high = 4", 'torque.high: 4 is a bare number; give a torque such as "25 N m"'),
         ('high = "4 N m"', 'high = "4 N"', "torque.high: '4 N' is not a torque"),
         ('high = "4 N m"', 'high = "0 N m"', "torque.low: '0 N m' is not below high, '0 N m'; give less"),
-        ('high = "4 N m"', "", "torque.high: is missing; give low and high, mean and deviation, or values"),
+        ('high = "4 N m"', "", "torque.high: is missing; give low and high, mean and std, or values"),
         ('high = "4 N m"', 'hihg = "4 N m"', "vary.joint.small.brake.torque.hihg: unknown key; did you mean 'high'?"),
         ('low = "0 N m"', 'low = "-1 N m"', "torque.low: '-1 N m' is out of range; give at least 0"),
         ('low = "0 N m"', 'low = "0 N m"\nscale = "log"', "torque.low: '0 N m' has no logarithm; give more than zero"),
@@ -116,11 +116,11 @@ def test_a_mistake_is_named_in_one_line(tmp_path: Path, old: str, new: str, expe
 @pytest.mark.parametrize(
     ("table", "expected"),
     [
-        ('"joint.small.brake.torque"]\nmean = "1 N m"', "torque.deviation: is missing"),
-        ('"joint.small.brake.torque"]\nmean = "1 N m"\ndeviation = "0 N m"', "torque.deviation: '0 N m' is out of range"),  # noqa: E501
-        ('"joint.small.brake.torque"]\nmean = "1 N m"\ndeviation = "1 N m"\nlow = "2 N m"', "is not between low and high"),  # noqa: E501
-        ('"joint.small.brake.torque"]\nmean = "1 N m"\ndeviation = "9 N m"', "is out of range; give at least 0"),
-        ('"supply.temperature"]\nmean = "20 degC"\ndeviation = "5 degC"', "is not a difference of temperatures; give kelvin"),  # noqa: E501
+        ('"joint.small.brake.torque"]\nmean = "1 N m"', "torque.std: is missing"),
+        ('"joint.small.brake.torque"]\nmean = "1 N m"\nstd = "0 N m"', "torque.std: '0 N m' is out of range"),
+        ('"joint.small.brake.torque"]\nmean = "1 N m"\nstd = "1 N m"\nlow = "2 N m"', "is not between low and high"),
+        ('"joint.small.brake.torque"]\nmean = "1 N m"\nstd = "9 N m"', "is out of range; give at least 0"),
+        ('"supply.temperature"]\nmean = "20 degC"\nstd = "5 degC"', "is not a difference of temperatures; give kelvin"),
         ('"angle_sensor.bits"]\nlow = 8\nhigh = 12', "vary.angle_sensor.bits: is a whole number; give values"),
         ('"angle_sensor.bits"]\nvalues = [8, 9.5]', "vary.angle_sensor.bits.values.1: 9.5 is not a whole number"),
         ('"valve.critical_ratio"]\nlow = 0.1\nhigh = 1.5', "vary.valve.critical_ratio.high: 1.5 is out of range"),
@@ -142,7 +142,7 @@ def test_what_is_only_right_together_is_right(tmp_path: Path) -> None:
     alone = '[vary."joint.small.hose.contact_end"]\nvalues = ["125 deg"]\n'
     assert "contact_end must be smaller than wrap" in refused(tmp_path, f"{VARY}\n{alone}")
     together = alone + '[vary."joint.small.hose.wrap"]\nvalues = ["150 deg", "160 deg"]\n'
-    assert read(written(tmp_path, f"{VARY}\n{together}")).samples == 2
+    assert read_study(written(tmp_path, f"{VARY}\n{together}")).samples == 2
 
 
 def test_scenarios_need_names_of_their_own(tmp_path: Path) -> None:
@@ -156,30 +156,30 @@ def test_noise_seeds_without_noise(tmp_path: Path) -> None:
 
 
 def test_single_precision_is_for_short_runs(tmp_path: Path) -> None:
-    assert read(written(tmp_path)).precision == "single"
+    assert read_study(written(tmp_path)).precision == "single"
     asked = SMALL.replace("[scenario]", 'precision = "double"\n\n[scenario]', 1)
-    assert read(written(tmp_path, asked)).precision == "double"
-    assert read(written(tmp_path, asked)).canonical() != read(written(tmp_path)).canonical()
+    assert read_study(written(tmp_path, asked)).precision == "double"
+    assert read_study(written(tmp_path, asked)).canonical() != read_study(written(tmp_path)).canonical()
     long = SMALL.replace('"0.2 s"', '"61 s"')
-    assert read(written(tmp_path, long)).precision == "double"
+    assert read_study(written(tmp_path, long)).precision == "double"
     said = refused(tmp_path, long.replace("[scenario]", 'precision = "single"\n\n[scenario]', 1))
     assert "precision: single is too coarse for runs of 61 s; leave it out, or say double" in said
 
 
 def test_a_sample_of_nothing(tmp_path: Path) -> None:
-    assert read(written(tmp_path, VARY)).samples == 1
+    assert read_study(written(tmp_path, VARY)).samples == 1
     text = VARY.replace('"grid"', '"lhs"\nruns = 4')
     assert "vary: nothing varies" in refused(tmp_path, text)
 
 
 def test_a_file_that_is_not_there(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"none.toml: can't be read \(No such file or directory\)"):
-        read(tmp_path / "none.toml")
+        read_study(tmp_path / "none.toml")
 
 
 def test_sampling_has_a_default(tmp_path: Path) -> None:
-    assert read(written(tmp_path, SMALL.replace('sampling = "grid"\n', ""))).file.sampling == "grid"
-    assert read(written(tmp_path, SOBOL.replace('sampling = "sobol"\n', ""))).file.sampling == "sobol"
+    assert read_study(written(tmp_path, SMALL.replace('sampling = "grid"\n', ""))).file.sampling == "grid"
+    assert read_study(written(tmp_path, SOBOL.replace('sampling = "sobol"\n', ""))).file.sampling == "sobol"
 
 
 @pytest.mark.parametrize("seed", ["-1", "99999999999999999999"])
@@ -187,4 +187,4 @@ def test_sampling_has_a_default(tmp_path: Path) -> None:
 def test_seeds_out_of_range(tmp_path: Path, seed: str, place: str) -> None:
     text = SMALL.replace(place, f"[scenario]\nseed = {seed}" if place == "[scenario]" else f"seed = {seed}\n{place}", 1)
     with pytest.raises(InputError, match=rf"seed: {seed} is out of range"):
-        read(written(tmp_path, text))
+        read_study(written(tmp_path, text))

@@ -1,4 +1,4 @@
-"""Our joints in MuJoCo, and our arms as its models and in files of robots."""
+"""Joints of hose in MuJoCo, and arms as MuJoCo models, MJCF and URDF."""
 
 from layflat.bridge.arm import arm_spec, save_arm
 from layflat.bridge.joints import PneumaticJoints

@@ -1,4 +1,4 @@
-"""The joints' halves of a step of MuJoCo's: what valve, air, losses and stops do before and after the arm is moved.
+"""The joints' part of a MuJoCo step: valve, air, losses and stops, before and after the arm moves.
 
 MuJoCo's integrators move angles by the new velocities: q' = q + H v'. That is our own step (physics/step.py, drift -
 kick - drift) seen from its middles: MuJoCo's angles are those half a step ahead, and the joint's are q - H v/2.
@@ -7,7 +7,7 @@ Nothing is lost: from rest on, both are the same, and of second order.
 A step H of MuJoCo's that is longer than ours is cut into an odd number of steps h: the arm is kicked in the middle of
 the one in the middle, the others coast with its velocity.
 
-What crosses from Python is arrays of numbers, a row a joint, as in sim/stepping.py.
+Python passes arrays of numbers, a row a joint, as in sim/stepping.py.
 """
 
 from collections.abc import Callable
@@ -15,40 +15,39 @@ from typing import Any, NamedTuple
 
 from layflat.jit import composition, kernel
 from layflat.lanes import mapped, read_numbers, write_numbers
-from layflat.physics.delay import Line
-from layflat.physics.driven import Outputs, through_hole
-from layflat.physics.friction import levels
-from layflat.physics.joint import JointState, Motion, Surroundings, is_sound
+from layflat.physics.driven import DrivenOutputs, leak_through_hole
+from layflat.physics.driver import CommandDelayLine
+from layflat.physics.friction import slip_torques
+from layflat.physics.joint import JointMotion, JointState, Surroundings, is_sound
 from layflat.physics.sensor import read_sensor
-from layflat.physics.step import Running, finish, midpoint, pack, unpack
-from layflat.physics.valves import driven, start_wave, turn_wave
+from layflat.physics.step import PackedState, advance_to_midpoint, finish_step, pack_hoses, unpack_hoses
+from layflat.physics.valves import driven_opening, start_wave, turn_wave
 
 
-class Carry(NamedTuple):
-    """State of a joint that is kept from step to step."""
+class CarriedState(NamedTuple):
+    """State of a joint that is carried from step to step."""
 
     state: JointState
-    line: Line
+    line: CommandDelayLine
     opening: float  # to which the valve is driven, -1..1
 
 
-class Span(NamedTuple):
-    """A step of MuJoCo's: when it begins (s), the step that it is cut into (s), and how many come before the kick."""
+class StepSpan(NamedTuple):
+    """MuJoCo step: start time (s), length of its substeps (s), and number of substeps before the kick."""
 
     time: float
     step: float
     before: float
 
 
-class Kernels(NamedTuple):
-    """Compiled for a kind of joint. The first arguments are rows of numbers: of `Joint`, and of `Carry`.
+class JointKernels(NamedTuple):
+    """Kernels for a class of joint. Their first arguments are rows of numbers: `JointParameters` and `CarriedState`.
 
-    MuJoCo's arrays are handed over whole, with the places and degrees of freedom of the joints in them (`at`,
-    (2, n)).
+    MuJoCo's arrays are whole, with the positions and degrees of freedom of the joints in them (`at`, (2, n)).
     """
 
     command: Callable[..., None]
-    """`command(joints, kept, voltages, cycle)`: the valves' drivers take voltages for a control cycle (s)."""
+    """`command(joints, kept, voltages, cycle)`: set the voltages of the valves' drivers for a control cycle (s)."""
     push: Callable[..., None]
     """`push(joints, kept, around, span, at, qpos, qvel, applied, loads, brakes, kick)`: write into the rows of `kick`
     (5, n) angles (rad), velocities (rad/s) and torques (N m) at the kick, and the torques of friction when sliding and
@@ -58,58 +57,62 @@ class Kernels(NamedTuple):
     """`settle(joints, kept, around, span, at, qpos, qvel, kick, braked, loads, holes, seen)`: stop the joints of which
     the brakes left the velocity 0.0 where they were, and move on through the step; the brakes' impulses (N m s, with
     the velocities in `braked`, (2, n)) and outer loads are booked, hoses lose air through holes. Writes rows of
-    `Outputs`; returns the joint that diverged (-1: none)."""
+    `DrivenOutputs`; returns the joint that diverged (-1: none)."""
     sample: Callable[..., None]
-    """`sample(joints, seen, noise, out)`: what the sensors say, angles and differential pressures, (2, n)."""
+    """`sample(joints, seen, noise, out)`: write the sensors' readings, angles and differential pressures, (2, n)."""
 
 
 @composition
 def _coast(joint, running, opening, wave, around, h):
-    # A step with the velocity that is there.
-    mid = midpoint(joint, running, opening, wave, around, h)
+    """Return a joint's state after a substep of h (s) at constant velocity."""
+    mid = advance_to_midpoint(joint, running, opening, wave, around, h)
     motion = running.motion
-    after = finish(joint, running, mid, motion.velocity, 0.0, 0.0, h)
-    kept = Motion(after.motion.angle, motion.velocity, motion.velocity_change)
-    return Running(kept, after.valve, after.hoses, after.ledger)
+    after = finish_step(joint, running, mid, motion.velocity, 0.0, 0.0, h)
+    kept = JointMotion(after.motion.angle, motion.velocity, motion.velocity_change)
+    return PackedState(kept, after.valve, after.hoses, after.ledger)
 
 
 @composition
-def _to_kick(joint, kept, around, span, q, v):
-    # Up to the kick at angle q: the state before the step in the middle, that step's wave, and its middle.
-    h, running = span.step, pack(kept.state)
+def _advance_to_kick(joint, kept, around, span, q, v):
+    """Return the state before the middle substep, that substep's wave, and its midpoint.
+
+    The kick is the velocity change in the middle of a step, at the angle q (rad); v (rad/s) is the velocity before it.
+    """
+    h, running = span.step, pack_hoses(kept.state)
     wave = start_wave(joint.valve, span.time, h)
-    begin = Motion(q - (span.before + 0.5) * h * v, v, running.motion.velocity_change)
-    running = Running(begin, running.valve, running.hoses, running.ledger)
+    begin = JointMotion(q - (span.before + 0.5) * h * v, v, running.motion.velocity_change)
+    running = PackedState(begin, running.valve, running.hoses, running.ledger)
     for _ in range(int(span.before)):
         running = _coast(joint, running, kept.opening, wave, around, h)
         wave = turn_wave(joint.valve, wave)
-    return running, wave, midpoint(joint, running, kept.opening, wave, around, h)
+    return running, wave, advance_to_midpoint(joint, running, kept.opening, wave, around, h)
 
 
 @composition
-def _through(joint, kept, around, span, q, v, after, impulse, load):
-    running, wave, mid = _to_kick(joint, kept, around, span, q, v)
-    running = finish(joint, running, mid, after, impulse, load, span.step)
-    # What the velocity changed by leads the damping of the next step.
+def _advance_step(joint, kept, around, span, q, v, after, impulse, load):
+    """Return a joint's unpacked state after a whole step, with the velocity `after` (rad/s) from the kick on."""
+    running, wave, mid = _advance_to_kick(joint, kept, around, span, q, v)
+    running = finish_step(joint, running, mid, after, impulse, load, span.step)
+    # The change of the velocity is extrapolated in the damping of the next step.
     for _ in range(int(span.before)):
         wave = turn_wave(joint.valve, wave)
         running = _coast(joint, running, kept.opening, wave, around, span.step)
-    return unpack(running)
+    return unpack_hoses(running)
 
 
 @composition
-def _leaked(joint, state, hole_a, hole_b, p_a):
-    a = through_hole(joint.hose_a, state.hose_a, hole_a, p_a) if hole_a > 0.0 else state.hose_a
-    b = through_hole(joint.hose_b, state.hose_b, hole_b, p_a) if hole_b > 0.0 else state.hose_b
+def _leak_hoses(joint, state, hole_a, hole_b, p_a):
+    a = leak_through_hole(joint.hose_a, state.hose_a, hole_a, p_a) if hole_a > 0.0 else state.hose_a
+    b = leak_through_hole(joint.hose_b, state.hose_b, hole_b, p_a) if hole_b > 0.0 else state.hose_b
     return JointState(state.motion, state.valve, a, b, state.ledger)
 
 
 @kernel
 def extrapolate(dofs, v, bias, extrapolated, applied, qvel):
-    """Apply what Coriolis forces change by where velocities are extrapolated, and give the joints their own ones back.
+    """Apply the change of Coriolis forces due to extrapolated velocities, and restore the joints' velocities.
 
     Args: joints' degrees of freedom and velocities (n,); forces at velocities that are not extrapolated, and that are,
-    (nv,); what is applied, and the velocities in the data, (nv,).
+    (nv,); applied forces and velocities in the data, (nv,).
     """
     for i in range(len(extrapolated)):
         applied[i] += bias[i] - extrapolated[i]
@@ -117,28 +120,29 @@ def extrapolate(dofs, v, bias, extrapolated, applied, qvel):
         qvel[dofs[j]] = v[j]
 
 
-_known: dict[str, Kernels] = {}
+_kernels_by_type: dict[str, JointKernels] = {}
 
 
-def halves_of(joint: Any, kept: Carry) -> Kernels:
-    """Kernels for joints whose numbers make up such tuples (of plain floats)."""
+def joint_kernels(joint: Any, kept: CarriedState) -> JointKernels:
+    """Return the kernels for joints whose parameters and states have the structure of these tuples."""
     # By text: tuples of different classes are equal where their items are.
     joint, kept = (mapped(like, lambda _: 0.0) for like in (joint, kept))
     kind = repr((joint, kept))
-    if kind not in _known:
-        _known[kind] = Kernels(*_compiled(joint, kept))
-    return _known[kind]
+    if kind not in _kernels_by_type:
+        _kernels_by_type[kind] = JointKernels(*_build_kernels(joint, kept))
+    return _kernels_by_type[kind]
 
 
-def _compiled(joint_like, kept_like):
-    around_like, span_like = Surroundings(0.0, 0.0, 0.0, 0.0, 0.0), Span(0.0, 0.0, 0.0)
+def _build_kernels(joint_like, kept_like):
+    """Return the compiled kernels of `JointKernels` for one class of joint parameters and state."""
+    around_like, span_like = Surroundings(0.0, 0.0, 0.0, 0.0, 0.0), StepSpan(0.0, 0.0, 0.0)
 
     @kernel
     def command(joints, kept, voltages, cycle):
         for j in range(len(joints)):
             joint, before = read_numbers(joint_like, joints[j]), read_numbers(kept_like, kept[j])
-            opening, line = driven(joint.valve, before.line, voltages[j], cycle)
-            write_numbers(kept[j], Carry(before.state, line, opening))
+            opening, line = driven_opening(joint.valve, before.line, voltages[j], cycle)
+            write_numbers(kept[j], CarriedState(before.state, line, opening))
 
     @kernel
     def push(joints, kept, around, span, at, qpos, qvel, applied, loads, brakes, kick):
@@ -147,9 +151,9 @@ def _compiled(joint_like, kept_like):
         for j in range(len(joints)):
             joint, before = read_numbers(joint_like, joints[j]), read_numbers(kept_like, kept[j])
             q[j], v[j] = qpos[places[j]], qvel[dofs[j]]
-            _, _, mid = _to_kick(joint, before, air, cut, q[j], v[j])
+            _, _, mid = _advance_to_kick(joint, before, air, cut, q[j], v[j])
             torques[j] = mid.torque
-            kick[3, j], kick[4, j] = levels(joint.friction, brakes[j], v[j], mid.velocity, mid.pull)
+            kick[3, j], kick[4, j] = slip_torques(joint.friction, brakes[j], v[j], mid.velocity, mid.pull)
             applied[dofs[j]] += mid.torque + loads[j]
             qvel[dofs[j]] = v[j] + 0.5 * before.state.motion.velocity_change
 
@@ -162,13 +166,15 @@ def _compiled(joint_like, kept_like):
             joint, before = read_numbers(joint_like, joints[j]), read_numbers(kept_like, kept[j])
             if after[j] == 0.0:
                 qpos[places[j]], qvel[dofs[j]] = q[j], 0.0
-            state = _through(joint, before, air, cut, q[j], v[j], qvel[dofs[j]], impulses[j], loads[j])
-            state = _leaked(joint, state, holes[j, 0], holes[j, 1], air.ambient_pressure)
+            state = _advance_step(joint, before, air, cut, q[j], v[j], qvel[dofs[j]], impulses[j], loads[j])
+            state = _leak_hoses(joint, state, holes[j, 0], holes[j, 1], air.ambient_pressure)
             if not is_sound(state):
                 diverged = j
-            write_numbers(kept[j], Carry(state, before.line, before.opening))
+            write_numbers(kept[j], CarriedState(state, before.line, before.opening))
             motion = state.motion
-            write_numbers(seen[j], Outputs(motion.angle, motion.velocity, state.hose_a.pressure, state.hose_b.pressure))
+            write_numbers(
+                seen[j], DrivenOutputs(motion.angle, motion.velocity, state.hose_a.pressure, state.hose_b.pressure)
+            )
         return diverged
 
     @kernel

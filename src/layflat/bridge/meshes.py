@@ -1,4 +1,4 @@
-"""Meshes that pieces are drawn by: files beside a model, with names of their own, in formats that its readers know."""
+"""Meshes of pieces: files beside a model, with unique names, in formats that its readers support."""
 
 import re
 from collections.abc import Iterable
@@ -18,25 +18,25 @@ FORMATS = (".stl", ".obj", ".dae")
 UNIT = re.compile(rb"""(<unit\b[^>]*?\bmeter\s*=\s*["'])([^"']*)(["'])""")
 OBJ_CORNER = re.compile(rb"(?m)^[ \t]*v[ \t]")
 STL_HEAD = 84  # bytes of a binary STL before its triangles
-TRIANGLE = np.dtype([("numbers", "<f4", (4, 3)), ("more", "<u2")])  # of a binary STL: normal, corners, 50 bytes in all
+STL_TRIANGLE = np.dtype([("numbers", "<f4", (4, 3)), ("more", "<u2")])  # in a binary STL: 50 bytes
 MIN_CORNERS = 4  # of a mesh that MuJoCo takes
-MIN_VOLUME = 1e-13  # m3, of a solid that MuJoCo surely takes: it refuses below 1e-15, in single precision
+MIN_VOLUME = 1e-13  # of a solid that MuJoCo accepts, m3: it refuses below 1e-15, in single precision
 
 
 class Meshes:
-    """The meshes of an arm, each with a name that no other has.
+    """Meshes of an arm, each with a unique name.
 
     Args:
-        pieces: what is drawn.
-        folder: that the names are in, relative to the model.
-        engine: whether they are for MuJoCo, which reads OBJ and binary STL only: others become such.
+        pieces: drawn pieces.
+        folder: folder of the names, relative to the model.
+        engine: whether they are for MuJoCo, which reads OBJ and binary STL only: others are converted.
     """
 
     def __init__(self, pieces: Iterable[Piece], folder: str, *, engine: bool) -> None:
         self._engine, self._folder, self._names = engine, folder, dict[Path, str]()
         for piece in pieces:
             if piece.file is not None and piece.file not in self._names:
-                self._names[piece.file] = self._free(piece.file)
+                self._names[piece.file] = self._unused_path(piece.file)
 
     def __bool__(self) -> bool:
         """Return whether there are any."""
@@ -49,42 +49,43 @@ class Meshes:
     def scale(self, piece: Piece) -> tuple[float, float, float]:
         """Return the scale of a piece's mesh as it is written, whose unit is the metre."""
         if self._engine or piece.file is None:
-            return piece.scale  # what is converted is in metres already
+            return piece.scale  # converted meshes are in metres already
         x, y, z = piece.scale
-        unit = unit_of(piece.file)
+        unit = mesh_unit(piece.file)
         return (x * unit, y * unit, z * unit)
 
     def contents(self) -> dict[str, bytes]:
-        """Return what is in each file, by its name.
+        """Return the content of each file by its name.
 
         Raises:
             InputError: a mesh can't be read.
-            MissingExtraError: one has to be converted, and what does that is not installed.
+            MissingExtraError: a mesh has to be converted, and the extra is not installed.
         """
-        return {name: read(path, engine=self._engine) for path, name in self._names.items()}
+        return {name: read_mesh(path, engine=self._engine) for path, name in self._names.items()}
 
-    def _free(self, file: Path) -> str:
+    def _unused_path(self, file: Path) -> str:
+        """Return an unused path of a mesh in the model's folder; for MuJoCo, all but STL and OBJ become STL."""
         suffix = ".stl" if self._engine and file.suffix.lower() != ".obj" else file.suffix.lower()
         start = f"{self._folder}/" if self._folder else ""
         taken = set(self._names.values())
         return f"{start}{unused_name(file.stem, lambda stem: f'{start}{stem}{suffix}' in taken)}{suffix}"
 
 
-def read(file: Path, *, engine: bool) -> bytes:
-    """Return what is in a file, converted to a binary STL if an engine wants it and could not read it."""
+def read_mesh(file: Path, *, engine: bool) -> bytes:
+    """Return the content of a mesh file, for an engine converted to binary STL if it can't read the format."""
     try:
         content = file.read_bytes()
     except OSError as error:
         raise InputError(f"can't be read ({error.strerror})", where=str(file), right="give a mesh") from None
     if not engine:
-        return in_metres(content) if file.suffix.lower() == ".dae" else content
+        return declare_metres(content) if file.suffix.lower() == ".dae" else content
     is_obj = file.suffix.lower() == ".obj"
     if is_obj and len(OBJ_CORNER.findall(content)) >= MIN_CORNERS:
         return content
     if not is_obj and file.suffix.lower() == ".stl" and is_binary_stl(content):
         triangles = stl_triangles(content)
     else:
-        mesh = solid(file)
+        mesh = load_mesh(file)
         triangles = np.asarray(mesh.vertices[mesh.faces], float)
     if not np.isfinite(triangles).all():
         raise InputError("has corners that are infinite or none", where=str(file), right="give another mesh")
@@ -93,18 +94,18 @@ def read(file: Path, *, engine: bool) -> bytes:
 
 def stl_triangles(content: bytes) -> Array:
     """Return the triangles (n, 3 corners, 3) of a binary STL."""
-    return np.frombuffer(content, TRIANGLE, offset=STL_HEAD)["numbers"][:, 1:].astype(float)
+    return np.frombuffer(content, STL_TRIANGLE, offset=STL_HEAD)["numbers"][:, 1:].astype(float)
 
 
 def binary_stl(triangles: Array) -> bytes:
     """Return triangles (n, 3 corners, 3) as a binary STL."""
-    rows = np.zeros(len(triangles), TRIANGLE)
+    rows = np.zeros(len(triangles), STL_TRIANGLE)
     rows["numbers"][:, 1:] = triangles
     return b"\0" * (STL_HEAD - 4) + len(triangles).to_bytes(4, "little") + rows.tobytes()
 
 
 def _split(triangles: Array) -> Array:
-    """Return triangles with as many corners as MuJoCo wants of a mesh: split at their middles if need be."""
+    """Return triangles with at least `MIN_CORNERS` different corners, split at their middles if necessary."""
     if len(np.unique(triangles.reshape(-1, 3), axis=0)) >= MIN_CORNERS:
         return triangles
     middles = triangles.mean(axis=1)
@@ -119,13 +120,13 @@ def _obj(triangles: Array) -> bytes:
 
 
 def is_binary_stl(content: bytes) -> bool:
-    """Tell whether bytes are a binary STL by their number, as texts may begin like one and the other way round."""
+    """Return whether bytes are a binary STL, by their number: headers of both STL formats may look alike."""
     triangles = int.from_bytes(content[STL_HEAD - 4 : STL_HEAD], "little")
-    return len(content) == STL_HEAD + TRIANGLE.itemsize * triangles and triangles > 0
+    return len(content) == STL_HEAD + STL_TRIANGLE.itemsize * triangles and triangles > 0
 
 
-def unit_of(file: Path) -> float:
-    """Return the unit of a mesh, m: a DAE says it, which trimesh, Pinocchio and yourdfpy ignore; others are in 1 m."""
+def mesh_unit(file: Path) -> float:
+    """Return the unit of a mesh, m: 1 unless a DAE declares it (trimesh, Pinocchio and yourdfpy ignore it)."""
     if file.suffix.lower() != ".dae" or not file.is_file():
         return 1.0
     declared = UNIT.search(file.read_bytes())
@@ -138,17 +139,17 @@ def unit_of(file: Path) -> float:
     return unit
 
 
-def in_metres(content: bytes) -> bytes:
-    """Return a DAE that declares to be in metres, whatever it is in: its scale then stands where it is used."""
+def declare_metres(content: bytes) -> bytes:
+    """Return a DAE with metres as declared unit; its true unit is then applied as a scale."""
     return UNIT.sub(rb"\g<1>1\g<3>", content, count=1)
 
 
-def solid(file: Path) -> Any:
+def load_mesh(file: Path) -> Any:
     """Return a mesh in the frame of its file, m, as `trimesh` has it; raise InputError if it can't be read."""
-    trimesh = extras.module("view", "trimesh")
+    trimesh = extras.import_extra("view", "trimesh")
     if file.suffix.lower() == ".dae":
         extras.require("view", "collada")
-    unit = unit_of(file)
+    unit = mesh_unit(file)
     try:
         mesh = trimesh.load(file, force="mesh")
         mesh.apply_scale(unit)
@@ -160,7 +161,7 @@ def solid(file: Path) -> Any:
     return mesh
 
 
-def is_unread(file: Path, scale: tuple[float, float, float]) -> bool:
+def is_refused_by_mujoco(file: Path, scale: tuple[float, float, float]) -> bool:
     """Return whether MuJoCo refuses a mesh of a URDF, all of which it takes for solids: a DAE, or one that is flat."""
     if file.suffix.lower() == ".dae":
         return True
@@ -168,7 +169,7 @@ def is_unread(file: Path, scale: tuple[float, float, float]) -> bool:
     if file.suffix.lower() == ".stl" and is_binary_stl(content):
         triangles = stl_triangles(content)
     elif extras.available("view", "trimesh"):
-        mesh = solid(file)
+        mesh = load_mesh(file)
         triangles = np.asarray(mesh.vertices[mesh.faces], float)
     else:
         return False

@@ -1,4 +1,4 @@
-"""What is drawn of an arm: pieces in the frames of its links, as described or made up."""
+"""Pieces that an arm is drawn by, in the frames of its links: described shapes, or default rods."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -9,25 +9,25 @@ import numpy as np
 from layflat.arrays import Array
 from layflat.errors import InputError
 from layflat.machine import Machine
-from layflat.physics.arms import ARMS
-from layflat.physics.arms.bodies import RigidArm, turned_by
+from layflat.physics.arms import ARM_KINDS
+from layflat.physics.arms.bodies import RigidArm, rotation_from_angles
 
-THICK = 0.04  # diameter of a link that is not described to look like anything, m
-LEAST = 1e-3  # length of what is drawn, m
+ROD_DIAMETER = 0.04  # of a link without described shapes, m
+MIN_ROD_LENGTH = 1e-3  # shorter rods are not drawn, m
 
-BODY = "joint-body"
-"""What the bodies of joints are called where pieces have names: who reads a model back has joints of its own."""
+JOINT_BODY_NAME = "joint-body"
+"""Name of the bodies of joints in models, by which an import recognises and omits them."""
 
 COLOURS = {"link": (0.80, 0.82, 0.85, 1.0), "joint": (0.16, 0.20, 0.27, 1.0), "tip": (0.85, 0.42, 0.10, 1.0)}
-"""Red, green, blue and opacity, 0..1: as far apart in black and white as in colour."""
+"""Red, green, blue and opacity, 0..1, distinguishable in grey as well."""
 
 
 @dataclass(frozen=True)
 class Piece:
-    """Something solid in the frame of a link."""
+    """Solid in the frame of a link that is drawn."""
 
     kind: Literal["capsule", "cylinder", "box", "sphere", "mesh"]
-    place: Array  # of its middle, m, (3,)
+    position: Array  # position of its middle, m, (3,)
     axes: Array  # columns: axes of its own frame, (3, 3)
     size: tuple[float, ...]  # as a description's shapes have it, m
     of: Literal["link", "joint", "tip"] = "link"
@@ -35,11 +35,11 @@ class Piece:
     scale: tuple[float, float, float] = (1.0, 1.0, 1.0)
 
 
-def rigid(machine: Machine) -> RigidArm:
+def rigid_arm(machine: Machine) -> RigidArm:
     """Return the bodies of a machine's arm, without payload; raise InputError if its kind has none."""
-    kind = ARMS.named(machine.arm.kind)
+    kind = ARM_KINDS.named(machine.arm.kind)
     if kind.bodies is None:
-        known = " or ".join(one.name for one in ARMS if one.bodies is not None)
+        known = " or ".join(one.name for one in ARM_KINDS if one.bodies is not None)
         raise InputError(
             f"arms of the kind {kind.name!r} have no bodies in space",
             where=f"{machine.origin}: arm.kind",
@@ -49,34 +49,37 @@ def rigid(machine: Machine) -> RigidArm:
 
 
 def link_pieces(machine: Machine) -> list[list[Piece]]:
-    """Return what is drawn of each link: its shapes, or a rod from its joint to the next one, or to the tip."""
-    arm, found = rigid(machine), []
+    """Return the pieces of each link: its shapes, or a rod from its joint to the next one, or to the tip."""
+    arm, pieces = rigid_arm(machine), []
     ends = [link.place for link in arm.links[1:]] + [arm.tool]
     for name, link, end in zip(machine.joints, arm.links, ends, strict=True):
-        shapes = [_shape(machine, name, at, shape) for at, shape in enumerate(link.shapes)]
+        shapes = [_shape_piece(machine, name, at, shape) for at, shape in enumerate(link.shapes)]
         length = float(np.linalg.norm(end))
-        if not shapes and length > LEAST:
-            shapes = [Piece("capsule", 0.5 * end, along(end / length), (THICK, length))]
-        found.append(shapes)
-    return found
+        if not shapes and length > MIN_ROD_LENGTH:
+            shapes = [Piece("capsule", 0.5 * end, axes_with_z(end / length), (ROD_DIAMETER, length))]
+        pieces.append(shapes)
+    return pieces
 
 
 def joint_pieces(machine: Machine) -> list[Piece]:
     """Return the body of each joint, hoses on a cylinder about its axis, in the frame of the link that it turns."""
-    axes = [link.axis for link in rigid(machine).links]
+    axes = [link.axis for link in rigid_arm(machine).links]
     sizes = [(joint.cylinder.diameter, joint.body.height) for joint in machine.joints.values()]
-    return [Piece("cylinder", np.zeros(3), along(axis), size, "joint") for axis, size in zip(axes, sizes, strict=True)]
+    return [
+        Piece("cylinder", np.zeros(3), axes_with_z(axis), size, "joint") for axis, size in zip(axes, sizes, strict=True)
+    ]
 
 
-def along(way: Array) -> Array:
+def axes_with_z(direction: Array) -> Array:
     """Return axes (3, 3) of which z lies along a direction of length 1."""
-    aside = np.eye(3)[int(np.argmin(np.abs(way)))]
-    x = np.cross(aside, way)
+    across = np.eye(3)[int(np.argmin(np.abs(direction)))]
+    x = np.cross(across, direction)
     x = x / np.linalg.norm(x)
-    return np.column_stack([x, np.cross(way, x), way])
+    return np.column_stack([x, np.cross(direction, x), direction])
 
 
-def _shape(machine: Machine, name: str, at: int, shape: Any) -> Piece:
+def _shape_piece(machine: Machine, name: str, at: int, shape: Any) -> Piece:
+    """Return a described shape as a piece; raise InputError if its mesh is missing. `at` is its index in the link."""
     file = None
     if shape.kind == "mesh":
         file = Path(machine.origin).parent / shape.file
@@ -87,4 +90,12 @@ def _shape(machine: Machine, name: str, at: int, shape: Any) -> Piece:
                 right="put the mesh there, or take the shape away",
             )
     size = tuple(map(float, shape.size or ()))
-    return Piece(shape.kind, np.array(shape.place, float), turned_by(shape.turn), size, "link", file, shape.scale)
+    return Piece(
+        shape.kind,
+        np.array(shape.position, float),
+        rotation_from_angles(shape.rotation),
+        size,
+        "link",
+        file,
+        shape.scale,
+    )

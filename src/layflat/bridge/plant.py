@@ -1,37 +1,38 @@
-"""A machine whose arm moves in MuJoCo, as a plant that others move on bit by bit (as sim/plant.py is, with our arm)."""
+"""Plant of a machine whose arm moves in MuJoCo; sim/plant.py is that with the arm of the package."""
 
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from layflat.arrays import Array
-from layflat.bridge.arm import arm_spec, engine
+from layflat.bridge.arm import arm_spec, import_mujoco
 from layflat.bridge.joints import PneumaticJoints
 from layflat.description import units as u
 from layflat.errors import InputError
 from layflat.machine import Machine
-from layflat.physics.driven import Plant
-from layflat.physics.noise import noise_samples
+from layflat.physics.driven import MachinePlant
+from layflat.physics.sensor import noise_samples
 
 Value = str | float
 Advance = Callable[[Any], None]  # advances an MjData by a timestep, in place of `mj_step`
 
 
-class MujocoPlant(PneumaticJoints, Plant):
-    """A machine through time, at rest at first: give it voltages, let time pass, read its sensors.
+class MujocoPlant(PneumaticJoints, MachinePlant):
+    """Plant of a machine in MuJoCo, initially at rest: set voltages, advance the time, read the sensors.
 
     Args:
         machine: the machine.
-        model: an MjModel that contains its arm and whatever else; default: the arm alone.
-        data: that model's MjData, at whose angles it begins; default: a new one.
+        model: an MjModel that contains its arm; default: the arm alone.
+        data: MjData of that model, at whose angles it begins; default: a new one.
         joints: name of the machine's joint by name of its hinge, where they differ.
-        start: angles of the joints at first, where not those of `data`, one or one a joint.
-        pressures: absolute pressures of the hoses A and B at first; default: at equal leakage.
-        seed: of the sensors' noise; None: they have none.
-        step: performs a timestep, given what advances an MjData by one with the joints: for who acts before and after.
+        start: initial angles of the joints, one for all or one a joint; default: those of `data`.
+        pressures: initial absolute pressures of the hoses A and B; default: at equal leakage.
+        seed: seed of the sensors' noise; None: no noise.
+        step: performs a timestep; it gets a function that advances an MjData by one with the joints, and may act before
+            and after.
 
     Attributes:
         model: the MjModel.
-        data: the MjData; who looks at bodies calls `mj_kinematics` or `mj_forward` first, as after any `mj_step`.
+        data: the MjData; to read bodies, call `mj_kinematics` or `mj_forward` first, as after any `mj_step`.
 
     Raises:
         InputError: as `PneumaticJoints`, or the hinges are not those of all the machine's joints.
@@ -50,9 +51,9 @@ class MujocoPlant(PneumaticJoints, Plant):
         step: Callable[[Advance], object] | None = None,
     ) -> None:
         self.model = arm_spec(machine).compile() if model is None else model
-        self.data = engine().MjData(self.model) if data is None else data
-        filled = None if pressures is None else _pressures(pressures)
-        super().__init__(self.model, machine, _in_order(machine, joints), pressures=filled)
+        self.data = import_mujoco().MjData(self.model) if data is None else data
+        filled = None if pressures is None else _read_pressures(pressures)
+        super().__init__(self.model, machine, _order_hinges(machine, joints), pressures=filled)
         self.joints = tuple(machine.joints)
         self._advance, n = step or (lambda advance: advance(self.data)), len(self.joints)
         if start is not None:
@@ -69,36 +70,36 @@ class MujocoPlant(PneumaticJoints, Plant):
 
     @property
     def time(self) -> float:
-        """How far it has been advanced, s."""
+        """Time to which it has been advanced, s."""
         return float(self.data.time)
 
     @property
     def payload(self) -> float:
         """Mass of the body "payload", kg; settable. Zero where the model has none, and then not settable."""
-        found = self._payload()
-        return float(self.model.body_mass[found]) if found >= 0 else 0.0
+        body = self._payload()
+        return float(self.model.body_mass[body]) if body >= 0 else 0.0
 
     @payload.setter
     def payload(self, mass: float) -> None:
-        found = self._payload()
-        if found < 0:
+        body = self._payload()
+        if body < 0:
             raise InputError(
                 "the model has no such body", where="payload", right="add a body named 'payload' at the tip"
             )
         if mass == self.payload:
             return
-        self.model.body_mass[found] = mass
-        # What follows from masses, of other data: in these nothing moves.
+        self.model.body_mass[body] = mass
+        # Updates constants that depend on masses, in another MjData, since it would reset this one.
         self._mj.mj_setConst(self.model, self._mj.MjData(self.model))
 
     def advance(self, until: float) -> None:
-        """Let time pass up to the last whole step before `until` (s); raise DivergedError if the machine diverged."""
+        """Advance to the last whole step before `until` (s); raise DivergedError if the machine diverged."""
         # A deadline that is a whole number of steps may be a hair short of it.
         for _ in range(int((until - self.time) / self.model.opt.timestep + 1e-3)):
             self._advance(self.step)
 
     def sense(self, noise: Array | None = None) -> tuple[Array, Array]:
-        """Angles (rad) and differential pressures (Pa) as the converters report them now, (joints,).
+        """Return angles (rad) and differential pressures (Pa) as the converters report them now, (joints,).
 
         Args:
             noise: as in `PneumaticJoints.sense`; default: that of the seed.
@@ -106,15 +107,15 @@ class MujocoPlant(PneumaticJoints, Plant):
         return super().sense(next(self._noise) if noise is None else noise)
 
     def grip(self, joint: int, torque: float) -> None:
-        """Hold a joint as a brake does, by so much more than its own (N m); 0 lets it go."""
+        """Add to the torque (N m) at which a joint's brake slips; 0 leaves the brake's own."""
         self.brakes[joint] = self._own[joint] + torque
 
     def _payload(self) -> int:
         return int(self._mj.mj_name2id(self.model, self._mj.mjtObj.mjOBJ_BODY, "payload"))
 
 
-def _in_order(machine: Machine, joints: Mapping[str, str] | None) -> Mapping[str, str] | None:
-    """Hinges in the order of the machine's joints, one of each."""
+def _order_hinges(machine: Machine, joints: Mapping[str, str] | None) -> Mapping[str, str] | None:
+    """Return the hinges in the order of the machine's joints, one of each."""
     if joints is None:
         return None
     if sorted(joints.values()) != sorted(machine.joints):
@@ -127,8 +128,9 @@ def _in_order(machine: Machine, joints: Mapping[str, str] | None) -> Mapping[str
     return {hinges[name]: name for name in machine.joints}
 
 
-def _pressures(given: tuple[Value, Value]) -> tuple[float, float]:
-    a, b = (u.quantity(value, u.PRESSURE, "pressures") for value in given)
+def _read_pressures(values: tuple[Value, Value]) -> tuple[float, float]:
+    """Return two absolute pressures in Pa; raise InputError unless both are above vacuum."""
+    a, b = (u.quantity(value, u.PRESSURE, "pressures") for value in values)
     if min(a, b) <= 0.0:
         raise InputError(f"{min(a, b):g} Pa is not above vacuum", where="pressures", right='give absolute "3.5 bar"')
     return a, b

@@ -1,4 +1,4 @@
-"""The packing cell: its description, its physical scene, and what its camera sees."""
+"""Packing cell: its description, its physical scene, vision, plans of picks, and their execution."""
 
 from layflat.cell.file.loader import load, names
 from layflat.cell.file.model import Cell

@@ -1,4 +1,4 @@
-"""The command line: the one place that puts the parts together."""
+"""Command line: the one place that puts the parts together."""
 
 import atexit
 import gc
@@ -12,30 +12,41 @@ from typing import NoReturn
 import typer
 from typer.main import get_command
 
-from layflat.cli.app import app
-from layflat.cli.lazy import ASKING
+from layflat.cli.groups import COMPLETION_VARIABLE, app
+from layflat.cli.lazy import PAGE_COMMANDS, LazyTyper
+from layflat.cli.moved import PRESENT_OPTIONS, moved_line
 from layflat.errors import LayflatError, StoppedError
-from layflat.outputs import command_of, running
+from layflat.outputs import parse_command, run_command
 
 __all__ = ["app", "main"]
 
-STOPPED = 130  # exit status after Ctrl-C
-TERMINATED = 143  # exit status after SIGTERM
+INTERRUPTED_EXIT = 130  # exit status after Ctrl-C
+TERMINATED_EXIT = 143  # exit status after SIGTERM
 NOTHING_KEPT = "stopped before there was anything to keep"
 
 
 def main() -> None:
-    """Run a command; an error is one line on stderr and exit status 2, Ctrl-C one line and 130, SIGTERM and 143.
+    """Run a command: an error is one line on stderr with exit status 2, after Ctrl-C with 130, after SIGTERM with 143.
 
     A command that can keep what was done catches `KeyboardInterrupt`, writes its results marked as partial, and raises
     `StoppedError`, whose line says where they are.
     """
     atexit.register(gc.freeze)  # last of all: looking for garbage at the end takes a short command a tenth of its time
     words = sys.argv[1:]
+    if os.environ.get(COMPLETION_VARIABLE):
+        from layflat.cli.completion import answer_shell  # noqa: PLC0415
+
+        answer_shell()
+    if line := moved_line(words):
+        _fail(line)
     signals: list[int] = []
     try:
         command = get_command(app)
-        with command.make_context("layflat", words) as context, _outputs(words), _ending_orderly() as signals:
+        with (
+            command.make_context("layflat", words) as context,
+            _protect_outputs(words),
+            _signals_as_interrupts() as signals,
+        ):
             status = command.invoke(context)
         sys.stdout.flush()
     except typer.Exit as end:
@@ -59,17 +70,17 @@ def main() -> None:
     except Exception:
         if not signals:
             raise
-        _fail(NOTHING_KEPT, _status_after(signals))  # a library made an error of its own of what interrupted it
+        _fail(NOTHING_KEPT, _status_after(signals))  # a library turned the interrupt into an error of its own
     sys.exit(status if isinstance(status, int) else 0)
 
 
 def _status_after(signals: list[int]) -> int:
-    return TERMINATED if signal.SIGTERM in signals else STOPPED
+    return TERMINATED_EXIT if signal.SIGTERM in signals else INTERRUPTED_EXIT
 
 
 @contextmanager
-def _ending_orderly() -> Iterator[list[int]]:
-    """End a command on SIGTERM as on Ctrl-C, so that nothing half done stays; yield the list of signals that came."""
+def _signals_as_interrupts() -> Iterator[list[int]]:
+    """Raise KeyboardInterrupt on SIGTERM as on Ctrl-C, so that commands clean up; yield the received signals."""
     signals: list[int] = []
 
     def interrupt(number: int, _frame: object) -> None:
@@ -86,21 +97,24 @@ def _ending_orderly() -> Iterator[list[int]]:
             signal.signal(number, handler)
 
 
-def _outputs(words: list[str]) -> AbstractContextManager[None]:
-    """Return a context in which nothing is replaced that the command does not own, unless its page asks before."""
-    if words and words[0] in ASKING:
+def _protect_outputs(words: list[str]) -> AbstractContextManager[None]:
+    """Return a context in which a command replaces only files of its own, unless its page asks before."""
+    if words and words[0] in PAGE_COMMANDS:
         return nullcontext()
-    groups = [name for name, place in app.modules.items() if ":" in place]
-    return running(command_of(words, groups, lambda text: print(f"layflat: {text}", file=sys.stderr)))  # noqa: T201
+    groups = [name for name, place in app.places.items() if isinstance(place, LazyTyper)]
+    return run_command(parse_command(words, groups, lambda text: print(f"layflat: {text}", file=sys.stderr)))  # noqa: T201
 
 
 def _fail_usage(error: typer.TyperException) -> NoReturn:
-    """Say what is wrong with the words of a command, and which help tells more; without words, show the help."""
+    """Print the error in the arguments of a command, and the name of its help; without arguments, print the help."""
     context = getattr(error, "ctx", None)
     if "Usage:" in error.format_message():  # a group without a command
         print(error.format_message(), file=sys.stderr)  # noqa: T201
         sys.exit(2)
     command = context.command_path if context is not None else "layflat"
+    option = getattr(error, "option_name", "")
+    if (command, option) in PRESENT_OPTIONS:
+        _fail(f"{option} is {PRESENT_OPTIONS[command, option]} now")
     _fail(f"{error.format_message().rstrip('.')} (see `{command} --help`)")
 
 

@@ -1,12 +1,13 @@
-"""Commands that take arms in and out of files of robots: arm import; arm export, which is also arm-model."""
+"""Commands that import and export arms as robot files."""
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, TypeVar
 
 import typer
 
-from layflat.cli.app import MachineName, Out, app, naming_options, print_table
-from layflat.cli.lazy import LazyTyper
+from layflat.cli.common import MachineName, Out, expanded, naming_options, print_table
+from layflat.cli.groups import arms
 from layflat.errors import InputError
 
 if TYPE_CHECKING:
@@ -14,23 +15,26 @@ if TYPE_CHECKING:
 
 Value = TypeVar("Value")
 
-arms = LazyTyper("arm", "Take arms in and out of URDF and MJCF.", {"import": "arm", "export": "arm"})
+IMPORT_OPTIONS = {name: f"--{name}" for name in ("joints", "to", "tool", "name", "stroke", "gravity")} | {
+    "base": "--from",
+    "packages": "--package",
+    "meshes=True": "--meshes",
+    "meshes=False": "--no-meshes",
+}
+"""Options of an import by its arguments."""
 
 
-@arms.callback()
-def arm() -> None:
-    """Group the commands about files of robots."""
-
-
-@arms.command("export")
-@app.command("arm-model")
-def export(
+@arms.register("export", "picking-arm --out arm.xml", "picking-arm --out arm.urdf")
+def export_arm(
     machine: MachineName,
     out: Annotated[Path, typer.Option("--out", "-o", metavar="FILE", help="ends in .xml (MJCF) or .urdf")],
 ) -> None:
-    """Write a machine's arm for other tools: MJCF (MuJoCo) or URDF; meshes go to a folder beside it."""
+    """Export a machine's arm as MJCF (MuJoCo) or URDF.
+
+    Meshes go to a folder beside the file.
+    """
     from layflat.bridge import save_arm  # noqa: PLC0415
-    from layflat.bridge.losses import losses  # noqa: PLC0415
+    from layflat.bridge.arm import conversion_losses  # noqa: PLC0415
     from layflat.files import check_file  # noqa: PLC0415
     from layflat.machine import load  # noqa: PLC0415
 
@@ -38,30 +42,36 @@ def export(
     check_file(out)
     with naming_options({"path": "--out"}):
         written = save_arm(described, out)
-    for line in losses(described, out.suffix):
+    for line in conversion_losses(described, out.suffix):
         typer.echo(line)
     for path in written:
         typer.echo(f"wrote {path}")
 
 
-@arms.command("import")
-def import_robot(
-    file: Annotated[Path, typer.Argument(metavar="ROBOT", help="URDF or MJCF")],
+@dataclass(frozen=True)
+class RobotOptions:
+    """Options about the robot that an arm is imported from (see `expanded`)."""
+
     joints: Annotated[
         list[str] | None,
         typer.Option(help='joints of hose: MACHINE:JOINT, or "NAME=MACHINE:JOINT" for one of the arm\'s; repeatable'),
-    ] = None,
+    ] = None
     base: Annotated[
         str, typer.Option("--from", metavar="LINK", help="that the arm stands on, held still  [default: the base]")
-    ] = "",
-    to: Annotated[str, typer.Option(metavar="LINK", help="where the arm ends, in a robot with several")] = "",
-    tool: Annotated[str, typer.Option(metavar="FRAME", help="link, body or site at the tip")] = "",
+    ] = ""
+    to: Annotated[str, typer.Option(metavar="LINK", help="where the arm ends, in a robot with several")] = ""
+    tool: Annotated[str, typer.Option(metavar="FRAME", help="link, body or site at the tip")] = ""
     stroke: Annotated[
         list[str] | None, typer.Option(help='limits of a joint, such as "wrist=-60 deg, 60 deg"; repeatable')
-    ] = None,
-    gravity: Annotated[
-        str, typer.Option(help='such as "0, 0, -9.81 m/s^2"  [default: the file\'s, or against z]')
-    ] = "",
+    ] = None
+    gravity: Annotated[str, typer.Option(help='such as "0, 0, -9.81 m/s^2"  [default: the file\'s, or against z]')] = ""
+
+
+@arms.register("import", "robot.urdf", 'robot.urdf --stroke "wrist=-60 deg, 60 deg"')
+@expanded
+def import_robot(
+    file: Annotated[Path, typer.Argument(metavar="ROBOT", help="URDF or MJCF")],
+    robot: RobotOptions,
     name: Annotated[str, typer.Option(help="of the machine  [default: the robot's]")] = "",
     meshes: Annotated[bool, typer.Option(help="whether to draw links by the robot's meshes")] = True,
     package: Annotated[
@@ -70,49 +80,52 @@ def import_robot(
     ] = None,
     out: Out = Path("build/arm"),
 ) -> None:
-    """Take an arm from a URDF or MJCF, with joints of hose in place of its own.
+    """Import an arm from URDF or MJCF.
 
-    Prints what its joints are; writes NAME.toml, a description that simulates as it is, and meshes beside it.
+    Joints of hose take the place of its own. Prints what its joints are; writes NAME.toml, a description that
+    simulates as it is, and meshes beside it.
     """
-    from layflat.bridge.robots import import_arm  # noqa: PLC0415
+    from layflat.bridge.robots import ChainEnds, import_arm  # noqa: PLC0415
     from layflat.files import check_folder  # noqa: PLC0415
 
-    limits = _once([_stroke(text) for text in stroke or []], "--stroke")
-    folders = _once([_package(text) for text in package or []], "--package")
-    pull = _gravity(gravity) if gravity else None
-    found = import_arm(
-        file,
-        joints=joints or [],
-        base=base,
-        to=to,
-        tool=tool,
-        name=name,
-        stroke=limits,
-        gravity=pull,
-        meshes=meshes,
-        packages=folders,
-    )
-    check_folder(out, f"{found.machine.name}.toml")
-    _print(found)
-    for path in found.save(out):
+    limits = _unique_values([_parse_stroke(text) for text in robot.stroke or []], "--stroke")
+    folders = _unique_values([_parse_package(text) for text in package or []], "--package")
+    pull = _parse_gravity(robot.gravity) if robot.gravity else None
+    with naming_options(IMPORT_OPTIONS):
+        imported = import_arm(
+            file,
+            joints=robot.joints or [],
+            ends=ChainEnds(robot.base, robot.to, robot.tool),
+            name=name,
+            stroke=limits,
+            gravity=pull,
+            meshes=meshes,
+            packages=folders,
+        )
+    check_folder(out, f"{imported.machine.name}.toml")
+    _print_arm(imported)
+    for path in imported.save(out):
         typer.echo(f"wrote {path}")
 
 
-def _print(found: "ImportedArm") -> None:
+def _print_arm(imported: "ImportedArm") -> None:
+    """Print a table of an imported arm's joints, and its notes."""
     from math import degrees  # noqa: PLC0415
 
-    machine, rows = found.machine, []
-    for name, turn, torque, weight in zip(machine.joints, found.turning, found.torques, found.weights, strict=True):
+    machine, rows = imported.machine, []
+    for name, turn, torque, weight in zip(
+        machine.joints, imported.turning, imported.torques, imported.weights, strict=True
+    ):
         angles = f"{degrees(turn.middle):.1f}", f"{degrees(turn.works):.1f}", f"{degrees(turn.mechanical):.1f}"
         rows.append([name, *angles, f"{torque:.2f}", f"{weight:.2f}"])
     columns = ["joint", "zero at (deg)", "working stroke (deg)", "stops (deg)", "torque (N m)", "gravity (N m)"]
-    chain = found.chain
+    chain = imported.chain
     print_table(columns, rows, f"{machine.name}: {machine.title}; tip at {chain.tool_name}, {chain.payload:g} kg there")
-    for note in found.notes():
+    for note in imported.notes():
         typer.echo(note)
 
 
-def _stroke(text: str) -> tuple[str, tuple[float, float]]:
+def _parse_stroke(text: str) -> tuple[str, tuple[float, float]]:
     """Return joint and limits (rad) of an option such as "wrist=-60 deg, 60 deg"."""
     from layflat.description import units as u  # noqa: PLC0415
 
@@ -124,7 +137,7 @@ def _stroke(text: str) -> tuple[str, tuple[float, float]]:
     return name.strip(), (both[0], both[1])
 
 
-def _package(text: str) -> tuple[str, Path]:
+def _parse_package(text: str) -> tuple[str, Path]:
     """Return name and folder of an option such as "my_robot=/opt/my_robot"."""
     name, _, folder = text.partition("=")
     if not name.strip() or not folder.strip():
@@ -136,8 +149,8 @@ def _package(text: str) -> tuple[str, Path]:
     return name.strip(), path
 
 
-def _once(pairs: list[tuple[str, Value]], option: str) -> dict[str, Value]:
-    """Return values by name; refuse a name that stands there twice."""
+def _unique_values(pairs: list[tuple[str, Value]], option: str) -> dict[str, Value]:
+    """Return values by name; raise InputError for a name that occurs twice."""
     values: dict[str, Value] = {}
     for name, value in pairs:
         if name in values:
@@ -146,7 +159,7 @@ def _once(pairs: list[tuple[str, Value]], option: str) -> dict[str, Value]:
     return values
 
 
-def _gravity(text: str) -> list[float]:
+def _parse_gravity(text: str) -> list[float]:
     """Return the three components (m/s2) of an option such as "0, 0, -9.81 m/s^2"; zeros need no unit."""
     from layflat.description import units as u  # noqa: PLC0415
 
@@ -157,6 +170,7 @@ def _gravity(text: str) -> list[float]:
 
 
 def _is_zero(text: str) -> bool:
+    """Return whether a text is a number equal to zero."""
     try:
         return float(text) == 0.0
     except ValueError:

@@ -1,4 +1,4 @@
-"""Signs of life on a terminal while some work goes on; nothing is drawn where stderr is not a terminal."""
+"""Progress of work on a terminal; nothing is drawn where stderr is not a terminal."""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -7,26 +7,29 @@ from threading import Thread
 from time import perf_counter
 from typing import Any
 
-LOOKS = 0.1  # between two looks whether some work is done, s; Ctrl-C is heard so soon
+POLL_INTERVAL = 0.1  # between two checks whether work in a thread is done, s; Ctrl-C takes effect as soon
 
-SHORT = 2.0  # work that takes longer has a bar, s
+MIN_BAR_TIME = 2.0  # of work that gets a bar, s
 
-COMPILES = "(compiles for some seconds the first time)"
-"""What is shown before the first step of anything that is simulated."""
+COMPILING_TEXT = "(compiles for some seconds the first time)"
+"""Text that is shown before the first step of a simulation."""
 
 
 @contextmanager
 def bar(what: str, total: float | None, *columns: str) -> Iterator[Callable[..., None]]:
-    """Show a bar for what is done; nothing where stderr is not a terminal.
+    """Show a progress bar; yield a function that sets its `completed`, `total` and `description`.
 
-    Columns behind it are named as in `rich.progress`. Yields what sets `completed`, `total` and `description`.
+    Args:
+        what: description of the work.
+        total: value of `completed` at the end; None if unknown.
+        columns: names of the columns of `rich.progress` behind the bar.
     """
     from rich import progress  # noqa: PLC0415
     from rich.console import Console  # noqa: PLC0415
 
     console = Console(stderr=True)
     behind = [getattr(progress, column)() for column in columns]
-    shown = progress.Progress(
+    display = progress.Progress(
         progress.TextColumn("{task.description}"),
         progress.BarColumn(),
         *behind,
@@ -34,14 +37,14 @@ def bar(what: str, total: float | None, *columns: str) -> Iterator[Callable[...,
         transient=True,
         disable=not console.is_terminal,
     )
-    with shown:
-        yield partial(shown.update, shown.add_task(what, total=total))
+    with display:
+        yield partial(display.update, display.add_task(what, total=total))
 
 
 @contextmanager
 def steps_bar(what: str, total: int | None = None) -> Iterator[Any]:
-    """Show a bar over steps, and how long they take; yields `advance(done, total=None, now="")`, which sets it."""
-    with bar(f"{what} {COMPILES}", total, "MofNCompleteColumn", "TimeRemainingColumn") as update:
+    """Show a bar over steps with the remaining time; yield `advance(done, total=None, now="")`, which sets it."""
+    with bar(f"{what} {COMPILING_TEXT}", total, "MofNCompleteColumn", "TimeRemainingColumn") as update:
 
         def advance(done: int, total: int | None = None, now: str = "") -> None:
             update(completed=done, total=total, description=now or (what if done else None))
@@ -51,7 +54,7 @@ def steps_bar(what: str, total: int | None = None) -> Iterator[Any]:
 
 @contextmanager
 def busy(what: str) -> Iterator[Callable[[str], None]]:
-    """Show what is going on; call what it gives to show something else."""
+    """Show a status text; yield a function that replaces it."""
     from rich.console import Console  # noqa: PLC0415
 
     with Console(stderr=True).status(what) as shown:
@@ -59,14 +62,14 @@ def busy(what: str) -> Iterator[Callable[[str], None]]:
 
 
 def in_background(work: Callable[[], Any], what: str, fraction: Callable[[], float] | None = None) -> Any:
-    """Do some work in a thread, show for how long, and return what it gives or raise what it raises.
+    """Call a function in a thread, show the elapsed time, and return its result or raise its error.
 
-    Compiled code lets no Ctrl-C through; here it ends the waiting at once, and the thread ends with the process.
+    Compiled code does not react to Ctrl-C; here Ctrl-C ends the wait at once, and the thread ends with the process.
 
     Args:
-        work: to be done.
-        what: words for it.
-        fraction: of the work that is done, for a bar once it takes long; default: unknown.
+        work: function without arguments.
+        what: description of the work.
+        fraction: returns the fraction of the work done, 0..1, for a bar once it takes `MIN_BAR_TIME`; None: unknown.
     """
     results: list[Any] = []
     failures: list[BaseException] = []
@@ -77,18 +80,18 @@ def in_background(work: Callable[[], Any], what: str, fraction: Callable[[], flo
         except BaseException as error:  # handed over to the thread that waits
             failures.append(error)
 
-    thread, begun = Thread(target=run, daemon=True), perf_counter()
+    thread, start = Thread(target=run, daemon=True), perf_counter()
     thread.start()
-    with busy(f"{what} {COMPILES}") as show:
+    with busy(f"{what} {COMPILING_TEXT}") as show:
         while thread.is_alive():
-            thread.join(LOOKS)
-            show(f"{what}, {perf_counter() - begun:.0f} s {COMPILES}")
-            if fraction is not None and fraction() > 0.0 and perf_counter() - begun > SHORT:
+            thread.join(POLL_INTERVAL)
+            show(f"{what}, {perf_counter() - start:.0f} s {COMPILING_TEXT}")
+            if fraction is not None and fraction() > 0.0 and perf_counter() - start > MIN_BAR_TIME:
                 break
     if fraction is not None and thread.is_alive():
         with bar(what, 1.0, "TaskProgressColumn", "TimeElapsedColumn", "TimeRemainingColumn") as update:
             while thread.is_alive():
-                thread.join(LOOKS)
+                thread.join(POLL_INTERVAL)
                 update(completed=fraction())
     if failures:
         raise failures[0]

@@ -1,14 +1,23 @@
-"""Commands that design joints: design, size."""
+"""Commands that size and design joints."""
 
 from dataclasses import asdict, dataclass
-from math import degrees
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from layflat import extras
-from layflat.cli.app import MachineName, Out, app, expanded, known_joint, print_findings, print_table
+from layflat.cli.common import (
+    JointName,
+    MachineName,
+    Out,
+    check_joint,
+    expanded,
+    naming_options,
+    print_findings,
+    print_table,
+)
+from layflat.cli.groups import joints
 from layflat.errors import InputError, MissingExtraError
 
 if TYPE_CHECKING:
@@ -16,13 +25,13 @@ if TYPE_CHECKING:
     from layflat.machine import Machine
 
 
-ROWS = 11  # rows of the cam's table, as the paper's Table 1 has
+CAM_TABLE_ROWS = 11  # rows of the cam's table, as the paper's Table 1 has
 
 
-@app.command()
-def design(
+@joints.register("design", "paper-arm", 'paper-arm --joint small --table m.csv --pressure "3 bar"')
+def design_joints(
     machine: MachineName,
-    joint: Annotated[str | None, typer.Option(help="default: all joints")] = None,
+    joint: JointName = None,
     table: Annotated[Path | None, typer.Option(metavar="CSV", help="measured torque over angle, for Eq. (1)")] = None,
     pressure: Annotated[str | None, typer.Option(help="gauge pressure at which --table was measured")] = None,
     out: Out = Path("build/design"),
@@ -36,21 +45,21 @@ def design(
     from layflat.machine import load  # noqa: PLC0415
 
     described = load(machine)
-    chosen = [known_joint(described, joint)] if joint is not None else list(described.joints)
-    measured = _measured(described, chosen, table, pressure)
+    chosen = [check_joint(described, joint)] if joint is not None else list(described.joints)
+    measured = _read_measured(described, chosen, table, pressure)
     designs = [design_joint(described, name, measured=measured) for name in chosen]
     check_folder(out)
-    if any(made.cam is not None for made in designs):
-        say_what_is_left_out()
-    for made in designs:
-        _print(made)
-    for made in designs:
-        _draw(made, out)
+    if any(joint_design.cam is not None for joint_design in designs):
+        report_missing_dxf()
+    for joint_design in designs:
+        _print_design(joint_design)
+    for joint_design in designs:
+        _write_drawings(joint_design, out)
 
 
 @dataclass(frozen=True)
-class Wanted:
-    """Options that say what a joint is sized for, as `SizingRequest.from_text` takes them."""
+class SizingOptions:
+    """Options about the requirements of a joint: the arguments of `SizingRequest`."""
 
     torque: Annotated[str, typer.Option(help='over the whole working stroke, such as "25 N m"')]
     stroke: Annotated[str, typer.Option(help='working stroke, such as "120 deg"')]
@@ -67,9 +76,9 @@ class Wanted:
     name: Annotated[str, typer.Option(help="of the machine and its file")] = "sized-joint"
 
 
-@app.command()
+@joints.register("size", '--torque "25 N m" --stroke "120 deg" --supply "4 bar"')
 @expanded
-def size(wanted: Wanted, out: Out = Path("build/size")) -> None:
+def size_from_requirements(options: SizingOptions, out: Out = Path("build/size")) -> None:
     """Size a joint from the torque and stroke it must have.
 
     Writes a complete description that can be simulated, and its drawings.
@@ -77,68 +86,57 @@ def size(wanted: Wanted, out: Out = Path("build/size")) -> None:
     from layflat.design import SizingRequest, size_joint  # noqa: PLC0415
     from layflat.files import check_folder  # noqa: PLC0415
 
-    request = SizingRequest.from_text(**asdict(wanted))
-    check_folder(out, f"{wanted.name}.toml")
+    given = {key: value for key, value in asdict(options).items() if value is not None}
+    with naming_options({f"size: {name}": f"--{name.replace('_', '-')}" for name in given}):
+        request = SizingRequest(**given)
+    check_folder(out, f"{options.name}.toml")
     sized = size_joint(request)
-    say_what_is_left_out()
-    _print(sized.design)
-    path = sized.write(out / f"{wanted.name}.toml")
+    report_missing_dxf()
+    _print_design(sized.design)
+    path = sized.write(out / f"{options.name}.toml")
     typer.echo(f"wrote {path}")
-    _draw(sized.design, out)
+    _write_drawings(sized.design, out)
     typer.echo(f"the controller's gains are the paper's, scaled; to tune them for this joint: layflat tune {path}")
 
 
-def say_what_is_left_out() -> None:
-    """Say in one line, before any work is done, which extra brings the DXF where it is not installed."""
+def report_missing_dxf() -> None:
+    """Print, before any work is done, which extra is needed for DXF, if it is not installed."""
     try:
         extras.require("drawing", where="no DXF")
     except MissingExtraError as missing:
         typer.echo(f"layflat: {missing}", err=True)
 
 
-def _print(design: "JointDesign") -> None:
-    """Print what was designed, the cam's columns, the strap's stresses, and what the rules found."""
+def _print_design(design: "JointDesign") -> None:
+    """Print quantities of a joint, the cam's table, the strap's stresses, and the findings of the design rules."""
     import numpy as np  # noqa: PLC0415
 
-    from layflat.design.strength import shaft_advice  # noqa: PLC0415
-
-    joint, (angle, torque) = design.joint, design.torque
-    rows = [
-        ["torque", f"{torque.min():.1f} to {torque.max():.1f} N m at {design.pressure / 1e5:g} bar gauge"],
-        ["full travel", f"{degrees(angle[-1]):.1f} deg (working stroke {degrees(joint.stops.working_stroke):.0f} deg)"],
-        ["hose", f"{1e3 * joint.hose.width:.0f} mm wide, wrapped {degrees(joint.hose.wrap):.0f} deg"],
-        ["cylinder", f"{1e3 * joint.cylinder.diameter:.1f} mm in diameter"],
-        ["output", f"{joint.output.kind}, {1e3 * joint.output.radius:.2f} mm mean radius"],
-        ["mass", f"{design.mass.body:.2f} kg, of which {design.mass.counted:.2f} kg hose, cylinder, shell, strap, cam"],
-        ["air per stroke", f"{design.air.normal_litres:.2f} normal litres"],
-    ]
-    if design.outline is not None:
-        rows.append(["shaft", shaft_advice(float(torque.max()), design.outline.bore)])
-    print_table(["quantity", "value"], rows, f"{design.machine.name}, {design.name} joint")
+    print_table(["quantity", "value"], design.quantity_rows(), f"{design.machine.name}, {design.name} joint")
     if design.cam is not None:
         columns = design.columns()
         shown = ["travel_mm", "force_N", "tension_N", "lever_mm", "cam_angle_deg", "torque_Nm", "curvature_radius_mm"]
-        at = np.linspace(0, len(columns["travel_mm"]) - 1, ROWS).round().astype(int)
-        print_table(shown, [[f"{columns[name][i]:.2f}" for name in shown] for i in at], "cam")
+        indices = np.linspace(0, len(columns["travel_mm"]) - 1, CAM_TABLE_ROWS).round().astype(int)
+        print_table(shown, [[f"{columns[name][i]:.2f}" for name in shown] for i in indices], "cam")
     rows = [
-        [s.place, *(f"{value / 1e6:.0f}" for value in (s.tensile, s.bending, s.yield_stress)), f"{s.safety:.2f}"]
+        [s.location, *(f"{value / 1e6:.0f}" for value in (s.tensile, s.bending, s.yield_stress)), f"{s.safety:.2f}"]
         for s in design.stresses
     ]
     print_table(["strap over", "tension (MPa)", "bending (MPa)", "yield (MPa)", "safety"], rows, "strap")
     print_findings(design.findings)
 
 
-def _draw(made: "JointDesign", out: Path) -> None:
+def _write_drawings(design: "JointDesign", out: Path) -> None:
+    """Write the drawings of a joint that has a cam, and print their paths."""
     from layflat.design import write_drawings  # noqa: PLC0415
 
-    for path in write_drawings(made, out) if made.cam is not None else []:
+    for path in write_drawings(design, out) if design.cam is not None else []:
         typer.echo(f"wrote {path}")
 
 
-def _measured(
+def _read_measured(
     machine: "Machine", chosen: list[str], table: Path | None, pressure: str | None
 ) -> "Characteristic | None":
-    """Read --table, which measures one joint, at --pressure."""
+    """Return the characteristic in --table, measured on one joint at --pressure; None without --table."""
     from layflat.description import units as u  # noqa: PLC0415
     from layflat.design import read_characteristic  # noqa: PLC0415
 
@@ -148,5 +146,5 @@ def _measured(
         return None
     if len(chosen) > 1:
         raise InputError("measures one joint", where="--table", right=f"add --joint {' or --joint '.join(chosen)}")
-    at = u.quantity(pressure, u.PRESSURE, "--pressure") if pressure is not None else None
-    return read_characteristic(table, pressure=at, roller_radius=machine.joint[chosen[0]].output.radius)
+    measured_pressure = u.quantity(pressure, u.PRESSURE, "--pressure") if pressure is not None else None
+    return read_characteristic(table, pressure=measured_pressure, roller_radius=machine.joint[chosen[0]].output.radius)

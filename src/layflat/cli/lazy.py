@@ -1,43 +1,52 @@
 """Groups of commands that import a command's module when the command is used, and not before."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from importlib import import_module
+from inspect import cleandoc
 from typing import Annotated, Any
 
 import typer
-from typer.core import TyperGroup
-from typer.main import get_command, get_command_name
+from typer.core import TyperCommand, TyperGroup
+from typer.main import get_command
 
 from layflat.outputs import FORCE
 
 WIDTH = 100  # columns that a help may take
 
-OUTPUTS = {"out", "png"}  # parameters that say where a command writes
-ASKING = ("panel", "studio")  # commands whose pages ask before they replace a file
+OUTPUT_PARAMETERS = {"out", "png"}  # parameters with a command's output path
+PAGE_COMMANDS = ("panel", "studio")  # commands whose pages ask before they replace a file
 
 
 class LazyTyper(typer.Typer):
-    """An application whose commands register themselves when their modules are imported.
+    """Application whose commands register themselves when their modules are imported.
 
     Args:
-        name: as typed.
-        text: of its help.
-        commands: modules of `layflat.cli` by the names of the commands in them, in the order of the help;
-            "module:attribute" for a group, which is an application of its own.
+        name: name of the application or group.
+        text: its help text.
+        sections: headings of its help; below each the commands, with the module of `layflat.cli` that each is in, or
+            the group that each is.
     """
 
-    def __init__(self, name: str, text: str, commands: Mapping[str, str]) -> None:
+    def __init__(self, name: str, text: str, sections: Mapping[str, Mapping[str, "str | LazyTyper"]]) -> None:
         owner = self
 
         class LazyGroup(TyperGroup):
             def __init__(self, **settings: Any) -> None:
                 super().__init__(**settings)
-                self.commands = dict.fromkeys(commands)  # type: ignore[assignment]  # names, to suggest the nearest
+                self.commands = dict.fromkeys(owner.places)  # type: ignore[assignment]  # names, to suggest the nearest
 
             def get_command(self, ctx: Any, cmd_name: str) -> Any:  # noqa: ARG002
-                return owner.built(cmd_name) if cmd_name in commands else None
+                return owner.build_command(cmd_name) if cmd_name in owner.places else None
 
-        self.modules = commands
+            def format_commands(self, ctx: Any, formatter: Any) -> None:
+                width = max(map(len, owner.places))
+                for heading, names in sections.items():
+                    commands = [(name.ljust(width), self.get_command(ctx, name)) for name in names]
+                    with formatter.section(heading):
+                        formatter.write_dl([(padded, command.get_short_help_str()) for padded, command in commands])
+
+        self.sections = sections
+        self.places = {name: place for names in sections.values() for name, place in names.items()}
         super().__init__(
             name=name,
             help=text,
@@ -48,61 +57,85 @@ class LazyTyper(typer.Typer):
             rich_markup_mode=None,
             context_settings={"max_content_width": WIDTH},
         )
+        self.callback()(_without_options)  # a group is one also where a single command of it is known yet
 
-    def built(self, name: str) -> Any:
+    def register(self, name: str, *examples: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+        """Return a decorator that makes a function a command of this group.
+
+        Args:
+            name: name of the command.
+            examples: command lines that its help shows, without the words up to its name.
+        """
+        return self.command(name, cls=CheckedCommand, epilog="\n".join(examples))
+
+    def build_command(self, name: str) -> Any:
         """Import the module of a command and build the command."""
-        place, _, group = self.modules[name].partition(":")
-        module = import_module(f"layflat.cli.{place}")
-        if group:
-            several = get_command(getattr(module, group))
-            for command in filter(None, several.commands.values()):  # type: ignore[attr-defined]  # none of a lazy group
-                refuse_unclear(command)
-            return several
+        place = self.places[name]
+        if isinstance(place, LazyTyper):
+            return _with_short_help(get_command(place))
+        import_module(f"layflat.cli.{place}")
         single = typer.Typer(add_completion=False, rich_markup_mode=None)
-        single.registered_commands = [
-            info
-            for info in self.registered_commands
-            if info.callback is not None and name == (info.name or get_command_name(info.callback.__name__))
-        ]
-        return refuse_unclear(with_force(get_command(single)) if name not in ASKING else get_command(single))
+        single.registered_commands = [info for info in self.registered_commands if info.name == name]
+        command = _with_short_help(get_command(single))
+        return command if name in PAGE_COMMANDS else _with_force(command)
 
 
-def refuse_unclear(command: Any) -> Any:
-    """Make a command refuse an option that is given twice and has one value, and one that is given empty.
+class CheckedCommand(TyperCommand):
+    """Command that refuses options which are given twice or empty, and shows examples in its help.
 
-    The last would win without a word, and an empty value, such as a script's variable that is not set, would be as
-    none, or the folder in which the command runs.
+    Otherwise the last value would win silently, and an empty one, such as a script's unset variable, would count as
+    none, or as the folder in which the command runs.
     """
-    make_parser = command.make_parser
 
-    def made(context: Any) -> Any:
-        parser = make_parser(context)
+    def make_parser(self, ctx: Any) -> Any:
+        """Return the parser of the arguments; it raises BadParameter naming the option."""
+        parser: Any = super().make_parser(ctx)
         parse = parser.parse_args
 
-        def parsed(args: list[str]) -> Any:
-            found = parse(args=args)
+        def parse_checked(args: list[str]) -> Any:
+            result = parse(args=args)
             seen: set[str] = set()
-            for parameter in found[2]:
+            for parameter in result[2]:
                 single = parameter.param_type_name == "option" and not (parameter.multiple or parameter.is_flag)
                 if single and parameter.name in seen:
-                    raise typer.BadParameter("is given twice; give it once", ctx=context, param=parameter)
-                given = found[0].get(parameter.name)
-                if parameter.param_type_name == "option" and "" in (given if parameter.multiple else [given]):
+                    raise typer.BadParameter("is given twice; give it once", ctx=ctx, param=parameter)
+                value = result[0].get(parameter.name)
+                if parameter.param_type_name == "option" and "" in (value if parameter.multiple else [value]):
                     right = "is empty; leave it out, or give a value"
-                    raise typer.BadParameter(right, ctx=context, param=parameter)
+                    raise typer.BadParameter(right, ctx=ctx, param=parameter)
                 seen.add(parameter.name)
-            return found
+            return result
 
-        parser.parse_args = parsed
+        parser.parse_args = parse_checked
         return parser
 
-    command.make_parser = made
+    def format_epilog(self, ctx: Any, formatter: Any) -> None:
+        """Write the examples, each as it is typed."""
+        with formatter.section("Examples"):
+            for line in command_examples(self, ctx.command_path):
+                formatter.write(f"{'':{formatter.current_indent}}{line}\n")
+
+
+def command_examples(command: Any, path: str) -> list[str]:
+    """Return the examples of a command as they are typed.
+
+    Args:
+        command: command of a `LazyTyper`.
+        path: words up to its name, such as "layflat machine show".
+    """
+    return [f"{path} {words}".strip() for words in command.epilog.split("\n")]
+
+
+def _with_short_help(command: Any) -> Any:
+    """Set the help line of a command in the list of its group: the first sentence of its help, whole."""
+    first = " ".join(cleandoc(command.help).partition("\n\n")[0].split())
+    command.short_help = first.partition(". ")[0].removesuffix(".") + "."
     return command
 
 
-def with_force(command: Any) -> Any:
-    """Give a command that writes files the option --force, which no function needs: `layflat.outputs` reads it."""
-    if OUTPUTS & {one.name for one in command.params}:
+def _with_force(command: Any) -> Any:
+    """Add the option --force to a command that writes files; `layflat.outputs` reads it, no function receives it."""
+    if OUTPUT_PARAMETERS & {one.name for one in command.params}:
         single = typer.Typer(add_completion=False, rich_markup_mode=None)
         single.command()(_forced)
         option = next(one for one in get_command(single).params if one.name == "force")
@@ -114,4 +147,8 @@ def with_force(command: Any) -> Any:
 def _forced(
     force: Annotated[bool, typer.Option(FORCE, help="replace files that are there, whoever wrote them")] = False,
 ) -> None:
-    """Declare the option, as typer makes options of a function's parameters alone."""
+    """Declare the option --force: typer makes options only of a function's parameters."""
+
+
+def _without_options() -> None:
+    """Accept no option before the commands of a group."""

@@ -1,4 +1,4 @@
-"""Moves as people write them behind options, with joints and times, and how well they were followed, as a table."""
+"""Parser of moves in options, with joints and times; and tables of how well demands were followed."""
 
 import re
 from collections.abc import Sequence
@@ -6,15 +6,15 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from layflat.cli.app import print_table
+from layflat.cli.common import print_table
 from layflat.errors import InputError
 
 if TYPE_CHECKING:
     import xarray
 
-    from layflat.sim.metrics import Move
+    from layflat.sim.metrics import MoveMetrics
 
-TIP_BANDS = (2.0, 5.0)  # within which the tip's settling is told, mm
+TIP_BANDS = (2.0, 5.0)  # settling bands of the tip, mm
 
 DECIMAL_COMMA = re.compile(r"\s*((?:\w+\s*=\s*)?[-+]?\d+),(\d+)(\s*[^\W\d][^,]*?)\s*")  # "4,5 bar", "large=4,5 deg"
 
@@ -32,7 +32,7 @@ def parse_steps(
 
     Args:
         texts: one or more moves; those without a time are at the start.
-        names: of the joints, or of the axes.
+        names: names of the joints, or of the axes.
         where: the option, in messages.
         bare: whether values are numbers without unit.
         of: noun for a name; "value" for one that all joints share.
@@ -42,7 +42,7 @@ def parse_steps(
     """
     steps: dict[float, Values] = {}
     for text in texts:
-        time, values = _one(text, names, where, bare, of)
+        time, values = _parse_text(text, names, where, bare, of)
         step = steps.setdefault(time, {})
         twice = next((name for name in values if name in step), None)
         if twice is not None:
@@ -55,6 +55,11 @@ def parse_steps(
 def parse_row(text: str, names: Sequence[str], where: str) -> Values:
     """Return values by name from a text such as "40 deg, 20 deg" or "large=40 deg", without a time.
 
+    Args:
+        text: one value for all names, a value for each, or NAME=VALUE pairs.
+        names: names of the joints.
+        where: option, for messages.
+
     Raises:
         InputError: naming the option `where`: the text makes no sense, or has a time.
     """
@@ -63,7 +68,19 @@ def parse_row(text: str, names: Sequence[str], where: str) -> Values:
     return parse_steps([text], names, where)[0][1]
 
 
-def _one(text: str, names: Sequence[str], where: str, bare: bool, of: str) -> tuple[float, Values]:
+def _parse_text(text: str, names: Sequence[str], where: str, bare: bool, of: str) -> tuple[float, Values]:
+    """Return the time (s) and the values by name of one move, such as "large=20 deg @ 1 s".
+
+    Args:
+        text: move as typed; one value without name is for all names, except for axes.
+        names: names of the joints or axes.
+        where: option, for messages.
+        bare: whether values are numbers without unit.
+        of: noun of the names in messages: "joint", "axis", or "value" where all joints have the same.
+
+    Raises:
+        InputError: unknown names, a wrong number of values, a decimal comma, or a time before the start.
+    """
     from layflat.description import units as u  # noqa: PLC0415
 
     body, at, when = text.partition("@")
@@ -87,15 +104,16 @@ def _one(text: str, names: Sequence[str], where: str, bare: bool, of: str) -> tu
         twice = next((name for i, (name, _) in enumerate(pairs) if name in dict(pairs[:i])), None)
         if twice is not None:
             raise InputError(f"{twice!r} is given twice in {text!r}", where=where, right="give it once")
-        return time, {name: _value(value, where, bare) for name, value in pairs}
+        return time, {name: _parse_value(value, where, bare) for name, value in pairs}
     if len(items) not in {len(names) if of == "axis" else 1, len(names)}:
         right = "give one" if of == "value" else f"give {len(names)}: {', '.join(names)}"
         raise InputError(f"{text!r} has {len(items)} values", where=where, right=right)
     each = items * len(names) if len(items) == 1 else items
-    return time, {name: _value(item, where, bare) for name, item in zip(names, each, strict=True)}
+    return time, {name: _parse_value(item, where, bare) for name, item in zip(names, each, strict=True)}
 
 
-def _value(text: str, where: str, bare: bool) -> str | float:
+def _parse_value(text: str, where: str, bare: bool) -> str | float:
+    """Return a value as a number if it is bare, else its text; raise InputError if it is no number."""
     if not bare:
         return text
     try:
@@ -104,10 +122,15 @@ def _value(text: str, where: str, bare: bool) -> str | float:
         raise InputError(f"{text!r} is not a number", where=where, right="give a number such as 0.5") from None
 
 
-def print_moves(moves: "Sequence[tuple[float, Move]]", name: str) -> None:
-    """Print metrics of moves, with the times from which they count."""
+def print_moves(moves: "Sequence[tuple[float, MoveMetrics]]", name: str) -> None:
+    """Print the metrics of moves, with their start times (s), as a table."""
     rows = [
-        [f"{since:g}", m.joint, _seconds(m.settling), *(f"{57.29578 * x:.3f}" for x in (m.overshoot, m.steady_error))]
+        [
+            f"{since:g}",
+            m.joint,
+            _format_settling(m.settling),
+            *(f"{57.29578 * x:.3f}" for x in (m.overshoot, m.steady_error)),
+        ]
         for since, m in moves
     ]
     columns = ["from (s)", "joint", "settling (s)", "overshoot (deg)", "steady error (deg)"]
@@ -115,33 +138,33 @@ def print_moves(moves: "Sequence[tuple[float, Move]]", name: str) -> None:
 
 
 def print_tip_moves(run: "xarray.Dataset", name: str) -> None:
-    """Print how the tip came to where the demands put it, move by move."""
-    from layflat.sim.tip_metrics import tip_moves_of  # noqa: PLC0415
+    """Print settling times and final error of the tip for each move, as a table."""
+    from layflat.sim.tip_metrics import measure_tip_moves  # noqa: PLC0415
 
     rows = [
-        [f"{since:g}", *map(_seconds, m.settling), f"{1e3 * m.error:.2f}"]
-        for since, m in tip_moves_of(run, tuple(1e-3 * band for band in TIP_BANDS))
+        [f"{since:g}", *map(_format_settling, m.settling), f"{1e3 * m.error:.2f}"]
+        for since, m in measure_tip_moves(run, tuple(1e-3 * band for band in TIP_BANDS))
     ]
     within = [f"within {band:g} mm (s)" for band in TIP_BANDS]
     print_table(["from (s)", *within, "at most, at the end (mm)"], rows, f"{name}: tip, from its goal")
 
 
 def print_tip_missed(run: "xarray.Dataset") -> None:
-    """Print how far the tip was from where demands that change all the time put it."""
-    from layflat.sim.tip_metrics import tip_missed  # noqa: PLC0415
+    """Print the tip's errors against demands that change all the time: from its reference and from its path."""
+    from layflat.sim.tip_metrics import measure_path_errors  # noqa: PLC0415
 
-    missed = tip_missed(run)
-    (behind, most_behind), (beside, most_beside) = missed.behind, missed.beside
-    told = f"{1e3 * behind:.2f} mm rms, {1e3 * most_behind:.2f} mm at most from where it should be"
-    typer.echo(f"tip: {told}; {1e3 * beside:.2f} mm rms, {1e3 * most_beside:.2f} mm at most from its path")
+    missed = measure_path_errors(run)
+    (behind, max_behind), (beside, max_beside) = missed.tracking, missed.contour
+    errors = f"{1e3 * behind:.2f} mm rms, {1e3 * max_behind:.2f} mm at most from where it should be"
+    typer.echo(f"tip: {errors}; {1e3 * beside:.2f} mm rms, {1e3 * max_beside:.2f} mm at most from its path")
 
 
 def print_missed(run: "xarray.Dataset", what: str) -> None:
-    """Print how far a run was from demands that change all the time."""
+    """Print the rms error (deg) of each joint against demands that change all the time."""
     missed = 57.29578 * ((run["angle"] - run["demand"]) ** 2).mean("time") ** 0.5
-    told = ", ".join(f"{name} {missed.sel(joint=name).item():.2f} deg" for name in run["joint"].values)
-    typer.echo(f"rms error against {what}: {told}")
+    errors = ", ".join(f"{name} {missed.sel(joint=name).item():.2f} deg" for name in run["joint"].values)
+    typer.echo(f"rms error against {what}: {errors}")
 
 
-def _seconds(value: float) -> str:
+def _format_settling(value: float) -> str:
     return f"{value:.3f}" if value < 1e6 else "not settled"

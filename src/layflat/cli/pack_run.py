@@ -1,4 +1,7 @@
-"""Parts that commands which pack share: a calibration, a run, and what is printed and written of it."""
+"""Helpers of the commands that pack: calibration, run, and report of its results.
+
+With `layflat cell pack --watch` a page in the browser shows the run.
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -7,25 +10,27 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from layflat.cli.app import counted, print_table
+from layflat import extras
 from layflat.cli.bars import steps_bar
-from layflat.cli.rig import FAULT
+from layflat.cli.common import count_noun, naming_options, print_table
+from layflat.cli.pages import OPTIONS, PageOptions
+from layflat.cli.rig import FAULT_EXIT
 from layflat.errors import InputError, LayflatError, NoDrawingError, StoppedError
 
 if TYPE_CHECKING:
     from layflat.cell.file.model import Cell
     from layflat.cell.vision import Calibration
-    from layflat.cell.work.observer import Observer
-    from layflat.cell.work.records import Delivery
-    from layflat.cell.work.run import Run
+    from layflat.cell.work.observer import Delivery, Observer
+    from layflat.cell.work.run import PackingRun
+    from layflat.pages.cell.link import PageLink
 
 
-RESULTS, CALIBRATION, SHEET = "results.json", "calibration.toml", "sheet.png"
+RESULTS_FILE, CALIBRATION_FILE, SHEET_FILE = "results.json", "calibration.toml", "sheet.png"
 
 
 @dataclass(frozen=True)
-class Asked:
-    """Request of a run of a cell."""
+class PackRequest:
+    """Request for a run of a cell."""
 
     cell: "Cell"
     seed: int
@@ -36,73 +41,79 @@ class Asked:
     @property
     def results(self) -> Path:
         """The file of the results."""
-        return self.out / RESULTS
+        return self.out / RESULTS_FILE
 
 
 def calibration_of(
-    cell: "Cell", given: Path | None, out: Path, told: Callable[[float], object] = lambda _: None
+    cell: "Cell", file: Path | None, out: Path, progress: Callable[[float], object] = lambda _: None
 ) -> "Calibration | None":
-    """Return that of the cell's camera, from a file or made anew; say so and return None without OpenGL.
+    """Return the calibration of the cell's camera; without OpenGL print a notice and return None.
 
-    What is done of a new one, a share, is `told`.
+    Args:
+        cell: cell with the camera.
+        file: file of a calibration; None calibrates the camera.
+        out: folder in which a new calibration is written.
+        progress: called with the fraction of a new calibration done, 0..1.
     """
-    from layflat.bridge.view.picture import context  # noqa: PLC0415
+    from layflat.bridge.view.picture import gl_context  # noqa: PLC0415
     from layflat.cell.vision import load_calibration  # noqa: PLC0415
-    from layflat.cell.work.run import calibrated  # noqa: PLC0415
+    from layflat.cell.work.run import calibrate_cell  # noqa: PLC0415
 
     try:
-        if given is not None:
-            context(16, 16).free()
-            return load_calibration(given)
+        if file is not None:
+            gl_context(16, 16).free()
+            return load_calibration(file)
         with steps_bar("calibrating the camera, per cent", 100) as advance:
 
-            def show(share: float) -> None:
-                advance(round(100 * share))
-                told(share)
+            def show(fraction: float) -> None:
+                advance(round(100 * fraction))
+                progress(fraction)
 
-            found = calibrated(cell, show)
+            calibration = calibrate_cell(cell, show)
     except NoDrawingError as error:
         typer.echo(f"layflat: {error}", err=True)
         typer.echo("layflat: continuing without images; the scene's truth stands in for the camera", err=True)
         return None
-    typer.echo(f"wrote {found.save(out / CALIBRATION)}")
-    return found
+    typer.echo(f"wrote {calibration.save(out / CALIBRATION_FILE)}")
+    return calibration
 
 
-def one_run(asked: Asked, calibration: "Calibration | None", *observers: "Observer") -> "tuple[Run, list[Path]]":
-    """Return a run, and the film and contact sheet that it wrote where images can be rendered."""
-    from layflat.cell.work.film_and_sheet import film_and_sheet  # noqa: PLC0415
+def run_once(
+    request: PackRequest, calibration: "Calibration | None", *observers: "Observer"
+) -> "tuple[PackingRun, list[Path]]":
+    """Pack once; return the run, and the paths of its film and contact sheet where images can be rendered."""
+    from layflat.cell.work.film_and_sheet import record_film_and_sheet  # noqa: PLC0415
     from layflat.cell.work.observer import Observers, PickCounter  # noqa: PLC0415
-    from layflat.cell.work.run import packed  # noqa: PLC0415
+    from layflat.cell.work.run import run_packing  # noqa: PLC0415
 
-    cell, seed, picks = asked.cell, asked.seed, asked.picks
+    cell, seed, picks = request.cell, request.seed, request.picks
     with steps_bar(f"picks in {cell.name!r}", picks) as advance:
-        own = PickCounter(advance), *observers
+        counters = PickCounter(advance), *observers
         if calibration is None:
-            return packed(cell, seed, picks, calibration, Observers(*own)), []
-        path = None if asked.film == "none" else asked.out / f"film.{asked.film}"
-        sheet = asked.out / SHEET
-        with film_and_sheet(path, sheet, f"{cell.name}, seed {seed}", calibration) as pictures:
-            run = packed(cell, seed, picks, calibration, Observers(*own, pictures))
+            return run_packing(cell, seed, picks, calibration, Observers(*counters)), []
+        path = None if request.film == "none" else request.out / f"film.{request.film}"
+        sheet = request.out / SHEET_FILE
+        with record_film_and_sheet(path, sheet, f"{cell.name}, seed {seed}", calibration) as pictures:
+            run = run_packing(cell, seed, picks, calibration, Observers(*counters, pictures))
         return run, [sheet] if path is None else [path, sheet]
 
 
-def error_of(asked: Asked, run: "Run") -> LayflatError | None:
-    """Return what ended a run early, with where its results are kept where a person did; or that it packed nothing."""
+def error_of(request: PackRequest, run: "PackingRun") -> LayflatError | None:
+    """Return the error that ended a run early, or that no pick succeeded; after Ctrl-C with the path of the results."""
     if not isinstance(run.error, StoppedError):
-        return run.error or nothing_packed(asked.cell, [run])
+        return run.error or nothing_packed(request.cell, [run])
     done = sum(len(delivery.picks) for delivery in run.deliveries)
-    return StoppedError(f"{done} of {asked.picks} picks", asked.results)
+    return StoppedError(f"{done} of {request.picks} picks", request.results)
 
 
-def nothing_packed(cell: "Cell", runs: "list[Run]") -> LayflatError | None:
+def nothing_packed(cell: "Cell", runs: "list[PackingRun]") -> LayflatError | None:
     """Return the error that no pick of these runs succeeded, with the likely cause; None where one did."""
-    from layflat.cell.work.results import Summary  # noqa: PLC0415
+    from layflat.cell.work.results import PackingSummary  # noqa: PLC0415
 
-    found = Summary(delivery for run in runs for delivery in run.deliveries)
-    if found.correct:
+    summary = PackingSummary(delivery for run in runs for delivery in run.deliveries)
+    if summary.correct:
         return None
-    what = f"none of {counted(found.picks, 'pick')} succeeded in cell {cell.name!r}"
+    what = f"none of {count_noun(summary.picks, 'pick')} succeeded in cell {cell.name!r}"
     law = cell.machine.control_law
     if cell.conveyor is None or law.plans:
         return LayflatError(what)
@@ -110,24 +121,31 @@ def nothing_packed(cell: "Cell", runs: "list[Run]") -> LayflatError | None:
     return LayflatError(f"{what}; control law {law.name!r} does not follow a belt: {right}")
 
 
-def report(
-    cell: "Cell", runs: "list[Run]", results: Path, written: list[Path], *, partial: bool = False
+def report_runs(
+    cell: "Cell", runs: "list[PackingRun]", results: Path, written: list[Path], *, partial: bool = False
 ) -> tuple[Path, ...]:
-    """Write the results, print what came of them and what was written, and which runs ended early; return all files."""
-    from layflat.cell.work.results import as_dict, save  # noqa: PLC0415
-    from layflat.cell.work.tables import summary  # noqa: PLC0415
+    """Write the results and print them, with the files written and the runs that ended early; return all files.
+
+    Args:
+        cell: cell of the runs.
+        runs: one run, or one for each seed.
+        results: path of the results' file.
+        written: files that were written before.
+        partial: whether runs are missing.
+    """
+    from layflat.cell.work.results import record_runs, save_results, summary_lines  # noqa: PLC0415
 
     errors = {run.seed: run.error for run in runs if run.error is not None}
-    path = save(as_dict(cell, runs, partial=partial or bool(errors)), results)
+    path = save_results(record_runs(cell, runs, partial=partial or bool(errors)), results)
     deliveries = [delivery for run in runs for delivery in run.deliveries]
     if len(runs) == 1:
         _print_picks(deliveries)
     else:
         _print_runs(runs)
-    for line in summary(cell, deliveries):
+    for line in summary_lines(cell, deliveries):
         typer.echo(line)
-    for one in (path, *written):
-        typer.echo(f"wrote {one}")
+    for file in (path, *written):
+        typer.echo(f"wrote {file}")
     if partial or errors:
         typer.echo(f"layflat: {path} is marked as partial", err=True)
     if len(runs) > 1:
@@ -136,42 +154,107 @@ def report(
     return (path, *written)
 
 
-def end(error: LayflatError | None) -> None:
-    """Leave with an error, if there is one: a user's mistake, a Ctrl-C, or with a status of its own a rig's stop."""
+def raise_error(error: LayflatError | None) -> None:
+    """Raise an error of the user or a Ctrl-C; exit with `FAULT_EXIT` and a line on any other; return for None."""
     if isinstance(error, InputError | StoppedError):
         raise error
     if error is not None:
         typer.echo(f"layflat: {error}", err=True)
-        raise typer.Exit(FAULT)
+        raise typer.Exit(FAULT_EXIT)
 
 
 def _print_picks(deliveries: "list[Delivery]") -> None:
-    """Print a row a pick, what went wrong, and why others were not picked."""
-    from layflat.cell.work.tables import COLUMNS, not_picked, row, trouble  # noqa: PLC0415
+    """Print a row a pick, the failures, and the reasons for which other fruit was not picked."""
+    from layflat.cell.work.results import COLUMNS, count_reasons, describe_trouble, pick_row  # noqa: PLC0415
 
     rows, troubles = [], []
     for number, delivery in enumerate(deliveries, start=1):
         for pick, verdict in zip(delivery.picks, delivery.verdicts, strict=True):
             name = f"{number}.{pick.number}"
-            rows.append(list(row(name, pick, verdict)))
-            troubles.append(trouble(name, pick))
+            rows.append(list(pick_row(name, pick, verdict)))
+            troubles.append(describe_trouble(name, pick))
     if rows:
         print_table(list(COLUMNS), rows)
     reasons = (one.reason for delivery in deliveries for one in delivery.not_picked)
-    for line in (*filter(None, troubles), *not_picked(reasons)):
+    for line in (*filter(None, troubles), *count_reasons(reasons)):
         typer.echo(line)
 
 
-def _print_runs(runs: "list[Run]") -> None:
+def _print_runs(runs: "list[PackingRun]") -> None:
     """Print a row a seed."""
-    from layflat.cell.work.results import Summary  # noqa: PLC0415
-    from layflat.cell.work.tables import known  # noqa: PLC0415
+    from layflat.cell.work.results import PackingSummary, format_finite  # noqa: PLC0415
 
     rows = []
     for run in runs:
-        found = Summary(run.deliveries)
-        work = [f"{found.correct} of {found.picks}", known(found.picks_a_minute, 1), known(found.release_error_mm, 1)]
-        strain = [known(found.peak_acceleration, 0), f"{found.collisions}", known(found.air, 1)]
-        rows.append([f"{run.seed}", *work, *strain, known(found.vision_error_mm, 2)])
+        summary = PackingSummary(run.deliveries)
+        work = [
+            f"{summary.correct} of {summary.picks}",
+            format_finite(summary.picks_a_minute, 1),
+            format_finite(summary.release_error_mm, 1),
+        ]
+        strain = [format_finite(summary.peak_acceleration, 0), f"{summary.collisions}", format_finite(summary.air, 1)]
+        rows.append([f"{run.seed}", *work, *strain, format_finite(summary.vision_error_mm, 2)])
     errors = ["error 95 % (mm)", "peak (m/s2)", "collisions", "air (Nl)", "vision 95 % (mm)"]
     print_table(["seed", "correct", "a minute", *errors], rows)
+
+
+def run_with_page(request: PackRequest, calibration: Path | None, page: PageOptions) -> None:
+    """Pack while a page shows the run; the page stays until Ctrl-C, which before the end of the run ends both.
+
+    Args:
+        request: run that is requested.
+        calibration: file of the camera's calibration; None calibrates it.
+        page: options of the page.
+    """
+    from layflat.cell.work.results import COLUMNS  # noqa: PLC0415
+    from layflat.pages.cell.link import PageLink  # noqa: PLC0415
+    from layflat.pages.cell.snapshot import RunStage, RunSubject  # noqa: PLC0415
+    from layflat.rig.system import require_posix  # noqa: PLC0415
+
+    require_posix("--watch")
+    extras.require("panel", "nicegui", where="--watch")
+    place = page.endpoint()
+    about = RunSubject(request.cell.name, request.cell.machine.name, request.seed, request.picks, COLUMNS)
+    with naming_options(OPTIONS):
+        link = PageLink(about, place)
+    with link:
+        page.announce(request.cell.name, link.link)
+        error: LayflatError | None
+        try:
+            error = _run_and_report(request, calibration, link)
+        except KeyboardInterrupt:
+            if not link.requests.stop:
+                raise
+            error = StoppedError(f"0 of {request.picks} picks")
+        except LayflatError as raised:
+            error = raised
+        link.show(stage=RunStage.ENDED, error=str(error or ""))
+        if link.requests.stop or not isinstance(error, StoppedError):
+            _wait(link, error)
+    raise_error(error)
+
+
+def _run_and_report(request: PackRequest, calibration: Path | None, link: "PageLink") -> LayflatError | None:
+    """Pack once, show the run on its page and write the results; return the error that ended it early, or None."""
+    from layflat.cell.work.results import summary_lines  # noqa: PLC0415
+    from layflat.pages.cell.watcher import Watcher  # noqa: PLC0415
+
+    camera_calibration = calibration_of(
+        request.cell, calibration, request.out, lambda share: link.show(calibrated=share)
+    )
+    link.show(images=camera_calibration is not None)
+    run, written = run_once(request, camera_calibration, Watcher(link))
+    files = report_runs(request.cell, [run], request.results, written)
+    link.show(summary=tuple(summary_lines(request.cell, run.deliveries)), written=tuple(str(path) for path in files))
+    return error_of(request, run)
+
+
+def _wait(link: "PageLink", error: LayflatError | None) -> None:
+    """Serve the page until Ctrl-C."""
+    how = f" early: {error}" if error is not None else ""
+    typer.echo(f"the run has ended{how}; the page stays until Ctrl-C")
+    try:
+        link.wait()
+    except KeyboardInterrupt:
+        return
+    typer.echo("layflat: the page's process is gone", err=True)

@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from layflat.cli.app import print_table
 from layflat.cli.bars import bar, busy
-from layflat.cli.log import logs
+from layflat.cli.common import print_table
+from layflat.cli.groups import logs
 from layflat.errors import InputError
 
 if TYPE_CHECKING:
@@ -19,21 +19,23 @@ RigLog = Annotated[
 ]
 
 
-@logs.command("info")
+@logs.register("info", "build/rig/run.mcap")
 def info(log: RigLog) -> None:
     """Show what a rig's log holds: times, cycles, faults."""
     run = _read(log)
-    rows = _about(log, run)
+    rows = _log_facts(log, run)
     print_table(["", ""], rows, log.name)
     if run.sizes["event"]:
         typer.echo()
         named = {20: "", 30: "warning", 40: "error"}
-        told = zip(run["event_time"].values, run["event_level"].values, run["event_text"].values, strict=True)
-        events = [[str(i + 1), f"{t:.3f}", named.get(int(n), str(n)), str(text)] for i, (t, n, text) in enumerate(told)]
+        log_events = zip(run["event_time"].values, run["event_level"].values, run["event_text"].values, strict=True)
+        events = [
+            [str(i + 1), f"{t:.3f}", named.get(int(n), str(n)), str(text)] for i, (t, n, text) in enumerate(log_events)
+        ]
         print_table(["event", "at (s)", "", ""], events)
 
 
-@logs.command("repair")
+@logs.register("repair", "build/rig/run.mcap")
 def repair_log(log: RigLog) -> None:
     """Repair an MCAP file that was cut short.
 
@@ -51,35 +53,41 @@ def repair_log(log: RigLog) -> None:
     typer.echo(f"wrote {place}: kept {kept.messages} messages over {kept.seconds:.3f} s, {lost}")
 
 
-@logs.command("plot")
+@logs.register("plot", "build/rig/run.mcap --out run.png")
 def plot_log(
     log: RigLog,
     out: Annotated[Path | None, typer.Option("--out", "-o", metavar="FILE", help="figure [LOG's name].png")] = None,
 ) -> None:
-    """Draw a rig's log as `layflat simulate` draws a run, with its faults and events."""
+    """Draw a rig's log with its faults and events.
+
+    The figure is that of `layflat simulate`.
+    """
     from layflat.files import check_file  # noqa: PLC0415
     from layflat.plot.runs import run_figure  # noqa: PLC0415
-    from layflat.plot.style import save  # noqa: PLC0415
+    from layflat.plot.style import save_figure  # noqa: PLC0415
 
     place = check_file(out or log.with_suffix(".png"))
-    typer.echo(f"wrote {save(run_figure(_read(log)), place)}")
+    typer.echo(f"wrote {save_figure(run_figure(_read(log)), place)}")
 
 
-@logs.command("export")
+@logs.register("export", "build/rig/run.mcap run.nc")
 def export_log(
     log: RigLog, out: Annotated[Path, typer.Argument(metavar="FILE", help="ends in .nc (NetCDF) or .parquet")]
 ) -> None:
-    """Write a rig's log for others, with the names and units of a simulated run."""
+    """Export a rig's log as NetCDF or Parquet.
+
+    Names and units are those of a simulated run.
+    """
     from layflat.files import check_file  # noqa: PLC0415
-    from layflat.rig.recorder.run import check_format, export  # noqa: PLC0415
+    from layflat.rig.recorder.run import check_format, export_run  # noqa: PLC0415
 
     check_format(out)
     check_file(out)
-    typer.echo(f"wrote {export(_read(log), out)}")
+    typer.echo(f"wrote {export_run(_read(log), out)}")
 
 
 def _read(log: Path) -> "xarray.Dataset":
-    """Read what a rig recorded, or what `log export` wrote of it as NetCDF."""
+    """Return a rig's recorded log, or its NetCDF of `log export`, as a data set."""
     from layflat.rig.recorder.run import read_run  # noqa: PLC0415
     from layflat.sim.dataset import open_run  # noqa: PLC0415
 
@@ -91,8 +99,8 @@ def _read(log: Path) -> "xarray.Dataset":
     return run
 
 
-def _about(log: Path, run: "xarray.Dataset") -> list[list[str]]:
-    """What is told of a log, and how it is called."""
+def _log_facts(log: Path, run: "xarray.Dataset") -> list[list[str]]:
+    """Return names and values of the facts about a log."""
     import numpy as np  # noqa: PLC0415
 
     time, steps = run["time"].to_numpy(), np.diff(run["time"].to_numpy())
@@ -108,8 +116,8 @@ def _about(log: Path, run: "xarray.Dataset") -> list[list[str]]:
         ["machine", f"{run.attrs.get('machine_name', 'unknown')}: {', '.join(map(str, run['joint'].values))}"],
         ["start", str(run.attrs.get("start", "unknown"))],
         ["cycles", f"{len(time)} over {time[-1] - time[0]:.3f} s, one every {1e3 * cycle:.4g} ms, {missing} missing"],
-        ["lateness", _spread(late)],
-        ["compute time", _spread(spent)],
+        ["lateness", _percentiles_text(late)],
+        ["compute time", _percentiles_text(spent)],
         ["failed transactions", str(failed)],
         ["cycles in fault", str(int((run["fault"].to_numpy() > 0.0).sum()))],
         ["recorded by", f"layflat {run.attrs.get('layflat_version', 'unknown')}"],
@@ -118,8 +126,9 @@ def _about(log: Path, run: "xarray.Dataset") -> list[list[str]]:
     return rows + ([["black boxes", ", ".join(boxes)]] if boxes else [])
 
 
-def _spread(values: object) -> str:
+def _percentiles_text(values: object) -> str:
+    """Return median, 99th percentile and maximum of times (us) as text."""
     import numpy as np  # noqa: PLC0415
 
-    middle, most, worst = np.percentile(values, (50.0, 99.0, 100.0))  # type: ignore[call-overload]
-    return f"median {middle:.0f} us, 99 % within {most:.0f} us, worst {worst:.0f} us"
+    middle, high, worst = np.percentile(values, (50.0, 99.0, 100.0))  # type: ignore[call-overload]
+    return f"median {middle:.0f} us, 99 % within {high:.0f} us, worst {worst:.0f} us"

@@ -1,80 +1,106 @@
-"""Commands of a rig: rig run, rig serve, rig check, rig faults; what they share. Each stands in a module of its own."""
+"""Parts that the commands of a rig share.
+
+`VirtualRig` is the one place where a simulated plant is put behind the interface of a real one.
+"""
 
 import os
 import signal
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from functools import partial
 from types import FrameType
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from layflat.cli.lazy import LazyTyper
+from layflat.cli.completers import complete_choice
 from layflat.errors import InputError
 
 if TYPE_CHECKING:
     from layflat.machine import Machine
+    from layflat.rig.clock import LoopClock
+    from layflat.rig.device.virtual import VirtualDevice
     from layflat.rig.driver import Driver
 
-rigs = LazyTyper(
-    "rig",
-    "Run a machine on a rig, real or virtual.",
-    {"run": "rig_run", "check": "rig_check", "serve": "rig_serve", "faults": "rig_faults"},
-)
 
-
-@rigs.callback()
-def rig() -> None:
-    """Group the commands about rigs."""
-
+FAULT_EXIT, INTERRUPT_EXIT = 3, 130  # exit statuses: a fault was found; stopped by hand
+SIMULATED_ADDRESS = "simulated"  # address of a virtual rig in the loop's own process
 
 Address = Annotated[
-    str, typer.Option("--driver", metavar="ADDRESS", help="modbus://HOST:PORT, serial:///dev/NAME or simulated")
+    str,
+    typer.Option(
+        "--driver",
+        metavar="ADDRESS",
+        help="modbus://HOST:PORT, serial:///dev/NAME or simulated",
+        autocompletion=complete_choice(SIMULATED_ADDRESS),
+    ),
 ]
-
-FAULT, INTERRUPTED = 3, 130  # exit statuses: a fault was found; stopped by hand
-SIMULATED = "simulated"  # address of a virtual rig in the loop's own process
 
 
 def driver_at(address: str, machine: "Machine") -> "tuple[Callable[[], Driver], str]":
-    """What makes the driver of an address, and the name of the rig behind it.
+    """Return a function that makes the driver of an address, and the name of the rig behind it.
 
     Raises:
         InputError: it is not an address, or a package is missing.
         MachineError: the machine can't be driven.
     """
-    from layflat.cli.virtual_rig import simulated_rig  # noqa: PLC0415
     from layflat.machine import parameters  # noqa: PLC0415
-    from layflat.rig.drivers.address import driver_of  # noqa: PLC0415
+    from layflat.rig.drivers import create_driver  # noqa: PLC0415
 
     parameters.control(machine)
-    if address != SIMULATED and not machine.control_law.compiled:
+    if address != SIMULATED_ADDRESS and not machine.control_law.compiled:
         what = f"control law {machine.control_law.name!r} is plain Python, too slow for a rig in real time"
-        right = f"--driver {SIMULATED} runs it; write it as laws for {address}"
+        right = f"--driver {SIMULATED_ADDRESS} runs it; write it as laws for {address}"
         raise InputError(what, where=machine.origin, right=right)
-    if address == SIMULATED:
-        return partial(simulated_rig, machine), f"{SIMULATED} by process {os.getpid()}"
-    factory = partial(driver_of, address, machine)
+    if address == SIMULATED_ADDRESS:
+        return partial(simulated_rig, machine), f"{SIMULATED_ADDRESS} by process {os.getpid()}"
+    factory = partial(create_driver, address, machine)
     factory()  # it connects later, in the process that needs it
     return factory, address
 
 
 @contextmanager
 def stopping() -> Iterator[Callable[[], bool]]:
-    """Whether somebody has asked for an end (Ctrl-C, SIGTERM, a closed terminal); nothing is interrupted by it."""
-    asked = False
+    """Yield a function that returns whether Ctrl-C, SIGTERM or a closed terminal requested the end."""
+    requested = False
 
     def note(_number: int, _frame: FrameType | None) -> None:
-        nonlocal asked
-        asked = True
+        nonlocal requested
+        requested = True
 
     from layflat.parallel import FROM_TERMINAL  # noqa: PLC0415
 
     numbers = (signal.SIGTERM, *FROM_TERMINAL)
     before = [signal.signal(number, note) for number in numbers]
     try:
-        yield lambda: asked
+        yield lambda: requested
     finally:
         for number, handler in zip(numbers, before, strict=True):
             signal.signal(number, handler)
+
+
+@dataclass(frozen=True)
+class VirtualRig:
+    """Factory of a virtual device with a simulated machine behind it; it can be pickled and called in any process."""
+
+    machine: "Machine"  # what is simulated
+    seed: int = 0  # of the sensors' noise
+    filled: bool = False  # with air from the start, as a simulated run, instead of switched off and empty
+
+    def __call__(self, clock: "LoopClock") -> "VirtualDevice":
+        """Return a device on a clock."""
+        from layflat.rig.device.virtual import VirtualDevice  # noqa: PLC0415
+        from layflat.sim.plant import SteppedPlant  # noqa: PLC0415
+
+        ambient = self.machine.supply.ambient_pressure
+        plant = SteppedPlant(self.machine, seed=self.seed, pressures=None if self.filled else (ambient, ambient))
+        return VirtualDevice(self.machine, plant, clock, running=self.filled)
+
+
+def simulated_rig(machine: "Machine") -> "Driver":
+    """Return the driver of a virtual rig in the same process."""
+    from layflat.rig.clock import MonotonicClock  # noqa: PLC0415
+    from layflat.rig.device.virtual import SimulatedDriver  # noqa: PLC0415
+
+    return SimulatedDriver(VirtualRig(machine)(MonotonicClock()))

@@ -1,4 +1,4 @@
-"""Command that moves a rig: rig run."""
+"""Command that moves a rig."""
 
 from __future__ import annotations
 
@@ -9,28 +9,33 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from layflat.cli.app import MachineName, Out, naming_options, print_table
-from layflat.cli.bars import COMPILES, busy
+from layflat.cli.bars import COMPILING_TEXT, busy
+from layflat.cli.common import MachineName, Out, naming_options, print_table
+from layflat.cli.groups import rigs
 from layflat.cli.moves import parse_steps, print_missed, print_moves
-from layflat.cli.rig import FAULT, INTERRUPTED, Address, driver_at, rigs, stopping
+from layflat.cli.rig import FAULT_EXIT, INTERRUPT_EXIT, Address, driver_at, stopping
 from layflat.errors import InputError
 
 if TYPE_CHECKING:
     import xarray
 
     from layflat.machine import Machine
-    from layflat.rig.plan import EarlyEndError, Plan, PlanRunner
-    from layflat.rig.recorded import Recorded
-    from layflat.rig.session import Snapshot
-    from layflat.sim.metrics import Move
+    from layflat.rig.plan import DemandPlan, EarlyEndError, PlanRunner
+    from layflat.rig.recorded import RecordedSession
+    from layflat.rig.session import RigSnapshot
+    from layflat.sim.metrics import MoveMetrics
 
-LEAD = 0.1  # a move without a time begins so long after the soft start, s: the joints are at rest before it
-AFTER = 3.0  # from the last move to the end, where no duration is given, s
-SHOWN = 20  # events that are listed; `layflat log info` lists all
-DEFLATES = 8.0  # beyond the time in which hoses empty: a controlled stop takes less, s
+MOVE_DELAY = 0.1  # of a move without a time after the soft start, s: the joints are stationary before it
+FINAL_DURATION = 3.0  # from the last move to the end, where no duration is given, s
+MAX_LISTED_EVENTS = 20  # events that are listed; `layflat log info` lists all
+MAX_STOP_TIME = 8.0  # of a controlled stop, on top of the time in which hoses empty, s
 
 
-@rigs.command("run")
+@rigs.register(
+    "run",
+    'paper-arm --driver simulated --demand "20 deg"',
+    "mine.toml --driver modbus://10.0.0.5:502 --demand tour.csv",
+)
 def run(
     machine: MachineName,
     driver: Address,
@@ -47,16 +52,16 @@ def run(
     ] = None,
     out: Out = Path("build/rig"),
 ) -> None:
-    """Run a machine on a rig: soft start, moves, controlled stop; a log, metrics and a figure.
+    """Run a machine on a rig: soft start, moves, controlled stop.
 
-    Ctrl-C is a controlled stop. Exit status 3 if a fault ended the run.
+    Writes a log and a figure, and prints metrics. Ctrl-C is a controlled stop. Exit status 3 if a fault ended the run.
     """
     from layflat import extras  # noqa: PLC0415
     from layflat.files import check_folder  # noqa: PLC0415
     from layflat.machine import load  # noqa: PLC0415
     from layflat.rig.abilities import vent_time  # noqa: PLC0415
     from layflat.rig.plan import EarlyEndError, PlanRunner  # noqa: PLC0415
-    from layflat.rig.recorded import Recorded  # noqa: PLC0415
+    from layflat.rig.recorded import RecordedSession  # noqa: PLC0415
     from layflat.rig.system import require_posix  # noqa: PLC0415
 
     require_posix("rig run")
@@ -67,31 +72,31 @@ def run(
     check_folder(out)
     early: EarlyEndError | None = None
     with stopping() as stopped:
-        with busy(f"connecting to {driver} {COMPILES}"):
-            rig = Recorded.in_folder(described, factory, name, out, f"{described.name}-rig")
+        with busy(f"connecting to {driver} {COMPILING_TEXT}"):
+            rig = RecordedSession.in_folder(described, factory, name, out, f"{described.name}-rig")
         with rig, _status(rig):
             performance = PlanRunner(rig, stopped)
             try:
-                performance.follow(plan_from(performance.bring_air()))
+                performance.follow(plan_from(performance.start_air()))
             except EarlyEndError as error:
                 early = error
             rig.session.end()
-            rig.session.process.join(DEFLATES + vent_time(described))
+            rig.session.process.join(MAX_STOP_TIME + vent_time(described))
     followed = demand[0] if demand and _is_file(demand[0]) else None
     _report(rig, performance, followed)
     if early is not None:
         typer.echo(f"layflat: the run ended early: {early}", err=True)
-        raise typer.Exit(FAULT if early.fault else INTERRUPTED)
+        raise typer.Exit(FAULT_EXIT if early.fault else INTERRUPT_EXIT)
     if not rig.place.exists():
-        raise typer.Exit(FAULT)
+        raise typer.Exit(FAULT_EXIT)
 
 
 def _is_file(text: str) -> bool:
     return Path(text).suffix.lower() == ".csv" or Path(text).is_file()
 
 
-def _plans(machine: Machine, demand: list[str], duration: str | None) -> Callable[[list[float]], Plan]:
-    """What makes the plan once it is known where the joints are; all of it is checked now.
+def _plans(machine: Machine, demand: list[str], duration: str | None) -> Callable[[list[float]], DemandPlan]:
+    """Return a function that makes the plan from the angles of the joints; all of it is checked now.
 
     Raises:
         InputError: a demand makes no sense, or lies outside the stroke.
@@ -101,7 +106,7 @@ def _plans(machine: Machine, demand: list[str], duration: str | None) -> Callabl
     from layflat.description import units as u  # noqa: PLC0415
     from layflat.motion.signal_rows import read_steps  # noqa: PLC0415
     from layflat.motion.signal_values import SignalKind  # noqa: PLC0415
-    from layflat.rig.plan import Plan, check_plan  # noqa: PLC0415
+    from layflat.rig.plan import DemandPlan, check_plan  # noqa: PLC0415
 
     lasts = u.quantity(duration, u.TIME, "--duration") if duration else None
     if lasts is not None and lasts <= 0.0:
@@ -118,22 +123,25 @@ def _plans(machine: Machine, demand: list[str], duration: str | None) -> Callabl
     if not steps or steps[0][0] > 0.0:
         steps = [(0.0, {}), *steps]
 
-    def plan(held: list[float]) -> Plan:
+    def plan(held: list[float]) -> DemandPlan:
         if followed is not None:
             return followed
         times, rows = read_steps(steps, SignalKind(where, u.ANGLE, names), np.array(held))
-        lead = 0.0 if rows[0].tolist() == held else min([LEAD, *times[1:2].tolist()])
-        return Plan([lead, *times[1:].tolist()], rows.tolist(), times[-1] + AFTER if lasts is None else lasts)
+        lead = 0.0 if rows[0].tolist() == held else min([MOVE_DELAY, *times[1:2].tolist()])
+        return DemandPlan(
+            [lead, *times[1:].tolist()], rows.tolist(), times[-1] + FINAL_DURATION if lasts is None else lasts
+        )
 
     with naming_options({f"{where}: duration": "--duration"}):
         check_plan(machine, plan([0.0] * len(names)), where)
     return plan
 
 
-def _from_file(machine: Machine, path: Path) -> Plan:
+def _from_file(machine: Machine, path: Path) -> DemandPlan:
+    """Return the plan of a demand file, a row each control cycle; missing velocities or accelerations are derived."""
     from layflat.motion.demand_file import read_demand  # noqa: PLC0415
-    from layflat.motion.rates import derived_rates  # noqa: PLC0415
-    from layflat.rig.plan import Plan, check_accelerations  # noqa: PLC0415
+    from layflat.motion.trajectory import derived_rates  # noqa: PLC0415
+    from layflat.rig.plan import DemandPlan, check_accelerations  # noqa: PLC0415
 
     cycle = machine.cycle
     angles, velocities, accelerations = read_demand(machine, path, cycle)
@@ -142,12 +150,12 @@ def _from_file(machine: Machine, path: Path) -> Plan:
     if velocities is None or accelerations is None:
         velocities, accelerations = derived_rates(angles, cycle)
     times = [k * cycle for k in range(len(angles))]
-    return Plan(times, angles.tolist(), len(angles) * cycle, velocities.tolist(), accelerations.tolist())
+    return DemandPlan(times, angles.tolist(), len(angles) * cycle, velocities.tolist(), accelerations.tolist())
 
 
 @contextmanager
-def _status(rig: Recorded) -> Iterator[None]:
-    """A line on a terminal that tells what the rig does, ten times a second."""
+def _status(rig: RecordedSession) -> Iterator[None]:
+    """Show the rig's state in a line on a terminal, updated ten times a second."""
     from rich.console import Console  # noqa: PLC0415
     from rich.live import Live  # noqa: PLC0415
     from rich.text import Text  # noqa: PLC0415
@@ -157,9 +165,9 @@ def _status(rig: Recorded) -> Iterator[None]:
             shot = rig.session.snapshot()
         except ValueError:  # the memory was closed meanwhile
             shot = None
-        text = "waiting for the loop" if shot is None else line_of(shot, list(rig.machine.joints))
+        text = "waiting for the loop" if shot is None else status_line(shot, list(rig.machine.joints))
         style = "bold red" if shot is not None and shot.fault else ""
-        return Text(text if rig.recording else f"NOT RECORDED  {text}", style=style)
+        return Text(text if rig.is_recording else f"NOT RECORDED  {text}", style=style)
 
     console = Console(stderr=True)
     if not console.is_terminal:
@@ -169,8 +177,8 @@ def _status(rig: Recorded) -> Iterator[None]:
         yield
 
 
-def line_of(shot: Snapshot, joints: list[str]) -> str:
-    """State, fault, angles against demands, pressures and lateness, in a line that fits a terminal."""
+def status_line(shot: RigSnapshot, joints: list[str]) -> str:
+    """Return state, fault, angles and demands (deg), pressures (bar) and lateness in one line."""
     parts = [f"{shot.state.name.lower():8s}", f"{shot['time']:6.1f} s"]
     if shot.fault:
         parts.insert(1, f"FAULT {shot.fault_text}")
@@ -180,20 +188,20 @@ def line_of(shot: Snapshot, joints: list[str]) -> str:
     return "  ".join([*parts, f"supply {shot['supply'] / 1e5:.1f} bar", f"late {1e6 * shot['lateness']:.0f} us"])
 
 
-def _report(rig: Recorded, performance: PlanRunner, followed: str | None) -> None:
-    """Tell how it went, and where its log is."""
+def _report(rig: RecordedSession, performance: PlanRunner, followed: str | None) -> None:
+    """Print metrics, events and the paths of log and figure."""
     from layflat.plot.runs import run_figure  # noqa: PLC0415
-    from layflat.plot.style import save  # noqa: PLC0415
+    from layflat.plot.style import save_figure  # noqa: PLC0415
     from layflat.rig.recorder.run import read_run  # noqa: PLC0415
     from layflat.sim.metrics import air_used  # noqa: PLC0415
 
     if rig.place.exists():
         with busy("reading the log"):
             log = read_run(rig.place)
-        if performance.asked and followed:
-            part = log.sel(time=slice(performance.asked[0], performance.ended))
+        if performance.sending_times and followed:
+            part = log.sel(time=slice(performance.sending_times[0], performance.ended))
             print_missed(part, Path(followed).name)
-        elif performance.asked:
+        elif performance.sending_times:
             print_moves(_moves(log, performance), rig.machine.name)
         if "air_taken" in log:
             typer.echo(f"air: about {air_used(log):.1f} normal litres")
@@ -202,35 +210,35 @@ def _report(rig: Recorded, performance: PlanRunner, followed: str | None) -> Non
         typer.echo(line)
     if rig.place.exists():
         typer.echo(f"wrote {rig.place}")
-        typer.echo(f"wrote {save(run_figure(log), rig.place.with_suffix('.png'))}")
+        typer.echo(f"wrote {save_figure(run_figure(log), rig.place.with_suffix('.png'))}")
     elif rig.part is not None:
         typer.echo(f"{rig.part}: was not finished; `layflat log repair {rig.part}` makes it whole", err=True)
     else:
         typer.echo("nothing was recorded", err=True)
 
 
-def _moves(log: xarray.Dataset, performance: PlanRunner) -> list[tuple[float, Move]]:
-    """Metrics of every joint from each demand to the next; a demand counts from the cycle that takes it."""
+def _moves(log: xarray.Dataset, performance: PlanRunner) -> list[tuple[float, MoveMetrics]]:
+    """Return start (s) and metrics of every joint for each demand; a demand counts from the cycle that uses it."""
     import numpy as np  # noqa: PLC0415
 
-    from layflat.sim.metrics import move  # noqa: PLC0415
+    from layflat.sim.metrics import measure_move  # noqa: PLC0415
 
     time, demand = log["time"].to_numpy(), log["demand"].to_numpy()
     changes = time[1:][np.any(np.diff(demand, axis=0) != 0.0, axis=1)]
-    ends = [*performance.asked[1:], performance.ended]
-    found = []
-    for asked, end in zip(performance.asked, ends, strict=True):
-        after = changes[(changes > asked) & (changes <= end)]
+    ends = [*performance.sending_times[1:], performance.ended]
+    moves = []
+    for demanded_at, end in zip(performance.sending_times, ends, strict=True):
+        after = changes[(changes > demanded_at) & (changes <= end)]
         if len(after):
             since = float(after[0])
-            found += [(round(since, 3), move(log, str(joint), since, end)) for joint in log["joint"].values]
-    return found
+            moves += [(round(since, 3), measure_move(log, str(joint), since, end)) for joint in log["joint"].values]
+    return moves
 
 
 def _print_events(log: xarray.Dataset) -> None:
-    """Warnings and errors."""
-    told = zip(log["event_time"].values, log["event_level"].values, log["event_text"].values, strict=True)
-    rows = [[f"{t:.3f}", {30: "warning", 40: "error"}[int(n)], str(text)] for t, n, text in told if n >= 30]
+    """Print the warnings and errors of a log."""
+    events = zip(log["event_time"].values, log["event_level"].values, log["event_text"].values, strict=True)
+    rows = [[f"{t:.3f}", {30: "warning", 40: "error"}[int(n)], str(text)] for t, n, text in events if n >= 30]
     if rows:
-        left = f", the first {SHOWN} of {len(rows)}" if len(rows) > SHOWN else ""
-        print_table(["at (s)", "", "what"], rows[:SHOWN], f"faults and events{left}")
+        left = f", the first {MAX_LISTED_EVENTS} of {len(rows)}" if len(rows) > MAX_LISTED_EVENTS else ""
+        print_table(["at (s)", "", "what"], rows[:MAX_LISTED_EVENTS], f"faults and events{left}")

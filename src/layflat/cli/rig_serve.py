@@ -1,4 +1,4 @@
-"""Command that runs a virtual rig: rig serve."""
+"""Command that runs a virtual rig."""
 
 import os
 import sys
@@ -11,18 +11,19 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from layflat import extras
-from layflat.cli.app import MachineName
-from layflat.cli.bars import COMPILES, busy
-from layflat.cli.rig import rigs, stopping
+from layflat.cli.bars import COMPILING_TEXT, busy
+from layflat.cli.common import MachineName
+from layflat.cli.groups import rigs
+from layflat.cli.rig import VirtualRig, stopping
 from layflat.errors import InputError, LayflatError
 
 if TYPE_CHECKING:
     from layflat.rig.device.process import DeviceProcess, Port
 
-LOOKS = 0.1  # between two looks whether to end, s
+STOP_POLL_INTERVAL = 0.1  # between two checks whether to end, s
 
 
-@rigs.command("serve")
+@rigs.register("serve", "paper-arm --modbus 5020", "paper-arm --serial --link /tmp/rig")
 def serve(
     machine: MachineName,
     modbus: Annotated[int | None, typer.Option(metavar="PORT", help="Modbus TCP; 0 is any port that is free")] = None,
@@ -34,41 +35,41 @@ def serve(
 
     Lines on stdin: fail NAME [JOINT] [SIZE], heal NAME [JOINT], state, failures, quit.
     """
-    from layflat.cli.virtual_rig import VirtualRig  # noqa: PLC0415
     from layflat.machine import load  # noqa: PLC0415
     from layflat.rig.device.process import DeviceProcess  # noqa: PLC0415
 
     described = load(machine)
-    at = _place(modbus, serial or link is not None, link)
+    at = _device_port(modbus, serial or link is not None, link)
     with stopping() as stopped, ExitStack() as stack:
-        with busy(f"starting {COMPILES}"):
+        with busy(f"starting {COMPILING_TEXT}"):
             device = stack.enter_context(DeviceProcess(VirtualRig(described, seed), described, at))
         typer.echo(f"{described.name} at {device.address}")
         sys.stdout.flush()
         _answer(device, stopped)
 
 
-def _place(modbus: int | None, serial: bool, link: Path | None) -> "Port":
+def _device_port(modbus: int | None, serial: bool, link: Path | None) -> "Port":
+    """Return the port of a virtual rig; raise InputError unless exactly one of Modbus (TCP port) and serial is set."""
     from layflat.rig.device.process import ModbusPort, SerialPort  # noqa: PLC0415
-    from layflat.rig.drivers.address import PACKAGES  # noqa: PLC0415
+    from layflat.rig.drivers import PROTOCOL_PACKAGES  # noqa: PLC0415
     from layflat.rig.system import require_posix  # noqa: PLC0415
 
     if (modbus is None) is not serial:
         raise InputError("give one of both", where="--modbus, --serial", right="for example --modbus 5020")
     require_posix("rig serve")
-    extras.require("rig", *PACKAGES["serial" if modbus is None else "modbus"], where="rig serve")
+    extras.require("rig", *PROTOCOL_PACKAGES["serial" if modbus is None else "modbus"], where="rig serve")
     return SerialPort(link) if modbus is None else ModbusPort(modbus)
 
 
 def _answer(device: "DeviceProcess", stopped: Callable[[], bool]) -> None:
-    """Do what lines on stdin say, until told to quit or to stop; raise LayflatError if the device is gone."""
-    from layflat.rig.device.console import obey  # noqa: PLC0415
+    """Execute commands from stdin until `quit` or `stopped`; raise LayflatError if the device is gone."""
+    from layflat.rig.device.failures import execute_line  # noqa: PLC0415
 
     for words in _lines(device, stopped):
         if words == ["quit"]:
             return
         try:
-            typer.echo(device.call(obey, words))
+            typer.echo(device.call(execute_line, words))
         except LayflatError as error:
             typer.echo(f"layflat: {error}", err=True)
         sys.stdout.flush()
@@ -77,11 +78,11 @@ def _answer(device: "DeviceProcess", stopped: Callable[[], bool]) -> None:
 
 
 def _lines(device: "DeviceProcess", stopped: Callable[[], bool]) -> Iterator[list[str]]:
-    """Words of each line; after the last there may be none for long. It ends with the device, or when stopped."""
+    """Yield the words of each line of stdin, until the device ends or `stopped` returns True."""
     source = [sys.stdin.fileno()] if sys.stdin is not None and not sys.stdin.closed else []
     rest = b""
     while not stopped():
-        ready, _, _ = select([*source, device.process.sentinel], [], [], LOOKS)
+        ready, _, _ = select([*source, device.process.sentinel], [], [], STOP_POLL_INTERVAL)
         if device.process.sentinel in ready:
             return
         if not ready:

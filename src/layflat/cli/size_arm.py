@@ -1,4 +1,4 @@
-"""Commands that size arms: size-arm, arm-tasks."""
+"""Commands that size arms, and list and show their tasks."""
 
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -6,33 +6,43 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from layflat.cli.app import Out, app, expanded, print_findings, print_table
 from layflat.cli.bars import bar
-from layflat.cli.design import say_what_is_left_out
+from layflat.cli.common import Out, expanded, naming_options, print_findings, print_table
+from layflat.cli.completers import complete_name
+from layflat.cli.design import report_missing_dxf
+from layflat.cli.groups import arms, tasks
 from layflat.errors import InputError, StoppedError
 
 if TYPE_CHECKING:
     from layflat.design.arm.sizing import SizedArm
 
-PLACE = "such as '500 mm, 0 mm, 300 mm'"
+POINT_EXAMPLE = "such as '500 mm, 0 mm, 300 mm'"
+TASK_KEYS = {"point": "points", "configuration": "configurations"}  # keys of a task with options of other names
 
 
-@app.command()
-def arm_tasks(
-    name: Annotated[str | None, typer.Argument(metavar="NAME", help="print its file, to start from")] = None,
+@tasks.register("list", "")
+def list_tasks() -> None:
+    """List the built-in tasks of arms."""
+    from layflat.design.arm import TASK_LIBRARY, read_task  # noqa: PLC0415
+
+    print_table(["task", "what it is"], [[one, read_task(one).title] for one in TASK_LIBRARY.names])
+
+
+@tasks.register("show", "picking-arm > task.toml")
+def show_task(
+    name: Annotated[
+        str, typer.Argument(metavar="NAME", help="built-in task", autocompletion=complete_name("task", files=False))
+    ],
 ) -> None:
-    """List the built-in tasks of arms, or print one."""
-    from layflat.design.arm.task import TASKS, read_task  # noqa: PLC0415
+    """Print the file of a task, to start from."""
+    from layflat.design.arm import TASK_LIBRARY  # noqa: PLC0415
 
-    if name is not None:
-        typer.echo(TASKS.text(name), nl=False)
-        return
-    print_table(["task", "what it is"], [[one, read_task(one).title] for one in TASKS.names])
+    typer.echo(TASK_LIBRARY.text(name), nl=False)
 
 
 @dataclass(frozen=True)
-class Asked:
-    """Options that say what an arm is to do; each stands over what the file says."""
+class TaskOptions:
+    """Options about the task of an arm; each replaces the value of the task's file."""
 
     reach: Annotated[str | None, typer.Option(help='of a standard arm, from shoulder to payload, such as "0.9 m"')] = (
         None
@@ -42,40 +52,51 @@ class Asked:
     supply: Annotated[str | None, typer.Option(help='gauge pressure of the supply, such as "6 bar"')] = None
     time: Annotated[str | None, typer.Option(help="of a move from rest to rest: half of a cycle there and back")] = None
     acceleration: Annotated[str | None, typer.Option(help="of the tip, in place of --time")] = None
-    turn: Annotated[str | None, typer.Option(help="of the joint that turns most in a move; default: 60 deg")] = None
+    rotation: Annotated[str | None, typer.Option(help="of the joint that turns most; default: 60 deg")] = None
     volume: Annotated[
-        str | None, typer.Option(metavar="LOW to HIGH", help=f"box in which the tip moves: two corners {PLACE}")
+        str | None, typer.Option(metavar="LOW to HIGH", help=f"box in which the tip moves: two corners {POINT_EXAMPLE}")
     ] = None
     point: Annotated[
-        list[str] | None, typer.Option(metavar="X, Y, Z", help=f"that the tip goes to, in turn, {PLACE}; repeat it")
+        list[str] | None,
+        typer.Option(metavar="X, Y, Z", help=f"that the tip goes to, in turn, {POINT_EXAMPLE}; repeat it"),
     ] = None
-    pose: Annotated[
+    configuration: Annotated[
         list[str] | None, typer.Option(metavar="ANGLES", help="one a joint from mid-stroke, gone to in turn; repeat it")
     ] = None
     margin: Annotated[float | None, typer.Option(help="of what joints can do over what moves ask; default: 1.3")] = None
     name: Annotated[str | None, typer.Option(help="of the arm and its files; default: the task's")] = None
 
-    def told(self) -> dict[str, Any]:
-        """Return what was given, by the keys of a task's file."""
-        given = asdict(self) | {"points": None, "poses": None}
-        for one, several in (("point", "points"), ("pose", "poses")):
-            rows = given.pop(one)
-            given[several] = [_listed(row) for row in rows] if rows else None
+    def names(self, place: str) -> dict[str, str]:
+        """Return the given options by the places of their values in the errors of a task; `place` is the task's."""
+        given = [name for name, value in asdict(self).items() if value is not None]
+        return {f"{place}: {TASK_KEYS.get(name, name)}": f"--{name}" for name in given}
+
+    def task_values(self) -> dict[str, Any]:
+        """Return the values of the options by the keys of a task's file; None where an option is not given."""
+        values = asdict(self) | {"points": None, "configurations": None}
+        for option, key in TASK_KEYS.items():
+            rows = values.pop(option)
+            values[key] = [_listed(row) for row in rows] if rows else None
         if self.volume is not None:
             low, to, high = self.volume.partition(" to ")
             if not to:
                 right = 'give two corners, such as "0.4 m, -0.3 m, 0 m to 0.7 m, 0.3 m, 0.5 m"'
                 raise InputError(f"{self.volume!r} is no box", where="--volume", right=right)
-            given["volume"] = {"low": _listed(low), "high": _listed(high)}
-        return given
+            values["volume"] = {"low": _listed(low), "high": _listed(high)}
+        return values
 
 
-@app.command()
+@arms.register("size", "picking-arm", "--reach 900mm --payload 1kg --supply 6bar --time 0.6s")
 @expanded
-def size_arm(
-    asked: Asked,
+def size_for_task(
+    options: TaskOptions,
     task: Annotated[
-        str | None, typer.Argument(metavar="TASK|FILE", help="built-in task (see arm-tasks), or one in TOML")
+        str | None,
+        typer.Argument(
+            metavar="TASK|FILE",
+            help="built-in task (see `layflat task list`), or one in TOML",
+            autocompletion=complete_name("task"),
+        ),
     ] = None,
     pareto: Annotated[
         bool, typer.Option("--pareto", help="size it at other pressures and speeds too; draw mass against time")
@@ -89,32 +110,35 @@ def size_arm(
     ] = None,
     out: Out = Path("build/size-arm"),
 ) -> None:
-    """Size an arm from what it is to do: joints, links and masses that carry it with margin.
+    """Size an arm from its task: joints, links and masses.
 
-    Writes a complete description that can be simulated, a picture of the arm, and its joints' drawings.
+    They carry the payload with margin. Writes a complete description that can be simulated, a picture of the arm, and
+    its joints' drawings.
     """
     from layflat.design import write_drawings  # noqa: PLC0415
-    from layflat.design.arm.picture import arm_picture  # noqa: PLC0415
+    from layflat.design.arm import read_task  # noqa: PLC0415
     from layflat.design.arm.sizing import size_arm  # noqa: PLC0415
-    from layflat.design.arm.task import read_task  # noqa: PLC0415
     from layflat.files import check_folder  # noqa: PLC0415
-    from layflat.plot.style import save  # noqa: PLC0415
+    from layflat.plot.style import save_figure  # noqa: PLC0415
 
-    told = asked.told()
-    if task is None and not any(value is not None for value in told.values()):
-        right = "see `layflat arm-tasks`, or give --reach, --payload, --supply and --time"
-        raise InputError("is missing", where="size-arm: TASK", right=right)
+    values = options.task_values()
+    if task is None and not any(value is not None for value in values.values()):
+        right = "see `layflat task list`, or give --reach, --payload, --supply and --time"
+        raise InputError("is missing", where="arm size: TASK", right=right)
     grid = _grid(pareto, pressures, times)
-    described = read_task(task, **told)
+    with naming_options(options.names("task" if task is None else task)):
+        described = read_task(task, **values)
     pareto_names = (f"{described.name}-pareto.csv", f"{described.name}-pareto.png") if pareto else ()
     check_folder(out, f"{described.name}.toml", f"{described.name}-arm.png", *pareto_names)
     with bar(f"sizing {described.name}", None, "TimeElapsedColumn") as update:
-        arm = size_arm(described, tell=lambda rounds: update(description=f"sizing {described.name}, round {rounds}"))
-    say_what_is_left_out()
+        arm = size_arm(
+            described, progress=lambda rounds: update(description=f"sizing {described.name}, round {rounds}")
+        )
+    report_missing_dxf()
     _print(arm)
     path = arm.write(out / f"{described.name}.toml")
     typer.echo(f"wrote {path}")
-    typer.echo(f"wrote {save(arm_picture(arm), out / f'{described.name}-arm.png')}")
+    typer.echo(f"wrote {save_figure(arm.plot(), out / f'{described.name}-arm.png')}")
     for design in arm.designs:
         for drawing in write_drawings(design, out):
             typer.echo(f"wrote {drawing}")
@@ -128,14 +152,14 @@ def _listed(text: str) -> list[str]:
 
 
 def _print(arm: "SizedArm") -> None:
-    """Print what joints give and weigh, of what they and their links are made, and findings."""
-    from layflat.design.arm.links import WALL  # noqa: PLC0415
+    """Print torques and masses of the joints, dimensions of joints and links, and the findings of the design rules."""
+    from layflat.design.arm.components import WALL_THICKNESS  # noqa: PLC0415
 
-    task, (least, most) = arm.task, (f"{time:.2f}" for time in (arm.moves.times.min(), arm.moves.times.max()))
-    strengths, made = [], []
-    for part, need, asked in zip(arm.parts, arm.needs, arm.wanted, strict=True):
+    task, (shortest, longest) = arm.task, (f"{time:.2f}" for time in (arm.moves.times.min(), arm.moves.times.max()))
+    strengths, dimensions = [], []
+    for part, need, with_margin in zip(arm.parts, arm.needs, arm.required_torques, strict=True):
         name, joint = part.task.name, arm.machine.joint[part.task.name]
-        torques = (need.static, need.torque, asked, part.torque)
+        torques = (need.static, need.torque, with_margin, part.torque)
         flow = part.valve.nominal_flow if part.valve else 0.0
         strengths.append([name, *(f"{torque:.1f}" for torque in torques), f"{flow:.0f}", f"{part.mass:.2f}"])
         strap = joint.strap
@@ -143,41 +167,40 @@ def _print(arm: "SizedArm") -> None:
         cylinder = f"{1e3 * joint.cylinder.diameter:.0f} x {1e3 * joint.cylinder.wall:g}"
         sizes = [f"{1e3 * joint.hose.width:.0f}", cylinder, f"{1e3 * joint.output.radius:.1f}", straps]
         tube = part.tube
-        link = [f"{1e3 * tube.length:.0f}", f"{1e3 * tube.diameter:.0f} x {1e3 * WALL:g}", f"{tube.mass:.2f}"]
-        made.append([name, *sizes, *link])
+        link = [f"{1e3 * tube.length:.0f}", f"{1e3 * tube.diameter:.0f} x {1e3 * WALL_THICKNESS:g}", f"{tube.mass:.2f}"]
+        dimensions.append([name, *sizes, *link])
     columns = ["joint", "holds (N m)", "moves (N m)", "with margin (N m)", "gives (N m)", "valve (l/min)", "mass (kg)"]
-    times = least if least == most else f"{least} to {most}"
+    times = shortest if shortest == longest else f"{shortest} to {longest}"
     title = f"{task.name}: {task.payload:.3g} kg, moves of {times} s, {task.supply / 1e5:g} bar"
     print_table(columns, strengths, title)
     columns = ["joint", "hose (mm)", "cylinder (mm)", "cam (mm)", "straps (mm)"]
-    print_table([*columns, "link (mm)", "its tube (mm)", "its mass (kg)"], made)
+    print_table([*columns, "link (mm)", "its tube (mm)", "its mass (kg)"], dimensions)
     joints = sum(part.mass for part in arm.parts)
     typer.echo(f"mass: {arm.mass:.2f} kg, of which {joints:.2f} kg joints")
     print_findings(arm.findings)
 
 
 def _grid(pareto: bool, pressures: str | None, times: str | None) -> tuple[list[float], list[float]]:
-    """Return pressures (gauge, Pa) and times (s) of a comparison; none where they are not given."""
+    """Return pressures (gauge, Pa) and times (s) of a comparison; empty where an option is not given."""
     from layflat.description import units as u  # noqa: PLC0415
 
-    given = {"--pressures": (pressures, u.PRESSURE), "--times": (times, u.TIME)}
-    for option, (text, _) in given.items():
+    options = {"--pressures": (pressures, u.PRESSURE), "--times": (times, u.TIME)}
+    for option, (text, _) in options.items():
         if text is not None and not pareto:
             raise InputError("needs --pareto", where=option, right="it is what that goes through")
-    found = []
-    for option, (text, kind) in given.items():
+    grid = []
+    for option, (text, kind) in options.items():
         values = sorted({u.quantity(one, kind, option) for one in _listed(text)}) if text is not None else []
         if values and values[0] <= 0.0:
             raise InputError(f"{text!r} is out of range", where=option, right="give values above zero")
-        found.append(values)
-    return found[0], found[1]
+        grid.append(values)
+    return grid[0], grid[1]
 
 
 def _compare(arm: "SizedArm", pressures: list[float], times: list[float], out: Path) -> None:
     """Size the arm's task at other pressures and times of its moves; write a table and the picture."""
-    from layflat.design.arm.picture import sizes_picture  # noqa: PLC0415
-    from layflat.design.arm.trade_off import PACES, PRESSURES, trade_off, write_trials  # noqa: PLC0415
-    from layflat.plot.style import save  # noqa: PLC0415
+    from layflat.design.arm.trade_off import PACE_RATIOS, PRESSURES, sizes_picture, trade_off, write_trials  # noqa: PLC0415
+    from layflat.plot.style import save_figure  # noqa: PLC0415
 
     paces = [time / float(arm.moves.times.mean()) for time in times]
     try:
@@ -185,14 +208,14 @@ def _compare(arm: "SizedArm", pressures: list[float], times: list[float], out: P
             trials = trade_off(
                 arm,
                 pressures or PRESSURES,
-                paces or PACES,
+                paces or PACE_RATIOS,
                 advance=lambda done, total: update(completed=done, total=total),
             )
     except KeyboardInterrupt:
         raise StoppedError("the arm itself", out) from None
     stem = f"{arm.task.name}-pareto"
     typer.echo(f"wrote {write_trials(trials, out / f'{stem}.csv')}")
-    typer.echo(f"wrote {save(sizes_picture(arm, trials), out / f'{stem}.png')}")
+    typer.echo(f"wrote {save_figure(sizes_picture(arm, trials), out / f'{stem}.png')}")
     refused = [one for one in trials if one.refused]
     if refused:
         typer.echo(f"{len(refused)} of {len(trials)} are beyond what such joints can do; {stem}.csv says why")

@@ -1,4 +1,4 @@
-"""Commands about parameter studies: studies, study."""
+"""Commands that list, show and run parameter studies."""
 
 from pathlib import Path
 from textwrap import fill
@@ -6,31 +6,44 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from layflat.cli.app import WIDTH, Device, app, counted, print_table
 from layflat.cli.bars import steps_bar
+from layflat.cli.common import WIDTH, Device, count_noun, naming_options, print_table
+from layflat.cli.completers import complete_name
+from layflat.cli.groups import studies
 
 if TYPE_CHECKING:
     from layflat.study import Study
 
 
-@app.command()
-def studies(
-    name: Annotated[str | None, typer.Argument(metavar="NAME", help="print its file, to start from")] = None,
-) -> None:
-    """List the built-in studies, or print one."""
-    from layflat.study import names, read  # noqa: PLC0415
-    from layflat.study.study import STUDIES  # noqa: PLC0415
+@studies.register("list", "")
+def list_studies() -> None:
+    """List the built-in studies."""
+    from layflat.study import read_study, study_names  # noqa: PLC0415
 
-    if name is not None:
-        typer.echo(STUDIES.text(name), nl=False)
-        return
-    described = [read(one) for one in names()]
+    described = [read_study(one) for one in study_names()]
     print_table(["study", "runs", "what it asks"], [[s.name, str(s.rows), s.file.title] for s in described])
 
 
-@app.command()
-def study(
-    file: Annotated[str, typer.Argument(metavar="NAME|FILE", help="built-in study, or what to vary, in TOML")],
+@studies.register("show", "valves > study.toml")
+def show_study(
+    name: Annotated[
+        str, typer.Argument(metavar="NAME", help="built-in study", autocompletion=complete_name("study", files=False))
+    ],
+) -> None:
+    """Print the file of a study, to start from."""
+    from layflat.study.study import STUDY_LIBRARY  # noqa: PLC0415
+
+    typer.echo(STUDY_LIBRARY.text(name), nl=False)
+
+
+@studies.register("run", "valves", "study.toml --out build/mine")
+def run_parameter_study(
+    file: Annotated[
+        str,
+        typer.Argument(
+            metavar="NAME|FILE", help="built-in study, or what to vary, in TOML", autocompletion=complete_name("study")
+        ),
+    ],
     out: Annotated[
         Path | None, typer.Option("--out", "-o", metavar="DIR", help="for the results; default: build/study/NAME")
     ] = None,
@@ -39,48 +52,49 @@ def study(
     ] = None,
     device: Device = "cpu",
 ) -> None:
-    """Run a parameter study; needs the extra `study`.
+    """Run a parameter study.
 
-    Writes a table of metrics, a row a run, and a figure. A stopped study continues where it was. Runs of up to a minute
-    are computed in single precision, unless the file says precision = "double".
+    Needs the extra `study`. Writes a table of metrics, a row a run, and a figure. A stopped study continues where it
+    was. Runs of up to a minute are computed in single precision, unless the file says precision = "double".
     """
-    from layflat.study import names, read, run, table  # noqa: PLC0415
+    from layflat.study import read_study, run_study, study_names, study_table  # noqa: PLC0415
     from layflat.study.folder import ChangedError  # noqa: PLC0415
-    from layflat.study.results import draw, write_figure  # noqa: PLC0415
+    from layflat.study.results import draw_study, write_figure  # noqa: PLC0415
 
-    described = read(file)
+    described = read_study(file)
     place = out or Path("build/study") / described.name
     try:
-        with steps_bar("runs") as advance:
-            path = run(described, place, scheduler=scheduler, device=device, progress=advance)
+        with naming_options({"scheduler": "--scheduler", "device": "--device"}), steps_bar("runs") as advance:
+            path = run_study(described, place, scheduler=scheduler, device=device, progress=advance)
     except ChangedError as error:
-        typer.echo(f"layflat: {error}", err=True)
+        typer.echo(f"layflat: {error}, or --force to replace it", err=True)
         for line in error.differences:
             typer.echo(f"  {line}", err=True)
         raise typer.Exit(2) from None
     _print_summary(described, place)
     typer.echo(f"wrote {path} and .csv")
-    if file not in names():
-        typer.echo(f"wrote {write_figure(draw(described, table(place)), place)} and .png")
+    if file not in study_names():
+        typer.echo(f"wrote {write_figure(draw_study(described, study_table(place)), place)} and .png")
         return
-    from layflat.experiments.questions import answer  # noqa: PLC0415  # one of the paper's open questions
+    from layflat.experiments.questions import answer_question  # noqa: PLC0415  # one of the paper's open questions
 
-    found = answer(file, place)
-    typer.echo(f"wrote {place / 'figure.svg'} and .png\n\n{fill(found.finding, WIDTH)}")
+    answered = answer_question(file, place)
+    typer.echo(f"wrote {place / 'figure.svg'} and .png\n\n{fill(answered.finding, WIDTH)}")
 
 
 def _print_summary(described: "Study", out: Path) -> None:
-    from layflat.study.results import SHARES, summary  # noqa: PLC0415
+    """Print the quantiles of a study's metrics, and how many runs settled and diverged."""
+    from layflat.study.results import SUMMARY_LEVELS, summarize_study  # noqa: PLC0415
 
-    found = summary(out, described.metrics)
+    result = summarize_study(out, described.metrics)
     rows = [
         [name, unit, *(f"{value:.4g}" if abs(value) != float("inf") else "not settled" for value in values)]
-        for name, (unit, values) in found.quantiles.items()
+        for name, (unit, values) in result.quantiles.items()
     ]
-    columns = ["metric", "unit", *(f"{100 * share:g} %" for share in SHARES)]
-    made = f"{counted(found.runs, 'run')} in {described.precision} precision"
-    title = f"{described.name}: {counted(described.samples, 'sample')}, {made}; this share of them lies below"
+    columns = ["metric", "unit", *(f"{100 * share:g} %" for share in SUMMARY_LEVELS)]
+    runs = f"{count_noun(result.runs, 'run')} in {described.precision} precision"
+    title = f"{described.name}: {count_noun(described.samples, 'sample')}, {runs}; this share of them lies below"
     print_table(columns, rows, title)
-    if found.settled is not None:
-        typer.echo(f"{100 * found.settled:.1f} % settled in every move")
-    typer.echo(f"{found.diverged} of {counted(found.runs, 'run')} diverged")
+    if result.settled is not None:
+        typer.echo(f"{100 * result.settled:.1f} % settled in every move")
+    typer.echo(f"{result.diverged} of {count_noun(result.runs, 'run')} diverged")

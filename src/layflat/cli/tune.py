@@ -1,4 +1,4 @@
-"""The command that tunes controllers."""
+"""Command that tunes controllers."""
 
 from pathlib import Path
 from textwrap import fill
@@ -6,21 +6,33 @@ from typing import Annotated
 
 import typer
 
-from layflat.cli.app import WIDTH, Device, MachineName, Out, app, print_table
 from layflat.cli.bars import steps_bar
+from layflat.cli.common import WIDTH, Device, MachineName, Out, naming_options, print_table
+from layflat.cli.completers import complete_choice
+from layflat.cli.groups import app
 from layflat.errors import StoppedError
 
 
-@app.command()
-def tune(
+@app.register("tune", "paper-arm", "mine.toml --from current --generations 20")
+def tune_controller(
     machine: MachineName,
     method: Annotated[
         str,
         typer.Option(
-            metavar="global|phases", help="all at once, or as the paper its gains: joint by joint, phase by phase"
+            metavar="global|phases",
+            help="all at once, or as the paper its gains: joint by joint, phase by phase",
+            autocompletion=complete_choice("global", "phases"),
         ),
     ] = "global",
-    start: Annotated[str, typer.Option("--from", metavar="neutral|current", help="values to begin with")] = "neutral",
+    start: Annotated[
+        str,
+        typer.Option(
+            "--from",
+            metavar="neutral|current",
+            help="values to begin with",
+            autocompletion=complete_choice("neutral", "current"),
+        ),
+    ] = "neutral",
     generations: Annotated[
         int | None, typer.Option(help="of the search, in all; default: as many as the method needs")
     ] = None,
@@ -31,38 +43,37 @@ def tune(
     device: Device = "cpu",
     out: Out = Path("build/tune"),
 ) -> None:
-    """Tune a controller: gains of the paper's, settings of the tracking one; needs the extra `tune`.
+    """Tune the gains or settings of a controller.
 
-    Writes a description with the values found, and a page with what they do.
+    Needs the extra `tune`. Writes a description with the values found, and a page with what they do.
 
     What counts is how soon moves settle, on plants that differ, the worst of them and the nominal ones most. The
     paper's gains meet other payloads, supplies, losses and drifts; the tracking controller meets plants that are not
     what it believes. Ctrl-C ends the search; the best so far is kept.
     """
-    from layflat.tune import begin  # noqa: PLC0415
-    from layflat.tune.robust import fresh, validate, warnings  # noqa: PLC0415
-    from layflat.tune.tuning import PAGE  # noqa: PLC0415
+    from layflat.tune import REPORT_FILE, begin_tuning, finish_tuning  # noqa: PLC0415
+    from layflat.tune.robust import coupling_warnings, validation_conditions  # noqa: PLC0415
 
-    tuning = begin(
-        machine, out, method=method, start=start, seed=seed, generations=generations, over=over, device=device
-    )
-    from layflat.tune.page import figures_of, write_page  # noqa: PLC0415  # figures; what is asked was checked before
+    options = {name: f"--{name}" for name in ("method", "generations", "seed", "over", "device")}
+    with naming_options(options | {"start": "--from"}):
+        tuning = begin_tuning(
+            machine, out, method=method, start=start, seed=seed, generations=generations, over=over, device=device
+        )
+    from layflat.tune.page import write_page  # noqa: PLC0415  # figures; what is asked was checked before
 
     with steps_bar("generations", tuning.generations) as advance:
-        tuning.seek(
+        tuning.search(
             lambda best, done, name: advance(done, now=f"{name or 'first values'}: best cost {best.cost:.2f} s")
         )
-    tuned = tuning.keep()
+    result = finish_tuning(tuning)
     done = f"{len(tuning.history) - 1} of {tuning.generations} generations in {tuning.seconds:.1f} s"
     typer.echo(f"{done}\nwrote {tuning.path}")
-    before = validate(tuning.base, tuning.meet) if tuning.was_complete else None
-    after, measure = validate(tuned, tuning.meet), fresh(tuning.meet).measure
-    columns = [f"settling within {measure.within}, coupling", "before", "after"]
-    print_table(columns, figures_of(tuning, before, after), tuned.name)
-    for line in (*warnings(before, after), measure.statement):
+    print_table(result.columns, result.comparison_rows(), result.machine.name)
+    statement = validation_conditions(tuning.make_conditions).measure.statement
+    for line in (*coupling_warnings(result.before, result.after), statement):
         typer.echo(fill(line, WIDTH))
-    if tuning.kept:
+    if tuning.unchanged:
         typer.echo(f"no better {tuning.law.values} were found: those that were there stay")
-    typer.echo(f"wrote {write_page(tuning, tuned, before, after, out / PAGE)}")
+    typer.echo(f"wrote {write_page(result, out / REPORT_FILE)}")
     if tuning.stopped:
         raise StoppedError(done, out)

@@ -1,4 +1,4 @@
-"""Command that shows an arm in space: view."""
+"""Command that shows an arm in space."""
 
 from math import degrees, radians
 from pathlib import Path
@@ -6,18 +6,19 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from layflat.cli.app import MachineName, app, naming_options
 from layflat.cli.bars import busy
+from layflat.cli.common import MachineName, naming_options
+from layflat.cli.groups import arms
 from layflat.cli.pages import print_link
 from layflat.errors import InputError
 
 if TYPE_CHECKING:
-    from layflat.bridge.view.browser import Motion
+    from layflat.bridge.view.browser import PlayedMotion
     from layflat.machine import Machine
 
 
-@app.command()
-def view(
+@arms.register("view", "picking-arm", "picking-arm --run build/simulate/picking-arm.nc", "picking-arm --png arm.png")
+def view_arm(
     machine: MachineName,
     run: Annotated[Path | None, typer.Option(metavar="RUN", help="play a run of the machine, NetCDF")] = None,
     png: Annotated[Path | None, typer.Option(metavar="FILE", help="draw a picture instead, without a screen")] = None,
@@ -26,34 +27,39 @@ def view(
     ] = None,
     port: Annotated[int, typer.Option(min=0, max=65535, help="of the page; 0 is any that is free")] = 8080,
 ) -> None:
-    """Show a machine's arm in the browser, on this computer, or as a picture; squares of the floor are 100 mm."""
+    """Show a machine's arm in the browser, or draw a picture.
+
+    Squares of the floor are 100 mm. The page is for browsers on this computer.
+    """
     from layflat import extras  # noqa: PLC0415
     from layflat.machine import load  # noqa: PLC0415
 
-    extras.require("view", *(("mujoco", "PIL") if png else ("viser",)), where="view")
+    extras.require("view", *(("mujoco", "PIL") if png else ("viser",)), where="arm view")
     described = load(machine)
-    motion = None if run is None else _motion(described, run)
+    motion = None if run is None else _run_motion(described, run)
     angles = [0.0] * len(described.joints) if motion is None else motion.angles[-1 if png else 0].tolist()
     if pose is not None:
-        angles = _pose(described, pose)
+        angles = _parse_pose(described, pose)
     if png is not None:
-        _draw(described, angles, png, motion)
+        _write_picture(described, angles, png, motion)
         return
-    _serve(described, angles, motion, port)
+    _serve_view(described, angles, motion, port)
 
 
-def _draw(machine: "Machine", angles: list[float], png: Path, motion: "Motion | None") -> None:
+def _write_picture(machine: "Machine", angles: list[float], png: Path, motion: "PlayedMotion | None") -> None:
+    """Write the picture of an arm at angles (rad), with the tip's path of a motion, and print its path."""
     from layflat.bridge.view.picture import save_picture  # noqa: PLC0415
     from layflat.files import check_file  # noqa: PLC0415
 
     if png.suffix.lower() != ".png":
         raise InputError(f"{png.name!r} has an unknown format", where="--png", right="give a name such as arm.png")
     check_file(png)
-    way = () if motion is None else motion.angles
-    typer.echo(f"wrote {save_picture(machine, angles, png, way=way)}")
+    tip_path = () if motion is None else motion.angles
+    typer.echo(f"wrote {save_picture(machine, angles, png, motion=tip_path)}")
 
 
-def _serve(machine: "Machine", angles: list[float], motion: "Motion | None", port: int) -> None:
+def _serve_view(machine: "Machine", angles: list[float], motion: "PlayedMotion | None", port: int) -> None:
+    """Serve the page of an arm at angles (rad) until Ctrl-C."""
     from layflat.bridge.view.browser import Viewer  # noqa: PLC0415
     from layflat.cli.rig import stopping  # noqa: PLC0415
 
@@ -65,7 +71,7 @@ def _serve(machine: "Machine", angles: list[float], motion: "Motion | None", por
             viewer.serve(stopped)
 
 
-def _pose(machine: "Machine", text: str) -> list[float]:
+def _parse_pose(machine: "Machine", text: str) -> list[float]:
     """Return the angles (rad) of an option, one for each joint."""
     from layflat.description import units as u  # noqa: PLC0415
 
@@ -82,16 +88,16 @@ def _pose(machine: "Machine", text: str) -> list[float]:
     return angles
 
 
-def _motion(machine: "Machine", run: Path) -> "Motion":
-    """Return what the arm did in a run of it."""
-    from layflat.bridge.view.browser import Motion  # noqa: PLC0415
+def _run_motion(machine: "Machine", run: Path) -> "PlayedMotion":
+    """Return the motion of the arm in a run."""
+    from layflat.bridge.view.browser import PlayedMotion  # noqa: PLC0415
     from layflat.sim.dataset import open_run  # noqa: PLC0415
 
-    found = open_run(run)
-    if not {"angle", "time", "joint"} <= set(found.variables):
+    dataset = open_run(run)
+    if not {"angle", "time", "joint"} <= set(dataset.variables):
         raise InputError("has no angles of joints over time", where=str(run), right="give what `simulate` writes")
-    joints = [str(name) for name in found["joint"].values]
+    joints = [str(name) for name in dataset["joint"].values]
     if joints != list(machine.joints):
         right = f"give one of joints {', '.join(machine.joints)}"
         raise InputError(f"is of an arm with the joints {', '.join(joints)}", where=str(run), right=right)
-    return Motion(found["time"].values, found["angle"].transpose("time", "joint").values)
+    return PlayedMotion(dataset["time"].values, dataset["angle"].transpose("time", "joint").values)

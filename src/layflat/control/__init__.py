@@ -1,12 +1,12 @@
-"""Control laws, of any kind, for the whole arm. A new kind is one folder and one line here; see docs/kinds.md."""
+"""Control laws of the whole arm, of any kind. A new kind is one folder and one line here; see docs/kinds.md."""
 
 from layflat.control import paper, tracking
-from layflat.control.contract import Command, Demand, Sensed
 from layflat.control.kind import ControlKind, ControllerPart, voltages_alone
-from layflat.kinds import Table
-from layflat.physics.adjustable import FULL, Shares
+from layflat.control.signals import Command, Demand, Sensed
+from layflat.kinds import KindTable
+from layflat.physics.adjustable import FULL_FRACTIONS, DriveFractions
 
-CONTROL_LAWS: Table[ControlKind] = Table("control law", paper.KIND, tracking.KIND)
+CONTROL_LAWS: KindTable[ControlKind] = KindTable("control law", paper.KIND, tracking.KIND)
 
 wake = CONTROL_LAWS.law("wake")
 step = CONTROL_LAWS.law("step")
@@ -14,13 +14,13 @@ centre_shift = CONTROL_LAWS.law("centre_shift")
 
 __all__ = [
     "CONTROL_LAWS",
-    "FULL",
+    "FULL_FRACTIONS",
     "Command",
     "ControlKind",
     "ControllerPart",
     "Demand",
+    "DriveFractions",
     "Sensed",
-    "Shares",
     "centre_shift",
     "step",
     "voltages_alone",

@@ -8,36 +8,36 @@ from pydantic import BaseModel
 
 from layflat.control import checks
 from layflat.control.checks import CycleClock, PlainStep, PlainWake, guard_step
-from layflat.control.contract import Command
+from layflat.control.signals import Command
 from layflat.description import units as u
 from layflat.errors import KindError
 from layflat.jit import Law, law
 from layflat.kind_checks import MisfitError
-from layflat.kinds import REQUIRED, Kind, KindPart
+from layflat.kinds import REQUIRED_ENTRY, Kind, KindPart
 from layflat.lanes import each
-from layflat.physics.adjustable import FULL, Shares
+from layflat.physics.adjustable import FULL_FRACTIONS, DriveFractions
 
 
 class ControllerPart(KindPart):
-    """Description of a controller: fields that all kinds share."""
+    """Description of a controller: the fields that all kinds share."""
 
     cycle: u.ControlCycle
 
 
 @law
-def _whole(voltage: float) -> Shares:  # noqa: ARG001  (one a joint)
-    return FULL
+def _full_shares(voltage: float) -> DriveFractions:  # noqa: ARG001  (one a joint)
+    return FULL_FRACTIONS
 
 
 @law
 def voltages_alone(voltage: Any) -> Any:
-    """Command voltages, and leave all else as it is."""
-    return Command(voltage, each(_whole, voltage))
+    """Return a command of voltages (V, a tuple) with full shares of brake, dither and supply."""
+    return Command(voltage, each(_full_shares, voltage))
 
 
 @law
 def no_shift(settings: Any, memory: Any, joints: Any) -> Any:  # noqa: ARG001
-    """No shift of any valve's centre; `joints` is a tuple of zeros with an item per joint."""
+    """Return zero shift of every valve's centre; `joints` is a tuple of zeros with an item per joint."""
     return joints
 
 
@@ -45,40 +45,39 @@ def no_shift(settings: Any, memory: Any, joints: Any) -> Any:  # noqa: ARG001
 class ControlKind(Kind):
     """A control law of the whole arm.
 
-    `parameters(described, machine)` yields the law's settings from the described controller and the machine that it is
-    for (see also `models_plant`): a named tuple of floats, of named tuples and of tuples of these, with an item a
-    joint. Laws are pure: no clock, no input or output, no plant. Those that are decorated with `layflat.jit.law` are
-    compiled, and run in ensembles, in studies and on rigs; plain functions run in rollouts and on a virtual rig.
+    `parameters(described, machine)` returns the law's settings for a described controller and its machine (see also
+    `models_plant`): a named tuple of floats, of named tuples and of tuples of these, with an item per joint. Laws are
+    pure: no clock, no input or output, no plant. Functions decorated with `layflat.jit.law` are compiled, and run in
+    ensembles, in studies and on rigs; plain functions run in rollouts and on a virtual rig.
     """
 
     CALLED = ("wake", "step", "centre_shift")
 
-    wake: Callable[..., Any] = REQUIRED
-    """`wake(settings, sensed)` yields the memory of a law that begins at these measurements, nested as settings."""
-    step: Callable[..., Any] = REQUIRED
-    """`step(settings, memory, sensed, demand, elapsed)` yields memory, `Command` and report after a cycle that came
-    `elapsed` s after the one before. A report is a tuple of `report`, one a joint."""
-    report: type = REQUIRED
-    """Named tuple class of what the law shows of each joint, all floats; its fields are recorded by name."""
-    signals: Mapping[str, tuple[str, str]] = REQUIRED  # unit and meaning of each field of `report`
-    gains: type[BaseModel] | None = None  # description of the table `gains` of each joint; None where the law has none
+    wake: Callable[..., Any] = REQUIRED_ENTRY
+    """`wake(settings, sensed)` returns the memory of a law that starts at these readings, nested as settings are."""
+    step: Callable[..., Any] = REQUIRED_ENTRY
+    """`step(settings, memory, sensed, demand, elapsed)` returns memory, `Command` and report after a cycle `elapsed` s
+    after the one before. The report is a tuple of `report`, one per joint."""
+    report: type = REQUIRED_ENTRY
+    """Named tuple class of a joint's report, all floats; its fields are recorded by name."""
+    signals: Mapping[str, tuple[str, str]] = REQUIRED_ENTRY  # unit and meaning of each field of `report`
+    gains: type[BaseModel] | None = None  # description of the table `gains` of each joint; None for a law without gains
     centre_shift: Callable[..., Any] = no_shift
-    """`centre_shift(settings, memory, joints)` yields by how much each valve's centre is estimated to be off, V, a
-    tuple with an item per joint, as the zeros `joints` are. A rig's supervision of air takes it into account; zero
-    unless it is given."""
+    """`centre_shift(settings, memory, joints)` returns the estimated error of each valve's centre, V, a tuple with an
+    item per joint, as `joints`, which are zeros. A rig's supervision of air takes it into account. Default: zero."""
     plans: bool = False
-    """Whether the law plans its own motion to a demand: one that jumps it may be given whole, one that moves with its
-    velocity and acceleration, and the arm is then as fast as hoses and valves allow. A law that goes by errors is led
-    by the rig: its demands jump only so far, go on with `safety.demand_speed`, and have no rates."""
+    """True if the law plans its own motion to a demand. Then the demand may jump, or move with velocity and
+    acceleration, and the arm is as fast as hoses and valves allow. For other laws, which control errors, the rig ramps
+    the demand: its jumps are limited, it moves with `safety.demand_speed`, and it has no rates."""
     models_plant: bool = False
-    """Whether `parameters` takes a third argument: a function without arguments that returns the parameters of the
-    plant's laws (those of its arm, of its joints, and of what is around them)."""
+    """True if `parameters` takes a third argument: a function without arguments that returns the parameters of the
+    plant's laws (of its arm, of its joints, and of its surroundings)."""
     gives_up: str | None = None
-    """Field of `report` that is 1 while the law holds the arm instead of following, since what it believes of the arm
-    is too far from it; runs and rigs tell so. None: it never does."""
+    """Field of `report` that is 1 while the law holds the arm in place of following, since its model is too far from
+    the arm; runs and rigs report it. None for a law that never does."""
 
     def __post_init__(self) -> None:
-        """Refuse a report whose signals have no unit; let laws in plain Python be checked in every cycle."""
+        """Check the report's signals, and wrap laws in plain Python so that every cycle is checked."""
         super().__post_init__()
         try:
             checks.check_report(self.report, self.signals)
@@ -96,19 +95,19 @@ class ControlKind(Kind):
             object.__setattr__(self, "step", PlainStep(self.name, self.step, self.report, clock))
 
     def guarded(self) -> "ControlKind":
-        """Return the kind with voltages that are not numbers where its law returns what it may not.
+        """Return the kind with a `step` whose voltages are NaN if it returns an invalid value (see `guard_step`).
 
-        A law in plain Python is checked itself.
+        A law in plain Python stays as it is: it raises KindError for such values.
         """
         return replace(self, step=guard_step(self.step)) if self.compiled else self
 
     def try_laws(self, parameters: Any, *described: Any) -> None:
-        """Try the law at rest: see `layflat.control.checks.try_law`."""
+        """Test the law at rest: see `layflat.control.checks.try_law`."""
         controller, machine, *_ = described
         checks.try_law(self, parameters, len(machine.joints), controller.cycle)
 
     def check_compiled(self, where: str) -> None:
-        """Make sure that the law can be compiled, as it has to be `where`; raise KindError if it is plain Python."""
+        """Check that the law can be compiled, as `where` requires; raise KindError if it is plain Python."""
         if not self.compiled:
             raise KindError(
                 f"control law {self.name!r} is plain Python; it can't run {where}",
@@ -117,5 +116,5 @@ class ControlKind(Kind):
 
     @property
     def compiled(self) -> bool:
-        """True where the law can be compiled; else Python calls it once a control cycle."""
+        """True if the law can be compiled; otherwise Python calls it once per control cycle."""
         return isinstance(self.wake, Law) and isinstance(self.step, Law)

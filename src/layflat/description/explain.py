@@ -1,4 +1,4 @@
-"""One line for what pydantic found wrong: where in the file, what, and what would be right, in our own words."""
+"""Errors of pydantic as one line in the words of the package: place in the file, problem, and advice."""
 
 from collections.abc import Callable
 from typing import Any
@@ -6,16 +6,16 @@ from typing import Any
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
-from layflat.description.hints import did_you_mean, nearest
-from layflat.description.places import Place, Steps, Walk
+from layflat.description.places import FileLocation, SchemaWalk, Steps
 from layflat.description.quantity import Quantity
-from layflat.description.wrong import WRONG, shown
+from layflat.description.renamed import ANY_KIND, RENAMED_KEYS, migration_advice, present_steps
+from layflat.description.wrong import ERROR_TYPE, did_you_mean, nearest, shown
 from layflat.errors import InputError
 
-LONGER = 4  # characters by which a misspelt key differs in length less than one of another kind does
+MAX_LENGTH_DIFFERENCE = 4  # in characters, between a misspelt key and the missing one
 
 
-def explained(
+def explain_error(
     error: ValidationError,
     where: str,
     model: type[BaseModel],
@@ -23,67 +23,103 @@ def explained(
     complete: str = "",
     written: Callable[[Steps, object], str] | None = None,
 ) -> InputError:
-    """Return one line for what is wrong with a description.
+    """Return the first error of a description as one line.
 
     Args:
-        error: what pydantic found.
+        error: pydantic's error.
         where: the file.
         model: class of the description.
-        kind: class of what is returned.
-        complete: what to say where something is missing: what a complete description has, or what shows one.
-        written: how a place is named, from its steps and the value there; default: by dots.
+        kind: class of the returned error.
+        complete: advice for a missing key: the keys of a complete description, or a page that shows one.
+        written: function that names a place, from its steps and the value there; default: joined by dots.
     """
-    first, place = _first(error, model)
-    steps, what, right = _said(first, place, complete)
+    first, place = _first_error(error, model)
+    steps, what, right = _explain(first, place, complete)
+    if present := _present_name(first, place):
+        file = where.partition(": ")[0]
+        what, right = f"is called {present} now", migration_advice(file) if file.endswith(".toml") else "use that name"
     named = written(steps, first["input"]) if written else ".".join(map(str, steps))
     return kind(what, where=f"{where}: {named}" if named else where, right=right)
 
 
-def explained_value(error: ValidationError, where: str, quantity: Quantity | None = None) -> InputError:
-    """Return one line for what is wrong with a single value, which stands at `where`."""
+def unknown_key(error: ValidationError, where: str, model: type[BaseModel]) -> InputError | None:
+    """Return one line about the first unknown key of a description, None if all keys are known.
+
+    Args:
+        error: pydantic's error.
+        where: the file.
+        model: class of the description.
+    """
+    walk = SchemaWalk(model)
+    for item in error.errors(include_url=False):
+        if item["type"] == "extra_forbidden":
+            steps, what, right = _explain(item, walk.locate(item["loc"]), "")
+            return InputError(what, where=f"{where}: {'.'.join(map(str, steps))}", right=right)
+    return None
+
+
+def explain_value_error(error: ValidationError, where: str, quantity: Quantity | None = None) -> InputError:
+    """Return the error of a single value as one line.
+
+    Args:
+        error: pydantic's error.
+        where: place of the value.
+        quantity: quantity of the value, for its unit.
+    """
     first = error.errors(include_url=False)[0]
-    _, what, right = _said(first, Place(first["loc"], quantity=quantity), "")
+    _, what, right = _explain(first, FileLocation(first["loc"], quantity=quantity), "")
     return InputError(what, where=where, right=right)
 
 
-def _first(error: ValidationError, model: type[BaseModel]) -> tuple[ErrorDetails, Place]:
-    """The first thing that is wrong; a key that is misspelt before the one that is missing for it."""
-    found = error.errors(include_url=False)
-    walk = Walk(model)
-    missing = {one["loc"] for one in found if one["type"] == "missing"}
-    for one in found if missing else []:
-        if one["type"] == "extra_forbidden":
-            key = str(one["loc"][-1])
-            meant = nearest(key, walk.to(one["loc"]).known)
-            if meant and abs(len(meant) - len(key)) < LONGER and (*one["loc"][:-1], meant) in missing:
-                return one, walk.to(one["loc"])
-    return found[0], walk.to(found[0]["loc"])
+def _first_error(error: ValidationError, model: type[BaseModel]) -> tuple[ErrorDetails, FileLocation]:
+    """Return the first error with its place; an old or misspelt key comes before the missing key that was meant."""
+    errors = error.errors(include_url=False)
+    walk = SchemaWalk(model)
+    old = next((item for item in errors if _present_name(item, walk.locate(item["loc"]))), None)
+    if old is not None:
+        return old, walk.locate(old["loc"])
+    missing = {item["loc"] for item in errors if item["type"] == "missing"}
+    for item in errors if missing else []:
+        if item["type"] == "extra_forbidden":
+            key = str(item["loc"][-1])
+            meant = nearest(key, walk.locate(item["loc"]).valid_keys)
+            if meant and abs(len(meant) - len(key)) < MAX_LENGTH_DIFFERENCE and (*item["loc"][:-1], meant) in missing:
+                return item, walk.locate(item["loc"])
+    return errors[0], walk.locate(errors[0]["loc"])
 
 
-def _said(error: ErrorDetails, place: Place, complete: str) -> tuple[Steps, str, str]:
-    """Steps to the place, what is wrong there, and what would be right."""
+def _present_name(error: ErrorDetails, place: FileLocation) -> str | None:
+    """Return the present name of a key that is unknown because it was renamed."""
+    if error["type"] != "extra_forbidden":
+        return None
+    names = (present_steps(noun, place.steps, lambda _: ANY_KIND)[-1] for noun in RENAMED_KEYS)
+    return next((str(name) for name in names if name != place.steps[-1] and name in place.valid_keys), None)
+
+
+def _explain(error: ErrorDetails, place: FileLocation, complete: str) -> tuple[Steps, str, str]:
+    """Return the steps to the place, the problem, and the advice."""
     kind, value, context, steps = error["type"], error["input"], error.get("ctx", {}), place.steps
-    if kind == WRONG:
+    if kind == ERROR_TYPE:
         return steps, context["what"] if context["named"] else f"{shown(value)} {context['what']}", context["right"]
     if kind == "missing" and steps and isinstance(steps[-1], int):
         return steps[:-1], "has too few values", f"give {place.size}" if place.size else "give more"
     if kind.startswith("union_tag") and not isinstance(value, (dict, BaseModel)):
-        return steps, *_plain("dict_type", value, context, place)
+        return steps, *_explain_type("dict_type", value, context, place)
     if kind.startswith("union_tag"):
-        return (*steps, "kind"), *_kind(value, context)
+        return (*steps, "kind"), *_explain_kind(value, context)
     if kind in {"value_error", "assertion_error"}:
         what, _, right = str(context["error"]).partition("; ")
     elif kind == "extra_forbidden":
-        what, right = "unknown key", did_you_mean(steps[-1], place.known, "known keys are {}")
+        what, right = "unknown key", did_you_mean(steps[-1], place.valid_keys, "known keys are {}")
     elif kind == "missing":
         what, right = "is missing", complete or "add it"
     else:
-        what, right = _plain(kind, value, context, place)
+        what, right = _explain_type(kind, value, context, place)
     return steps, what, right
 
 
-def _kind(value: object, context: dict[str, Any]) -> tuple[str, str]:
-    """Explain a kind that is unknown, or not given."""
+def _explain_kind(value: object, context: dict[str, Any]) -> tuple[str, str]:
+    """Return problem and advice for a kind that is unknown or missing."""
     names = [name.strip(" '") for name in context.get("expected_tags", "").split(",") if name.strip()]
     tag = context.get("tag", value.get("kind") if isinstance(value, dict) else None)
     near = nearest(tag, names) if tag else None
@@ -92,14 +128,14 @@ def _kind(value: object, context: dict[str, Any]) -> tuple[str, str]:
     return f"{shown(tag)} is not a known kind" if tag else "is missing", f"{hint}{known}"
 
 
-BOUNDS = {
+BOUND_ERRORS = {
     "greater_than": ("gt", "give more than {}"),
     "greater_than_equal": ("ge", "give at least {}"),
     "less_than": ("lt", "give less than {}"),
     "less_than_equal": ("le", "give at most {}"),
 }
 
-TYPES = {
+TYPE_ERRORS = {
     "string": ("a text", "put it in quotes"),
     "int": ("a whole number", "give one such as 12"),
     "float": ("a number", "give one such as 0.5, without a unit"),
@@ -110,13 +146,13 @@ TYPES = {
     "tuple": ("a list", "put its values in brackets"),
     "list": ("a list", "put its values in brackets"),
 }
-"""What was expected, and what would be right, by the first word of pydantic's type of error."""
+"""Expected type and advice, by the first word of pydantic's type of error."""
 
 
-def _plain(kind: str, value: object, context: dict[str, Any], place: Place) -> tuple[str, str]:
-    """Explain a value of the wrong size or type."""
-    if kind in BOUNDS:
-        name, text = BOUNDS[kind]
+def _explain_type(kind: str, value: object, context: dict[str, Any], place: FileLocation) -> tuple[str, str]:
+    """Return problem and advice for a value of the wrong size or type."""
+    if kind in BOUND_ERRORS:
+        name, text = BOUND_ERRORS[kind]
         unit = f" {place.quantity.unit}" if place.quantity and context[name] else ""
         return f"{shown(value)} is out of range", text.format(f"{context[name]:g}{unit}")
     if kind.endswith(("too_long", "too_short")):
@@ -129,5 +165,7 @@ def _plain(kind: str, value: object, context: dict[str, Any], place: Place) -> t
     if kind in {"literal_error", "enum"}:
         near = nearest(value, [name.strip("' ") for name in expected.replace(" or ", ",").split(",")])
         return f"{shown(value)} is not known", f"did you mean {near!r}?" if near else f"give {expected}"
-    noun, right = TYPES.get(kind.split("_", maxsplit=1)[0], ("what can stand here", "`layflat schema` shows what can"))
+    noun, right = TYPE_ERRORS.get(
+        kind.split("_", maxsplit=1)[0], ("what can stand here", "`layflat machine schema` shows what can")
+    )
     return f"{shown(value)} is not {noun}", right

@@ -1,8 +1,8 @@
-"""Conversion of usual units without loading Pint, which takes about half a second, and exactly as Pint converts.
+"""Conversion of common units without Pint, whose import takes half a second, with exactly Pint's results.
 
 A unit is a product of names with exponents, such as {"N": 1, "m": 1}. A name is either a base unit or has a scale and
-a product that it stands for, as in Pint's definitions: the factor of a conversion is then the same product of the
-same floats in the same order. Names that are not listed here are looked up in Pint.
+an equivalent product, as in Pint's definitions: the factor of a conversion is then the same product of the same floats
+in the same order. Names that are not listed here are looked up in Pint.
 """
 
 from functools import cache
@@ -14,9 +14,9 @@ if TYPE_CHECKING:
 
 Product = dict[str, int]
 
-BASE = ("m", "g", "s", "A", "K", "rad")
+BASE_UNITS = ("m", "g", "s", "A", "K", "rad")
 
-DERIVED: dict[str, tuple[float, Product]] = {
+DERIVED_UNITS: dict[str, tuple[float, Product]] = {
     "π": (pi, {}),
     "deg": (1 / 180, {"π": 1, "rad": 1}),
     "turn": (2.0, {"π": 1, "rad": 1}),
@@ -38,64 +38,64 @@ DERIVED: dict[str, tuple[float, Product]] = {
 
 PREFIXES = {"n": 1e-9, "u": 1e-6, "m": 1e-3, "c": 1e-2, "d": 0.1, "k": 1e3, "M": 1e6, "G": 1e9}
 
-PREFIXED = ("m", "g", "s", "A", "K", "rad", "Hz", "N", "Pa", "bar", "J", "W", "V", "l")
+PREFIXED_UNITS = ("m", "g", "s", "A", "K", "rad", "Hz", "N", "Pa", "bar", "J", "W", "V", "l")
 
-CELSIUS = "degC"  # the one unit with a zero of its own; it stands alone
+CELSIUS = "degC"  # the only unit with an offset; it is in no product
 
 ZERO_CELSIUS = 273.15
 
-SAME = {"L": "l", "°C": CELSIUS, "°": "deg", "liter": "l", "rev": "turn"}  # other spellings
+UNIT_ALIASES = {"L": "l", "°C": CELSIUS, "°": "deg", "liter": "l", "rev": "turn"}  # other spellings
 
 
 class UnknownUnitError(ValueError):
-    """No unit has this name; the argument is the name."""
+    """Error of a name that no unit has; its argument is the name."""
 
 
 def canonical(name: str) -> str:
-    """Return the name under which a unit is known, by whatever usual spelling.
+    """Return the canonical name of a unit in any usual spelling.
 
     Raises:
-        UnknownUnitError: neither here nor in Pint is a unit of this name.
+        UnknownUnitError: neither this module nor Pint knows the name.
     """
     plain = name.replace("µ", "u").replace("μ", "u")
-    plain = SAME.get(plain, plain)
-    if plain == CELSIUS or definition(plain) is not None or plain in BASE:
+    plain = UNIT_ALIASES.get(plain, plain)
+    if plain == CELSIUS or definition(plain) is not None or plain in BASE_UNITS:
         return plain
     if len(plain) == 2 and plain[1] == "L":
         return canonical(f"{plain[0]}l")
-    return _named_by_pint(name)
+    return _pint_name(name)
 
 
 def definition(name: str) -> tuple[float, Product] | None:
-    """Return scale and product of a canonical name, None of a base unit and of one that is Pint's alone."""
-    if name in DERIVED:
-        return DERIVED[name]
-    if name not in BASE and name[:1] in PREFIXES and name[1:] in PREFIXED:
+    """Return scale and product of a canonical name; None for a base unit and for one that only Pint knows."""
+    if name in DERIVED_UNITS:
+        return DERIVED_UNITS[name]
+    if name not in BASE_UNITS and name[:1] in PREFIXES and name[1:] in PREFIXED_UNITS:
         return PREFIXES[name[0]], {name[1:]: 1}
     return None
 
 
 def is_own(product: Product) -> bool:
-    """Tell whether every name of a product is listed here."""
-    return all(name in BASE or definition(name) is not None for name in product)
+    """Return whether every name of a product is listed in this module."""
+    return all(name in BASE_UNITS or definition(name) is not None for name in product)
 
 
 def roots(product: Product) -> Product:
-    """Return a product in base units, without what cancels; two units measure the same if these are equal."""
-    found: Product = {}
+    """Return a product in base units, with zero exponents dropped; two units are compatible if these are equal."""
+    base_units: Product = {}
     for name, exponent in product.items():
-        known = definition(name)
-        below = {name: 1} if known is None else roots(known[1])
+        derived = definition(name)
+        below = {name: 1} if derived is None else roots(derived[1])
         for base, times in below.items():
-            found[base] = found.get(base, 0) + exponent * times
-    return {name: exponent for name, exponent in found.items() if exponent != 0 and name != "π"}
+            base_units[base] = base_units.get(base, 0) + exponent * times
+    return {name: exponent for name, exponent in base_units.items() if exponent != 0 and name != "π"}
 
 
 def factor(source: Product, target: Product) -> float:
-    """Return the factor that converts numbers from one unit into another that measures the same.
+    """Return the factor that converts numbers from one unit into a compatible one.
 
-    The scales of all names, met from the outside in, are cancelled against each other, and what is left of those above
-    the line and then of those below it is multiplied in the order in which they were met.
+    The scales of all names, collected from the outside in, are cancelled against each other; the remaining scales of
+    the numerator and then those of the denominator are multiplied in this order.
     """
     both = dict(source)
     for name, exponent in target.items():
@@ -103,16 +103,16 @@ def factor(source: Product, target: Product) -> float:
     above: dict[float, int] = {}
     below: dict[float, int] = {}
 
-    def meet(product: Product, power: int) -> None:
+    def collect(product: Product, power: int) -> None:
         for name, exponent in product.items():
-            known, total = definition(name), power * exponent
-            if known is None:
+            derived, total = definition(name), power * exponent
+            if derived is None:
                 continue
             side = below if total < 0 else above
-            side[known[0]] = side.get(known[0], 0) + abs(total)
-            meet(known[1], total)
+            side[derived[0]] = side.get(derived[0], 0) + abs(total)
+            collect(derived[1], total)
 
-    meet({name: exponent for name, exponent in both.items() if exponent != 0}, 1)
+    collect({name: exponent for name, exponent in both.items() if exponent != 0}, 1)
     result: float = 1
     for scale, count in above.items():
         if count > below.get(scale, 0):
@@ -125,13 +125,14 @@ def factor(source: Product, target: Product) -> float:
 
 @cache
 def registry() -> "pint.UnitRegistry[float]":
-    """Return Pint's units, which take longer to load than most commands to run."""
+    """Return Pint's registry of units, which takes longer to load than most commands to run."""
     import pint  # noqa: PLC0415
 
     return pint.UnitRegistry(autoconvert_offset_to_baseunit=True)
 
 
-def _named_by_pint(name: str) -> str:
+def _pint_name(name: str) -> str:
+    """Return Pint's name of a unit; raise UnknownUnitError if it knows none."""
     if not name.isidentifier():
         raise UnknownUnitError(name)
     import pint  # noqa: PLC0415

@@ -1,40 +1,40 @@
-"""Descriptions of one sort: those that are built in, by name, and those in files; what extends what."""
+"""Libraries of descriptions, built in by name or in files, that may extend each other."""
 
 from dataclasses import dataclass
 from functools import cached_property, reduce
 from pathlib import Path
 from typing import Any
 
-from layflat.description.hints import nearest
-from layflat.description.provenance import Sources, split
-from layflat.description.tables import Plain, laid_over, parsed
-from layflat.description.text import exists, read_text, told_as
+from layflat.description.renamed import refuse_old_keys
+from layflat.description.tables import Plain, Sources, overlay, parse_toml, split_provenance
+from layflat.description.text import errors_as, exists, read_text
+from layflat.description.wrong import nearest
 from layflat.errors import InputError
 
-LONGEST_NAME = 200
+MAX_NAME_LENGTH = 200
 
-LONGEST_CHAIN = 20  # files that extend each other
+MAX_CHAIN = 20  # files that extend each other
 
 
 @dataclass(frozen=True)
 class Layer:
-    """What one file says: its plain values, their sources, and what it leaves out of the layers below."""
+    """Content of one description, to be overlaid on those that it extends."""
 
-    where: str
-    plain: Plain
+    where: str  # built-in name or file
+    plain: Plain  # values without their sources
     sources: Sources
-    omits: tuple[str, ...] = ()
+    omits: tuple[str, ...] = ()  # dotted paths of the lower layers that it leaves out
 
 
 @dataclass(frozen=True)
 class Library:
-    """Where descriptions of one sort are found."""
+    """Library of the descriptions of one schema, such as machines."""
 
-    folder: Path  # of those that are built in
-    noun: str  # what one of them is called
-    shown_by: str  # where the names of those that are built in are shown
-    example: str  # what a value looks like in such a file
-    error: type[InputError]  # class of what is raised
+    folder: Path  # of the built-in descriptions
+    noun: str  # for one of them, in messages and in the table of renamed keys
+    listing_advice: str  # advice that tells how to list the built-in names
+    example: str  # line of such a file, for messages
+    error: type[InputError]  # class of the errors
 
     @cached_property
     def names(self) -> tuple[str, ...]:
@@ -42,82 +42,85 @@ class Library:
         return tuple(sorted(path.stem for path in self.folder.glob("*.toml")))
 
     def text(self, where: str | Path) -> str:
-        """Return a description as it is written, of a built-in name or a file.
+        """Return the text of a description, from a built-in name or a file.
 
         Raises:
             InputError: of the library's class: it can't be read.
         """
-        place = self._name(where)
+        place = self._check_reference(where)
         path = Path(place)
         if place in self.names:
             return (self.folder / f"{place}.toml").read_text(encoding="utf-8")
-        if not path.suffix and len(place) < LONGEST_NAME and not exists(path):
+        if not path.suffix and len(place) < MAX_NAME_LENGTH and not exists(path):
             near = nearest(path.name, self.names)
             raise self.error(
-                f"no such {self.noun}", where=place, right=f"did you mean {near!r}?" if near else self.shown_by
+                f"no such {self.noun}", where=place, right=f"did you mean {near!r}?" if near else self.listing_advice
             )
-        right = f"give a TOML file, or a built-in name: {self.shown_by}"
+        right = f"give a TOML file, or a built-in name: {self.listing_advice}"
         return read_text(path, place, right, self.error)
 
-    def _name(self, where: object) -> str:
+    def _check_reference(self, where: object) -> str:
+        """Return a name or path as text; raise the library's error for anything else."""
         if not isinstance(where, (str, Path)) or not str(where).strip():
-            raise self.error(f"{where!r} is no name of a {self.noun}", right=f"give one, or a file: {self.shown_by}")
+            raise self.error(f"{where!r} names no {self.noun}", right=f"give one, or a file: {self.listing_advice}")
         return str(where)
 
     def raw(self, where: str | Path) -> Plain:
         """Return the tables of one description, without what it extends.
 
         Raises:
-            InputError: of the library's class: it can't be read or is not TOML.
+            InputError: of the library's class: it can't be read, is not TOML, or has a key by its old name.
         """
-        with told_as(self.error):
-            return parsed(self.text(where), str(where), self.example)
+        with errors_as(self.error):
+            plain = parse_toml(self.text(where), str(where), self.example)
+            refuse_old_keys(self.noun, plain, str(where))
+        return plain
 
     def layers(self, where: str | Path, above: tuple[str, ...] = ()) -> list[Layer]:
-        """Return what a description and those that it extends say, the lowest first.
+        """Return the layers of a description and of those that it extends, the lowest first.
 
         Args:
             where: a built-in name or a file.
-            above: those that extend it.
+            above: descriptions that extend it.
 
         Raises:
             InputError: of the library's class: one of them is missing or broken, or they extend each other in a circle.
         """
-        place = self._name(where)
+        place = self._check_reference(where)
         layer, base = self._layer(place, above[-1] if above else "")
         key = self._key(place)
-        if key in map(self._key, above) or len(above) > LONGEST_CHAIN:
+        if key in map(self._key, above) or len(above) > MAX_CHAIN:
             chain = " -> ".join([*above, place])
             raise self.error(f"extends itself through {chain}", where=above[0], right="break the circle")
-        below = [] if base is None else self.layers(self.beside(place, base), (*above, place))
+        below = [] if base is None else self.layers(self.resolve(place, base), (*above, place))
         return [*below, layer]
 
     def tables(self, where: str | Path) -> tuple[Plain, Sources]:
-        """Return the plain values of a description as they are written, what it extends included, and their sources.
+        """Return the plain values of a description, with those that it extends, and their sources.
 
         Raises:
-            InputError: of the library's class: as `layers`, or what it omits is not there.
+            InputError: of the library's class: as `layers`, or a part that it omits does not exist.
         """
-        with told_as(self.error):
-            nothing: tuple[Plain, Sources] = ({}, {})
-            return reduce(self.laid, self.layers(where), nothing)
+        with errors_as(self.error):
+            empty: tuple[Plain, Sources] = ({}, {})
+            return reduce(self.apply_layer, self.layers(where), empty)
 
-    def laid(self, under: tuple[Plain, Sources], layer: Layer) -> tuple[Plain, Sources]:
-        """Return what a layer makes of what is below it."""
-        plain, sources = under
+    def apply_layer(self, below: tuple[Plain, Sources], layer: Layer) -> tuple[Plain, Sources]:
+        """Return values and sources below with a layer on top; raise InputError if a part to omit does not exist."""
+        plain, sources = below
         for path in layer.omits:
-            plain, sources = _without(plain, path, layer.where), _sources_without(sources, path)
-        return laid_over(plain, layer.plain), sources | layer.sources
+            plain, sources = _omit(plain, path, layer.where), _sources_without(sources, path)
+        return overlay(plain, layer.plain), sources | layer.sources
 
-    def beside(self, where: str, name: str) -> str:
-        """Return a name as seen from a description: built-in names as they are, files from its own folder."""
+    def resolve(self, where: str, name: str) -> str:
+        """Return a name in a description `where` resolved: built-in names stay, files are relative to its folder."""
         return name if name in self.names else str(Path(where).parent / name)
 
     def _key(self, place: str) -> str:
         return place if place in self.names else str(Path(place).resolve())
 
     def _layer(self, where: str, extended_by: str) -> tuple[Layer, str | None]:
-        """Read one description, and name the one that it extends."""
+        """Return the layer of one description, and the name of the one that it extends."""
         try:
             raw = self.raw(where)
         except InputError as error:
@@ -134,19 +137,19 @@ class Library:
             raise self.error(
                 f"{omits!r} is not a list of names", where=f"{where}: omits", right='give one such as ["x"]'
             )
-        with told_as(self.error):
-            plain, sources = split(raw, where)
+        with errors_as(self.error):
+            plain, sources = split_provenance(raw, where)
         return Layer(where, plain, sources, tuple(omits)), base
 
 
-def _without(plain: Plain, path: str, where: str) -> Plain:
-    """Return tables without a part, by its dotted path."""
+def _omit(plain: Plain, path: str, where: str) -> Plain:
+    """Return tables without the part at a dotted path; raise InputError if there is none."""
     head, _, rest = path.partition(".")
     below: Any = plain.get(head)
     if head not in plain or (rest and not isinstance(below, dict)):
         raise InputError(f"{path!r} is not there to omit", where=f"{where}: omits", right='name a part such as "valve"')
     if rest:
-        return plain | {head: _without(below, rest, where)}
+        return plain | {head: _omit(below, rest, where)}
     return {key: value for key, value in plain.items() if key != head}
 
 

@@ -1,4 +1,4 @@
-"""A kind of quantity: text with a unit outside, an SI float inside, and the range in which it makes sense."""
+"""Quantities: text with a unit in files, an SI float inside, and the range of plausible values."""
 
 import math
 import re
@@ -11,9 +11,9 @@ from typing import Any
 from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler, ValidationInfo
 from pydantic_core import core_schema
 
-from layflat.description.expression import QuantityError, split, suggestions, unit_of
+from layflat.description.expression import QuantityError, split_quantity, suggestions, unit_of
 from layflat.description.factors import (
-    BASE,
+    BASE_UNITS,
     CELSIUS,
     ZERO_CELSIUS,
     Product,
@@ -23,32 +23,32 @@ from layflat.description.factors import (
     registry,
     roots,
 )
-from layflat.description.wrong import INPUT, wrong
+from layflat.description.wrong import INPUT_VALUE, value_error
 
-ROUNDING = 1e-6  # by which a number that is written with seven digits may lie beyond a bound, relative
+ROUNDING_MARGIN = 1e-6  # relative excess of a bound that is accepted, since numbers are written with seven digits
 
-SI = {"si": True}  # context of a validation in which numbers are taken to be in SI units, since they come from code
+SI = {"si": True}  # context of a validation in which numbers are in SI units, since they come from code
 
 
 @dataclass(frozen=True)
 class Quantity:
-    """A kind of quantity."""
+    """Kind of quantity: its name, SI unit and range of plausible magnitudes."""
 
-    name: str  # what it is called
-    unit: str  # its SI unit
-    example: str  # for those who got it wrong
+    name: str
+    unit: str  # SI
+    example: str  # of a text with a unit, for messages
     least: float = field(default=0.0, compare=False)
-    """Magnitude (SI) below which a value other than zero makes no sense."""
-    most: float = field(default=math.inf, compare=False)  # magnitude (SI) above which none does
+    """Min magnitude (SI) of a value other than zero."""
+    most: float = field(default=math.inf, compare=False)  # max magnitude (SI)
 
     @property
     def article(self) -> str:
-        """The name with its article."""
+        """Name with its article."""
         return f"{'an' if self.name[0] in 'aeiou' else 'a'} {self.name}"
 
     @property
     def right(self) -> str:
-        """Advice with an example of a value that would be right."""
+        """Advice with an example of a valid value."""
         return f'give {self.article} such as "{self.example}"'
 
     @cached_property
@@ -56,30 +56,30 @@ class Quantity:
         return dict(unit_of(self.unit))
 
     @cached_property
-    def _told_by_radian(self) -> bool:
-        """True where only a radian tells it from another kind: an angle from a share, a rotation from a rate."""
+    def _needs_radian(self) -> bool:
+        """True if only the radian tells it from another quantity: an angle from a share, a speed from a rate."""
         return _without_radian(roots(self._target)) in ({}, {"s": -1})
 
     def parse(self, value: object) -> float:
-        """Return the SI float of a text such as "160 mm", within the range that makes sense.
+        """Return the SI float of a text such as "160 mm", within the plausible range.
 
         Raises:
-            QuantityError: what is wrong with it, and what would be right.
+            QuantityError: it is no text of this quantity, or out of range; with advice.
         """
-        return self.within(self.convert(value))
+        return self.check_range(self.convert(value))
 
     def convert(self, value: object) -> float:
-        """Return the SI float of a text, however large or small.
+        """Return the SI float of a text, of any magnitude.
 
         Raises:
-            QuantityError: what is wrong with it, and what would be right.
+            QuantityError: it is no text of this quantity; with advice.
         """
         if isinstance(value, bool) or not isinstance(value, (str, int, float)):
             raise QuantityError(f"is not {self.article}", self.right)
         if not isinstance(value, str):
             raise QuantityError("is a bare number", self.right)
         try:
-            number, unit = split(value)
+            number, unit = split_quantity(value)
             source = dict(unit_of(unit))
         except UnknownUnitError:
             self._refuse_reference(value)
@@ -93,12 +93,12 @@ class Quantity:
         if not self._measures(source):
             self._refuse_reference(value)
             raise QuantityError(f"is not {self.article}", self._nearest(value, unit))
-        return self._converted(number, source)
+        return self._convert(number, source)
 
-    def within(self, number: float) -> float:
-        """Return an SI float if it makes sense; raise QuantityError if its magnitude is too large or too small."""
+    def check_range(self, number: float) -> float:
+        """Return an SI float if its magnitude is plausible; raise QuantityError if it is not."""
         if self.finite(number) != 0.0 and not (
-            self.least * (1.0 - ROUNDING) <= abs(number) <= self.most * (1.0 + ROUNDING)
+            self.least * (1.0 - ROUNDING_MARGIN) <= abs(number) <= self.most * (1.0 + ROUNDING_MARGIN)
         ):
             right = f"give {self.article} between {self.least:g} and {self.most:g} {self.unit}"
             raise QuantityError("is out of range", right)
@@ -111,9 +111,14 @@ class Quantity:
         return number
 
     def text(self, value: float, unit: str, digits: int = 7) -> str:
-        """Return an SI float as text in another unit; zero where no other value makes sense.
+        """Return an SI float as text in another unit; magnitudes below the plausible range become zero.
 
-        `parse` takes what is written with seven digits or more: rounding does not put a value out of range.
+        `parse` accepts a text of seven digits or more: rounding does not put a value out of range.
+
+        Args:
+            value: SI.
+            unit: unit of the text, compatible with the quantity's.
+            digits: significant digits.
         """
         value = value if abs(value) >= self.least else 0.0
         source, target = self._target, dict(unit_of(unit))
@@ -128,15 +133,15 @@ class Quantity:
         return f"{number:.{digits}g} {unit}"
 
     def _refuse_reference(self, text: str) -> None:
-        """Raise QuantityError if a pressure says in its unit against what it counts, which is not for it to say."""
-        found = REFERENCE.fullmatch(text.strip()) if self.unit == "Pa" else None
-        if found is not None:
-            what = "is a gauge pressure" if found["gauge"] else "is an absolute pressure"
-            right = f'write "{found["plain"]}" only if that is meant here: names tell which pressures are gauge'
+        """Raise QuantityError if the unit of a pressure says gauge or absolute, which the key determines."""
+        match = REFERENCE_PATTERN.fullmatch(text.strip()) if self.unit == "Pa" else None
+        if match is not None:
+            what = "is a gauge pressure" if match["gauge"] else "is an absolute pressure"
+            right = f'write "{match["plain"]}" only if that is meant here: names tell which pressures are gauge'
             raise QuantityError(what, right)
 
     def _nearest(self, text: str, unit: str) -> str:
-        """Explain a text whose unit is none of this kind."""
+        """Return advice for a text whose unit is not one of this quantity."""
         for near in suggestions(text.strip().removesuffix(unit).strip(), unit):
             with suppress(ValueError):
                 if self._measures(dict(unit_of(near.partition(" ")[2]))):
@@ -144,13 +149,14 @@ class Quantity:
         return self.right
 
     def _measures(self, source: Product) -> bool:
-        """Tell whether a unit measures this kind."""
+        """Return whether a unit measures this quantity."""
         if source == {CELSIUS: 1}:
             return self.unit == "K"
-        found, wanted = _roots(source), _roots(self._target)
-        return found == wanted if self._told_by_radian else _without_radian(found) == _without_radian(wanted)
+        unit, target = _roots(source), _roots(self._target)
+        return unit == target if self._needs_radian else _without_radian(unit) == _without_radian(target)
 
-    def _converted(self, number: float, source: Product) -> float:
+    def _convert(self, number: float, source: Product) -> float:
+        """Return a number of the unit `source` in the quantity's own unit."""
         if source == {CELSIUS: 1}:
             return number + ZERO_CELSIUS
         if source == self._target:
@@ -160,26 +166,26 @@ class Quantity:
         return float(registry().Quantity(number, _pint(source)).to(_pint(self._target)).magnitude)
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
-        """Validate text into an SI float, then check whatever bounds stand beside."""
+        """Validate text into an SI float, then check the bounds of the annotation."""
 
         def validate(value: object, info: ValidationInfo) -> float:
             try:
                 if info.context == SI and isinstance(value, (int, float)) and not isinstance(value, bool):
-                    return self.within(float(value) if abs(value) < sys.float_info.max else math.inf)
+                    return self.check_range(float(value) if abs(value) < sys.float_info.max else math.inf)
                 return self.parse(value)
             except QuantityError as error:
-                raise wrong(error.what, error.right, INPUT) from None
+                raise value_error(error.what, error.right, INPUT_VALUE) from None
 
-        def written(value: float) -> str:
+        def serialize(value: float) -> str:
             return f"{value!r} {self.unit}"
 
-        as_text = core_schema.plain_serializer_function_ser_schema(written, when_used="json")
+        as_text = core_schema.plain_serializer_function_ser_schema(serialize, when_used="json")
         return core_schema.with_info_before_validator_function(
             validate, handler(source), serialization=as_text, metadata={"quantity": self}
         )
 
     def __get_pydantic_json_schema__(self, schema: core_schema.CoreSchema, handler: GetJsonSchemaHandler) -> Any:
-        """Describe it to editors as a text with a unit."""
+        """Return the JSON schema: a text with a unit."""
         return {
             "type": "string",
             "title": self.name,
@@ -188,20 +194,20 @@ class Quantity:
         }
 
 
-REFERENCE = re.compile(
+REFERENCE_PATTERN = re.compile(
     r"(?P<plain>.*?(?:[Pp][Aa]|[Bb][Aa][Rr]|psi|at|atm))\s*\(?(?:(?P<gauge>g|ga|gauge|ü)|(?P<absolute>a|abs|absolute))\.?\)?"
 )
-"""A pressure whose unit says against what it counts: "4 barg", "60 psi(a)", "5 bar abs"."""
+"""Text of a pressure whose unit says gauge or absolute: "4 barg", "60 psi(a)", "5 bar abs"."""
 
 
 def _roots(product: Product) -> Product:
-    """Return a product in base units, with the help of Pint for names that are its alone."""
+    """Return a product in base units, by Pint if only Pint knows one of its names."""
     if is_own(product):
         return roots(product)
     pint = registry()
-    names = {str(pint.get_name(name)): name for name in BASE}
-    found: dict[str, Any] = dict(pint.get_root_units(_pint(product))[1]._units)
-    return {names.get(name, name): exponent for name, exponent in found.items()}
+    names = {str(pint.get_name(name)): name for name in BASE_UNITS}
+    base_units: dict[str, Any] = dict(pint.get_root_units(_pint(product))[1]._units)
+    return {names.get(name, name): exponent for name, exponent in base_units.items()}
 
 
 def _pint(product: Product) -> Any:

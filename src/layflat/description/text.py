@@ -1,4 +1,4 @@
-"""Files that people wrote, read so that none can hang or fill the memory."""
+"""Reading of users' files, so that none can block the program or fill the memory."""
 
 import stat
 from collections.abc import Iterator
@@ -7,12 +7,12 @@ from pathlib import Path
 
 from layflat.errors import InputError
 
-MOST_BYTES = 4_000_000  # of a description: a hundred times as much as the longest one that is built in
+MAX_BYTES = 4_000_000  # of a description: a hundred times the longest built-in one
 
 
 @contextmanager
-def told_as(kind: type[InputError]) -> Iterator[None]:
-    """Turn errors of the input into those of a class below `InputError`."""
+def errors_as(kind: type[InputError]) -> Iterator[None]:
+    """Raise any InputError of the block as one of a subclass."""
     try:
         yield
     except InputError as error:
@@ -22,21 +22,27 @@ def told_as(kind: type[InputError]) -> Iterator[None]:
 
 
 def exists(path: Path) -> bool:
-    """Tell whether there is something of a name, however odd the name."""
+    """Return whether a path exists; False for names that the system refuses."""
     with suppress(OSError, ValueError):
         return path.exists()
     return False
 
 
 def is_file(path: Path) -> bool:
-    """Return whether there is a file of a name, however odd or long the name."""
+    """Return whether a path is a file; False for names that the system refuses."""
     with suppress(OSError, ValueError):
         return path.is_file()
     return False
 
 
 def check_regular(path: Path, where: str, right: str, kind: type[InputError] = InputError) -> int:
-    """Make sure that a file can be read to its end, and return its size in bytes.
+    """Check that a path is a regular file, and return its size in bytes.
+
+    Args:
+        path: path of the file.
+        where: its name in messages.
+        right: advice in messages.
+        kind: class of the error.
 
     Raises:
         InputError: of class `kind`: there is none, or it is a folder, a pipe or a device.
@@ -54,20 +60,22 @@ def check_regular(path: Path, where: str, right: str, kind: type[InputError] = I
     return status.st_size
 
 
-def read_text(path: Path, where: str, right: str, kind: type[InputError] = InputError, most: int = MOST_BYTES) -> str:
-    """Return the text of a file in UTF-8, without the byte order mark that some editors put in front.
+def read_text(
+    path: Path, where: str, right: str, kind: type[InputError] = InputError, max_bytes: int = MAX_BYTES
+) -> str:
+    """Return the text of a file in UTF-8, without a byte order mark.
 
     Args:
-        path: of the file.
-        where: how it is named in messages.
-        right: what to give in place of a file that can't be read.
-        kind: of error.
-        most: bytes that it may have.
+        path: path of the file.
+        where: its name in messages.
+        right: advice in messages, if it can't be read.
+        kind: class of the error.
+        max_bytes: greatest size of the file.
 
     Raises:
         InputError: of class `kind`: it can't be read, is not text, or is too large.
     """
-    content = read_bytes(path, where, right, kind, most)
+    content = read_bytes(path, where, right, kind, max_bytes)
     try:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError:
@@ -75,9 +83,16 @@ def read_text(path: Path, where: str, right: str, kind: type[InputError] = Input
 
 
 def read_bytes(
-    path: Path, where: str, right: str, kind: type[InputError] = InputError, most: int = MOST_BYTES
+    path: Path, where: str, right: str, kind: type[InputError] = InputError, max_bytes: int = MAX_BYTES
 ) -> bytes:
-    """Return the bytes of a file; arguments as of `read_text`.
+    """Return the bytes of a file.
+
+    Args:
+        path: path of the file.
+        where: its name in messages.
+        right: advice in messages, if it can't be read.
+        kind: class of the error.
+        max_bytes: greatest size of the file.
 
     Raises:
         InputError: of class `kind`: it can't be read, or is too large.
@@ -85,9 +100,9 @@ def read_bytes(
     check_regular(path, where, right, kind)
     try:
         with path.open("rb") as file:
-            content = file.read(most + 1)
+            content = file.read(max_bytes + 1)
     except OSError as error:
         raise kind(f"can't be read ({error.strerror or error})", where=where, right=right) from None
-    if len(content) > most:
-        raise kind(f"is larger than {most / 1e6:g} MB", where=where, right=right)
+    if len(content) > max_bytes:
+        raise kind(f"is larger than {max_bytes / 1e6:g} MB", where=where, right=right)
     return content

@@ -1,7 +1,12 @@
-"""Quantities at the boundary: text with a unit outside, SI floats inside.
+"""Quantities of descriptions: text with a unit in files, SI floats inside.
 
 Every quantity of a description is an annotated float, for instance `Length`. A bare number, a wrong dimension, an
-unknown unit or a magnitude that makes no sense is refused with what would be right.
+unknown unit or a magnitude that is not plausible raises an error with advice.
+
+Example:
+    >>> import layflat as lf
+    >>> lf.units.quantity("40 deg", lf.units.ANGLE, "demand")
+    0.698
 """
 
 import math
@@ -57,7 +62,7 @@ FLOW = Quantity("volume per time", "m^3/s", "30 l/min", 1e-12, 100.0)
 ACCELERATION = Quantity("acceleration", "m/s^2", "9.81 m/s^2", 1e-9, 1e4)
 JERK = Quantity("jerk", "m/s^3", "50 m/s^3", 1e-6, 1e7)
 
-QUANTITIES = tuple(one for one in list(globals().values()) if isinstance(one, Quantity))
+QUANTITIES = tuple(value for value in list(globals().values()) if isinstance(value, Quantity))
 
 Length = Annotated[float, LENGTH, Gt(0)]
 LengthOrZero = Annotated[float, LENGTH, Ge(0)]
@@ -118,7 +123,7 @@ Jerk = Annotated[float, JERK, Gt(0)]
 Flow = Annotated[float, FLOW, Ge(0)]
 Share = Annotated[float, Ge(0), Le(1)]
 
-# Narrower than the kind's own range: values of the parts of a machine that can be built.
+# Narrower than the quantity's own range: values of machines that can be built.
 SupplyPressure = Annotated[float, PRESSURE, Ge(1e4), Le(1e7)]
 AmbientPressure = Annotated[float, PRESSURE, Ge(2e4), Le(1e6)]
 ControlCycle = Annotated[float, TIME, Ge(1e-4), Le(0.1)]
@@ -137,10 +142,15 @@ Ratio = Annotated[float, Ge(1e-6), Le(1e6)]
 
 
 def quantity(value: str | float, kind: Quantity, where: str) -> float:
-    """SI float of a text with a unit given by a person, or of a float given by code, which only has to be finite.
+    """Return the SI float of a text with a unit from a user, or of an SI number from code, which must be finite.
+
+    Args:
+        value: text or number.
+        kind: its quantity.
+        where: place of the value in messages.
 
     Raises:
-        InputError: naming `where` the value was given.
+        InputError: naming `where`: it is not valid.
     """
     try:
         if isinstance(value, (int, float)) and not isinstance(value, bool):
@@ -150,12 +160,16 @@ def quantity(value: str | float, kind: Quantity, where: str) -> float:
         raise InputError(f"{shown(value)} {error.what}", where=where, right=error.right) from None
 
 
-def alike(example: object, value: float, unit: str, digits: int = 7) -> str | float:
-    """Return an SI value as it could stand in a file, in the unit of an example from there, or in `unit` without one.
+def quantity_text(example: object, value: float, unit: str, digits: int = 7) -> str | float:
+    """Return an SI value as it is written in a file; a number if its unit is "1".
 
-    A value without unit ("1") is a number.
+    Args:
+        example: text of a value there, whose unit is used.
+        value: SI.
+        unit: SI unit of the value, used if the example is no text with a unit.
+        digits: significant digits.
     """
     if unit == "1":
         return float(f"{value:.{digits}g}")
-    found = re.match(r"\s*[-+\d.]+(?:[eE][-+]?\d+)?\s*(.*\S)", example) if isinstance(example, str) else None
-    return Quantity("", unit, "").text(value, found[1] if found else unit, digits)
+    match = re.match(r"\s*[-+\d.]+(?:[eE][-+]?\d+)?\s*(.*\S)", example) if isinstance(example, str) else None
+    return Quantity("", unit, "").text(value, match[1] if match else unit, digits)

@@ -1,7 +1,7 @@
 """Design of a joint: Eq. (1), exact cams, design rules, sizing and drawings.
 
-Everything starts from `design_joint` (what a described joint can do) or `size_joint` (a description of a joint that
-does what is asked). Names are loaded when they are first used.
+Start from `design_joint`, which evaluates a described joint, or `size_joint`, which describes a joint for a request.
+Names are loaded when they are first used.
 """
 
 from importlib import import_module
@@ -9,26 +9,25 @@ from pkgutil import iter_modules
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from layflat.design.cam import Cam, synthesise
-    from layflat.design.characteristic import Characteristic, of_cylinder, wrapped_hose
+    from layflat.design.cam import Cam, Outline, cam_outline, synthesise
+    from layflat.design.characteristic import Characteristic, cylinder_characteristic, wrapped_hose
     from layflat.design.crude_table import Table1, Table1Constants, table1
     from layflat.design.drawing import cam_sheet, layout_sheet, write_drawings
-    from layflat.design.findings import Finding, refuse_errors
     from layflat.design.joint import design_joint
     from layflat.design.measured import read_characteristic
-    from layflat.design.outline import Outline, cam_outline
-    from layflat.design.plates import Plate, of_plate
+    from layflat.design.plates import Plate, plate_characteristic
     from layflat.design.request import HOSE_WIDTHS, SizingRequest
     from layflat.design.sizing import Sized, size_joint
     from layflat.design.straplines import Lines, RollerLine, ShellLine
     from layflat.design.strength import StrapStress, strap_stress
-    from layflat.design.summary import Air, JointDesign, Mass
+    from layflat.design.summary import AirConsumption, Finding, JointDesign, JointMass, refuse_errors
 
 __all__ = [
-    "HOSE_WIDTHS", "Air", "Cam", "Characteristic", "Finding", "JointDesign", "Lines", "Mass", "Outline", "Plate",
-    "RollerLine", "ShellLine", "Sized", "SizingRequest", "StrapStress", "Table1", "Table1Constants", "cam_outline",
-    "cam_sheet", "design_joint", "layout_sheet", "of_cylinder", "of_plate", "read_characteristic", "refuse_errors",
-    "size_joint", "strap_stress", "synthesise", "table1", "wrapped_hose", "write_drawings",
+    "HOSE_WIDTHS", "AirConsumption", "Cam", "Characteristic", "Finding", "JointDesign", "JointMass", "Lines",
+    "Outline", "Plate", "RollerLine", "ShellLine", "Sized", "SizingRequest", "StrapStress", "Table1",
+    "Table1Constants", "cam_outline", "cam_sheet", "cylinder_characteristic", "design_joint", "layout_sheet",
+    "plate_characteristic", "read_characteristic", "refuse_errors", "size_joint", "strap_stress", "synthesise",
+    "table1", "wrapped_hose", "write_drawings",
 ]  # fmt: skip
 
 

@@ -1,4 +1,4 @@
-"""What one hose gives over its travel: the force along the travel of its strap point, per pressure.
+"""Characteristic of a hose: the force along the travel of its strap point, per pressure, over the travel.
 
 | symbol | meaning | unit |
 |---|---|---|
@@ -7,7 +7,7 @@
 | f | force along the travel per gauge pressure, f = F/P = dV/ds | m2 |
 | c | roller angle per contact angle, in units of R/r | 1 |
 
-By virtual work F ds = P dV, so one curve is force and volume alike, and nothing built from it can make energy.
+By virtual work F ds = P dV, so that one curve defines force and volume, and energy is conserved in all that uses it.
 """
 
 from collections.abc import Callable
@@ -23,25 +23,25 @@ from layflat.errors import DesignError
 from layflat.machine import Joint
 from layflat.physics.hose import HoseGeometry
 
-POINTS = 601  # nodes of a curve that a law gives; its quintic spline is then as exact as the law
-ORDER = 5  # of the spline, which goes through more points than that
+CURVE_POINTS = 601  # nodes of a computed curve, for which the error of its quintic spline is negligible
+SPLINE_ORDER = 5  # a curve needs more points than this
 
 Through = Callable[[Array, Array], tuple[Array, Array, Array]]
-"""Yields the integral of y over rising x from the first point on, and y' and y'', at each point: shape (n,) each."""
+"""Function of rising x and y, (n,), that returns the integral of y from the first point, y' and y'', (n,) each."""
 
 
 def spline(x: Array, y: Array) -> tuple[Array, Array, Array]:
-    """Lay a quintic spline through all points."""
+    """Return integral, first and second derivative of the quintic spline through all points."""
     from scipy.interpolate import make_interp_spline  # noqa: PLC0415  # SciPy takes a second to import
 
-    curve = make_interp_spline(x, y, k=ORDER)
+    curve = make_interp_spline(x, y, k=SPLINE_ORDER)
     return curve.antiderivative()(x), curve.derivative(1)(x), curve.derivative(2)(x)
 
 
 def stencils(x: Array, y: Array) -> tuple[Array, Array, Array]:
-    """Lay a polynomial through each point and its neighbours: the spline's values to 1e-6, without SciPy."""
-    powers = np.arange(min(ORDER + 2, len(x)))
-    near = np.clip(np.arange(len(x)) - ORDER // 2, 0, len(x) - len(powers))[:, None] + powers
+    """Return the same as `spline` to 1e-6, by a polynomial through each point and its neighbours, without SciPy."""
+    powers = np.arange(min(SPLINE_ORDER + 2, len(x)))
+    near = np.clip(np.arange(len(x)) - SPLINE_ORDER // 2, 0, len(x) - len(powers))[:, None] + powers
     away = x[near] - x[:, None]
     scale = np.ptp(away, axis=1, keepdims=True)
     terms = np.linalg.solve((away / scale)[..., None] ** powers, y[near][..., None])[..., 0] / scale**powers
@@ -51,18 +51,18 @@ def stencils(x: Array, y: Array) -> tuple[Array, Array, Array]:
 
 @dataclass(frozen=True)
 class Characteristic:
-    """Force per pressure over travel; DesignError if it has too few points, does not rise, or is not positive."""
+    """Force per pressure over travel; raises DesignError for too few points, falling travel or no positive force."""
 
     travel: Array  # s, m, shape (n,), rising from 0
     force: Array  # f, N/Pa = m2, shape (n,), positive
-    source: str  # what the curve comes from, for reports
-    fit_error: float = 0.0  # greatest distance of measured points from the curve, share of the greatest force
-    through: Through = spline  # lays the curve through the nodes
+    source: str  # origin of the curve, for messages
+    fit_error: float = 0.0  # max distance of measured points from the curve, over the greatest force
+    through: Through = spline  # interpolation between the nodes
 
     def __post_init__(self) -> None:
         where = f"characteristic from {self.source}"
-        if self.travel.shape != self.force.shape or self.travel.ndim != 1 or self.travel.size <= ORDER:
-            right = f"give as many of one as of the other, at least {ORDER + 1}"
+        if self.travel.shape != self.force.shape or self.travel.ndim != 1 or self.travel.size <= SPLINE_ORDER:
+            right = f"give as many of one as of the other, at least {SPLINE_ORDER + 1}"
             raise DesignError(f"{self.travel.size} travels and {self.force.size} forces", where=where, right=right)
         if not (np.isfinite(self.travel).all() and np.isfinite(self.force).all()):
             raise DesignError("holds a number that is not finite", where=where, right="every value must be a number")
@@ -89,23 +89,32 @@ class Characteristic:
         return float(self.volume[-1])
 
 
-def of_cylinder(joint: Joint, *, through: Through = spline) -> Characteristic:
-    """Return the hose of a described joint by Eq. (1): F = T/r, s = c R (gamma - alpha); the roller's r cancels."""
-    return _of_hose(joint.geometry, through)
+def cylinder_characteristic(joint: Joint, *, through: Through = spline) -> Characteristic:
+    """Return the curve of a joint's hose by Eq. (1): F = T/r, s = c R (gamma - alpha); the roller's r cancels."""
+    return _hose_characteristic(joint.geometry, through)
 
 
 def wrapped_hose(
     width: float, R: float, gamma: float, contact_end: float, c: float, *, through: Through = spline
 ) -> Characteristic:
-    """Return a hose of flat width (m) and peel ratio c wrapped around a cylinder of outer radius R (m) by Eq. (1).
+    """Return the characteristic of a hose that is wrapped around a cylinder, by Eq. (1).
 
-    The wrap of the collapsed hose is gamma, the contact angle at full travel `contact_end`, rad. Raise DesignError if a
-    size is not positive, the wrap is over 180 deg, or the hose gives no force.
+    Args:
+        width: width of the flat hose, m.
+        R: outer radius of the cylinder, m.
+        gamma: wrap angle of the collapsed hose, rad.
+        contact_end: contact angle at full travel, rad.
+        c: peel ratio.
+        through: interpolation of the curve.
+
+    Raises:
+        DesignError: a size is not positive, the wrap is over 180 deg, or the hose yields no force.
     """
-    return _of_hose(HoseGeometry(width, R, gamma, contact_end, c), through)
+    return _hose_characteristic(HoseGeometry(width, R, gamma, contact_end, c), through)
 
 
-def _of_hose(hose: HoseGeometry, through: Through) -> Characteristic:
+def _hose_characteristic(hose: HoseGeometry, through: Through) -> Characteristic:
+    """Return the characteristic of a hose on a cylinder by Eq. (1); raise DesignError for impossible sizes."""
     width, R, gamma, contact_end, c, _ = hose
     sizes = {"width": width, "radius": R, "wrap": gamma, "contact_end": contact_end, "peel_ratio": c}
     for name, value in sizes.items():
@@ -120,5 +129,5 @@ def _of_hose(hose: HoseGeometry, through: Through) -> Characteristic:
         what = f"wrap of {np.degrees(gamma):.6g} deg and contact_end of {np.degrees(contact_end):.6g} deg"
         right = "contact_end must be smaller than wrap, and wrap at most 180 deg"
         raise DesignError(what, where="hose on a cylinder", right=right)
-    alpha = np.linspace(gamma, contact_end, POINTS)
+    alpha = np.linspace(gamma, contact_end, CURVE_POINTS)
     return Characteristic(c * R * (gamma - alpha), hose.torque(alpha), "Eq. (1)", through=through)

@@ -25,7 +25,7 @@ from layflat.physics.hose import inflated_radius, roller_torque
 
 @dataclass(frozen=True)
 class Table1Constants:
-    """Constants that the printed table rests on; the defaults are the paper's."""
+    """Constants of the printed table; the defaults are the paper's."""
 
     pressure: float = 4e5
     cylinder_radius: float = 0.0762
@@ -51,7 +51,7 @@ class Table1:
 
 
 def table1(constants: Table1Constants | None = None) -> Table1:
-    """Compute Table 1, with the paper's constants unless others are given.
+    """Compute Table 1, by default with the paper's constants.
 
     Source: the paper's Table 1 and its footnotes, corrected as the head of this file says.
     """

@@ -1,4 +1,4 @@
-"""Drawings of a designed joint: the cam to be cut, and how it sits in the joint."""
+"""Drawings of a designed joint: the cam to be cut, and the layout of cam, strap and cylinder."""
 
 import re
 from contextlib import ExitStack
@@ -10,12 +10,17 @@ import numpy as np
 
 from layflat import extras
 from layflat.arrays import Array
-from layflat.design.cam import Cam
-from layflat.design.outline import Outline
-from layflat.design.sheet import Circle, Diameter, Distance, Layer, Note, Sheet
-from layflat.design.sheet import Path as Line
-from layflat.design.sheet_formats import dxf_text, svg_text
-from layflat.design.straplines import CLAMP_ANGLE, RollerLine, ShellLine, of_joint, turned, unit
+from layflat.design.cam import Cam, Outline
+from layflat.design.sheet import Circle, Diameter, Distance, Layer, Note, Sheet, dxf_text, svg_text
+from layflat.design.sheet import Polyline as Line
+from layflat.design.straplines import (
+    CLAMP_ANGLE,
+    RollerLine,
+    ShellLine,
+    direction_vector,
+    joint_strap_line,
+    rotate_quarter,
+)
 from layflat.design.summary import JointDesign
 from layflat.errors import DesignError
 from layflat.files import whole_file
@@ -23,8 +28,8 @@ from layflat.files import whole_file
 MM = 1e3
 LARGEST_TEXT = 3.5
 TEXTS_ACROSS = 18.0  # text height of a drawing: the part's size over this, at most LARGEST_TEXT mm
-BORE_DIRECTION = 245.0  # where the bore's dimension is led out, deg: the side without profile
-CYLINDER_DIRECTION = -35.0  # where the cylinder's is, deg: the side without shell
+BORE_DIRECTION = 245.0  # direction of the bore's dimension, deg: the side without profile
+CYLINDER_DIRECTION = -35.0  # direction of the cylinder's dimension, deg: the side without shell
 
 
 def write_drawings(design: JointDesign, folder: Path) -> list[Path]:
@@ -62,10 +67,10 @@ def cam_sheet(design: JointDesign) -> Sheet:
     _levers(sheet, outline.cam)
     ends = np.vstack([distance.ends for distance in sheet.distances])
     _overall(sheet, low, high, np.vstack((points, ends)))
-    bore, lead = outline.bore * MM, float((points @ unit(radians(BORE_DIRECTION))).max()) + 2 * t
+    bore, lead = outline.bore * MM, float((points @ direction_vector(radians(BORE_DIRECTION))).max()) + 2 * t
     sheet.diameters.append(Diameter((0.0, 0.0), bore / 2, BORE_DIRECTION, f"⌀{bore:.4g}", lead))
     top = min(low[1], ends[:, 1].min()) - 11 * t
-    for row, text in enumerate(_notes(design, outline)):
+    for row, text in enumerate(_drawing_notes(design, outline)):
         sheet.notes.append(Note((float(low[0]) - 6 * t, float(top) - 1.6 * t * row), text, 1.25 if row == 0 else 1.0))
     return sheet
 
@@ -82,7 +87,7 @@ def layout_sheet(design: JointDesign) -> Sheet:
     axis = np.array(cam.axis) * MM
     sheet.circles.append(Circle(axis, outline.bore / 2 * MM, "OUTLINE"))
     sheet.cross(axis, outline.bore / 2 * MM + t)
-    line = of_joint(joint)
+    line = joint_strap_line(joint)
     if isinstance(line, RollerLine):
         centre = np.array(line.centre) * MM
         sheet.circles.append(Circle(centre, max(line.radius * MM, 0.5), "OUTLINE"))
@@ -96,10 +101,10 @@ def layout_sheet(design: JointDesign) -> Sheet:
         corner = placed[int(np.argmax(np.hypot(*(placed - axis).T)))] - axis
         beside = axis + corner * (1 + 1.5 * t / np.hypot(*corner)) - np.array([t, 0.0])
         if isinstance(line, ShellLine):
-            arc = R * unit(CLAMP_ANGLE - np.linspace(0.0, joint.hose.wrap, 61))
+            arc = R * direction_vector(CLAMP_ANGLE - np.linspace(0.0, joint.hose.wrap, 61))
             shell = _rotated(arc - arc[0], float(cam.travel[k] / line.chord)) + arc[0]
             sheet.paths.append(Line(shell, "HOSE"))
-            beside = start + 2.5 * t * turned(unit(cam.line_normal[k])) - np.array([t, 0.0])
+            beside = start + 2.5 * t * rotate_quarter(direction_vector(cam.line_normal[k])) - np.array([t, 0.0])
         sheet.notes.append(Note(beside, f"{degrees(cam.angle[k]):.0f}°", 0.8))
     sheet.diameters.append(Diameter((0.0, 0.0), R, CYLINDER_DIRECTION, f"⌀{2 * R:.4g}", R + 3 * t))
     if joint.output.shaft_offset:
@@ -110,8 +115,8 @@ def layout_sheet(design: JointDesign) -> Sheet:
 
 
 def _legend(sheet: Sheet, design: JointDesign, at: tuple[float, float]) -> None:
-    """Write title, what each kind of line stands for, and the sizes that no dimension shows."""
-    t, (x, y), hose, line = sheet.text_height, at, design.joint.hose, of_joint(design.joint)
+    """Add title, legend of the line styles, and the sizes that no dimension shows."""
+    t, (x, y), hose, line = sheet.text_height, at, design.joint.hose, joint_strap_line(design.joint)
     angle = design.with_cam().angle
     middle, end = (f"{degrees(angle[k]):.0f}°" for k in (len(angle) // 2, -1))
     lines: dict[Layer, str] = {
@@ -133,7 +138,7 @@ def _outline(design: JointDesign) -> Outline:
     """Return the cam as a part; raise DesignError if the joint has none that can be made."""
     design.with_cam()
     if design.outline is None:
-        raise DesignError("the cam can't be made", where=design.where, right="see its findings")
+        raise DesignError("the cam can't be made", where=design.label, right="see its findings")
     return design.outline
 
 
@@ -142,7 +147,7 @@ def _levers(sheet: Sheet, cam: Cam) -> None:
     t = sheet.text_height
     for k, beyond in ((0, 1.0), (-1, -1.0)):
         eta, lever = float(cam.normal[k]), float(cam.lever[k]) * MM
-        normal, tangent = unit(eta), turned(unit(eta))
+        normal, tangent = direction_vector(eta), rotate_quarter(direction_vector(eta))
         touch = cam.profile[k] * MM
         end = touch + 8 * t * tangent
         sheet.line(touch, end, "STRAP")
@@ -159,7 +164,8 @@ def _overall(sheet: Sheet, low: Array, high: Array, taken: Array) -> None:
     sheet.distances.append(Distance((x1, y0), (x1, y1), (beside, y0), 90.0, f"{y1 - y0:.2f}"))
 
 
-def _notes(design: JointDesign, outline: Outline) -> list[str]:
+def _drawing_notes(design: JointDesign, outline: Outline) -> list[str]:
+    """Return the lines of text on the drawing of a cam: torque, lever arm, strap, dimensions."""
     strap, cam = design.joint.strap, outline.cam
     torque = cam.torque_constant * design.pressure
     return [
@@ -175,6 +181,6 @@ def _notes(design: JointDesign, outline: Outline) -> list[str]:
 
 
 def _rotated(points: Array, angle: float) -> Array:
-    along = unit(angle)
-    rotated: Array = points @ np.stack((along, turned(along)))
+    along = direction_vector(angle)
+    rotated: Array = points @ np.stack((along, rotate_quarter(along)))
     return rotated

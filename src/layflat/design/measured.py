@@ -21,15 +21,15 @@ from numpy.typing import NDArray
 
 from layflat.arrays import Array
 from layflat.description.text import read_text
-from layflat.design.characteristic import POINTS, Characteristic
+from layflat.design.characteristic import CURVE_POINTS, Characteristic
 from layflat.errors import InputError
 
-TRAVELS = {"angle_deg": radians(1.0), "angle_rad": 1.0, "travel_mm": 1e-3, "travel_m": 1.0}
+TRAVEL_SCALES = {"angle_deg": radians(1.0), "angle_rad": 1.0, "travel_mm": 1e-3, "travel_m": 1.0}
 FORCES = {"torque_Nm": 1.0, "force_N": 1.0}
-PRESSURES = {"pressure_bar": 1e5, "pressure_Pa": 1.0}  # known columns, and what turns each into its SI unit
-PRESSURE_RANGE = 1e3, 1e7  # gauge pressures that a test may have had, Pa
+PRESSURES = {"pressure_bar": 1e5, "pressure_Pa": 1.0}  # columns, and the factor of each to its SI unit
+PRESSURE_RANGE = 1e3, 1e7  # plausible gauge pressures of a test, Pa
 LEAST_ROWS = 5
-DEGREE = 4  # of the polynomial through the points: a cam's curvature hangs on second derivatives, noise must not pass
+POLYNOMIAL_DEGREE = 4  # of the fit through the points: low, since a cam's curvature has second derivatives of it
 
 
 class _Table(NamedTuple):
@@ -39,17 +39,27 @@ class _Table(NamedTuple):
     columns: dict[str, Array]
     lines: list[int]
 
-    def one_of(self, known: dict[str, float]) -> tuple[str, Array]:
-        """Return name and values (SI) of the only known column."""
-        found = [name for name in known if name in self.columns]
-        if len(found) != 1:
-            what = f"columns {', '.join(found)} say the same" if found else f"no column {' or '.join(known)}"
+    def one_of(self, factors: dict[str, float]) -> tuple[str, Array]:
+        """Return name and values (SI) of the only column among the names of `factors` (to SI)."""
+        names = [name for name in factors if name in self.columns]
+        if len(names) != 1:
+            what = f"columns {', '.join(names)} say the same" if names else f"no column {' or '.join(factors)}"
             right = f"columns here are {', '.join(self.columns)}; name one of them so"
             raise InputError(what, where=self.where, right=right)
-        return found[0], self.columns[found[0]] * known[found[0]]
+        return names[0], self.columns[names[0]] * factors[names[0]]
 
     def refuse(self, wrong: NDArray[np.bool_], name: str, what: str, right: str) -> None:
-        """Raise an error that names the first wrong row of a column, with its number in place of {}."""
+        """Raise an error for the first wrong row of a column, if there is one.
+
+        Args:
+            wrong: whether each row is wrong, (rows,).
+            name: name of the column.
+            what: the problem, in which {} stands for the value.
+            right: advice.
+
+        Raises:
+            InputError: naming file, line and column.
+        """
         if wrong.any():
             row = int(np.argmax(wrong))
             where = f"{self.where}, line {self.lines[row]}: {name}"
@@ -57,21 +67,24 @@ class _Table(NamedTuple):
 
 
 def read_characteristic(
-    path: Path, *, pressure: float | None = None, roller_radius: float | None = None, degree: int = DEGREE
+    path: Path, *, pressure: float | None = None, roller_radius: float | None = None, degree: int = POLYNOMIAL_DEGREE
 ) -> Characteristic:
-    """Return force over travel from a measured table.
+    """Return the characteristic of a measured table.
 
     Args:
-        path: CSV file, as this module's docstring shows; InputError says which file, line and column is wrong.
-        pressure: gauge pressure at which it was measured, Pa; needed where no column gives it.
-        roller_radius: radius of the round roller that turned, m; needed for a table of angle and torque.
-        degree: of the polynomial that is laid through the points (least squares).
+        path: CSV file, as this module's docstring shows.
+        pressure: gauge pressure of the measurement, Pa; needed without a column of pressures.
+        roller_radius: radius of the round roller of the measurement, m; needed for a table of angle and torque.
+        degree: degree of the polynomial that is fitted to the points (least squares).
+
+    Raises:
+        InputError: naming file, line and column: the table or an argument is not valid.
     """
     if degree < 1:
         where = "degree of the polynomial"
-        raise InputError(f"{degree} is below 1", where=where, right=f"give 1 or more, such as {DEGREE}")
-    table = _read(path)
-    travel_name, s = table.one_of(TRAVELS)
+        raise InputError(f"{degree} is below 1", where=where, right=f"give 1 or more, such as {POLYNOMIAL_DEGREE}")
+    table = _read_table(path)
+    travel_name, s = table.one_of(TRAVEL_SCALES)
     force_name, F = table.one_of(FORCES)
     turning = travel_name.startswith("angle")
     if turning != (force_name == "torque_Nm"):
@@ -83,18 +96,19 @@ def read_characteristic(
             right = "give that of the roller which was measured, in metres"
             raise InputError(what, where=f"{table.where}: roller radius", right=right)
         s, F = s * roller_radius, F / roller_radius
-    f = F / _pressures(table, pressure)
+    f = F / _read_pressures(table, pressure)
     right = "order the rows by travel; of a hysteresis curve, give the mean of both directions"
     table.refuse(np.diff(s, prepend=-np.inf) <= 0, travel_name, "{} does not rise above the line before", right)
     right = "give what the hose pulls, as a positive number, and end the table before it pulls no more"
     table.refuse(~(f > 0), force_name, "{} is not positive", right)
     fitted = Chebyshev.fit(s - s[0], f, min(degree, s.size - 1))
-    nodes = np.linspace(0.0, s[-1] - s[0], POINTS)
+    nodes = np.linspace(0.0, s[-1] - s[0], CURVE_POINTS)
     error = float(np.abs(fitted(s - s[0]) - f).max() / f.max())
     return Characteristic(nodes, np.asarray(fitted(nodes), dtype=float), path.name, error)
 
 
-def _read(path: Path) -> _Table:
+def _read_table(path: Path) -> _Table:
+    """Return the columns of a CSV file with the numbers of their lines; raise InputError for the first mistake."""
     where = str(path)
     text = read_text(path, where, "give a CSV file with columns such as angle_deg,torque_Nm")
     try:
@@ -113,11 +127,12 @@ def _read(path: Path) -> _Table:
     doubled = [name for name in names if names.count(name) > 1]
     if doubled:
         raise InputError(f"column {doubled[0]!r} appears twice", where=f"{where}, line {rows[0][0]}", right="keep one")
-    values = [_numbers(row, names, f"{where}, line {line}") for line, row in rows[1:]]
+    values = [_parse_numbers(row, names, f"{where}, line {line}") for line, row in rows[1:]]
     return _Table(where, dict(zip(names, np.array(values).T, strict=True)), [line for line, _ in rows[1:]])
 
 
-def _numbers(row: list[str], names: list[str], where: str) -> list[float]:
+def _parse_numbers(row: list[str], names: list[str], where: str) -> list[float]:
+    """Return the finite numbers in a row with these columns; raise InputError if there are others."""
     if len(row) != len(names):
         raise InputError(f"{len(row)} values", where=where, right=f"give {len(names)}: {', '.join(names)}")
     numbers = []
@@ -132,18 +147,19 @@ def _numbers(row: list[str], names: list[str], where: str) -> list[float]:
     return numbers
 
 
-def _pressures(table: _Table, pressure: float | None) -> Array | float:
-    least, greatest = PRESSURE_RANGE
+def _read_pressures(table: _Table, pressure: float | None) -> Array | float:
+    """Return gauge pressures of the rows, or the one of all, Pa; raise InputError if missing or out of range."""
+    low, high = PRESSURE_RANGE
     where = f"{table.where}: pressure"
-    right = f"give the gauge pressure of the test, {least / 1e5:g} bar to {greatest / 1e5:g} bar"
+    right = f"give the gauge pressure of the test, {low / 1e5:g} bar to {high / 1e5:g} bar"
     if table.columns.keys() & PRESSURES.keys():
         name, values = table.one_of(PRESSURES)
-        wrong = (values < least) | (values > greatest)
+        wrong = (values < low) | (values > high)
         at = f"{values[int(np.argmax(wrong))] / 1e5:.6g} bar"
         table.refuse(wrong, name, at, right)
         return values
     if pressure is None:
         raise InputError("is missing", where=where, right=f"{right}, or a column pressure_bar")
-    if not least <= pressure <= greatest:
+    if not low <= pressure <= high:
         raise InputError(f"{pressure / 1e5:.6g} bar", where=where, right=right)
     return pressure

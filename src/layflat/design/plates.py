@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from layflat.arrays import Array
-from layflat.design.characteristic import POINTS, Characteristic
+from layflat.design.characteristic import CURVE_POINTS, Characteristic
 from layflat.errors import DesignError
 
 FULL_GAP = 0.999  # share of the inflated diameter up to which the gap opens: at 1 the hose touches along a line only
@@ -34,7 +34,7 @@ USED_FALL = 0.5  # share of its first force at which a hose's travel ends by def
 
 @dataclass(frozen=True)
 class Plate:
-    """A plate with a hinged shell, both flat or both curved; DesignError if it wraps over 180 deg or has no size."""
+    """Plate with a hinged shell, both flat or both curved; raises DesignError for a wrap over 180 deg or no size."""
 
     width: float  # of the flat hose, m
     length: float  # along the hose, from the clamp to the strap point, m
@@ -88,23 +88,24 @@ class Plate:
         return np.asarray(self.width * first * np.cos(psi) - pi / 2 * second * sine * (2 * cosine**2 - sine**2))
 
 
-def of_plate(plate: Plate, opening: float | None = None) -> Characteristic:
-    """Return force over travel of a hose between plate and shell.
+def plate_characteristic(plate: Plate, opening: float | None = None) -> Characteristic:
+    """Return the characteristic of a hose between plate and shell.
 
-    The shell opens by an angle (rad), by default to where the force has fallen to half; raise DesignError if that is
-    not positive, or more than the hose fills.
+    The shell opens by an angle (rad), by default until the force falls to half. Raise DesignError if the angle is not
+    positive, or more than the inflated hose fills.
     """
     if opening is None:
         opening = _used_opening(plate)
     if not 0 < opening <= plate.full_opening:
         right = f"above 0 and at most {degrees(plate.full_opening):.4g} deg, where the hose is fully inflated"
         raise DesignError(f"{degrees(opening):.6g} deg", where="plate: opening", right=right)
-    psi = np.linspace(0.0, opening, POINTS)
+    psi = np.linspace(0.0, opening, CURVE_POINTS)
     kind = "flat" if isinf(plate.radius) else "curved"
     return Characteristic(plate.chord * psi, plate.moment(psi) / plate.chord, f"a {kind} plate by virtual work")
 
 
 def _used_opening(plate: Plate) -> float:
+    """Return the angle (rad) at which the moment has fallen to `USED_FALL` of the initial one, or the full opening."""
     from scipy.optimize import brentq  # noqa: PLC0415  # SciPy takes long to import
 
     first = float(plate.moment(0.0))

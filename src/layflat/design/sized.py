@@ -22,18 +22,18 @@ from layflat.machine.parameters import torque_constant
 Rows = Iterator[tuple[str, str | int, str]]  # dotted path, value as it is written, and note
 
 BRAKE_SHARE = 0.08  # brake over maximum torque; source: section 4.2
-OVERSHOOT_ROOM = 20.0  # mechanical beyond working stroke, deg; source: section 2.3
+OVERSHOOT_ROOM = 20.0  # mechanical less working stroke, deg; source: section 2.3
 HEIGHT_PER_WIDTH = 1.6  # height of a joint over the width of its hose: 1.64 and 1.56 in the paper
 INERTIA_PER_TORQUE = 1e-2  # payload inertia that a joint carries, kg m2 per N m; source: section 5
-ASKED = "asked for"  # note of values that are given; all others are derived
+GIVEN_NOTE = "asked for"  # note of values that are given; all others are derived
 BY_TORQUE = "the paper's small joint, scaled by torque"
 
 
 @dataclass(frozen=True)
 class SizedJoint:
-    """A joint as sized, in SI."""
+    """Sized joint, in SI."""
 
-    request: SizingRequest  # what was asked for
+    request: SizingRequest
     joint: Joint  # the model's joint with its new sizes
     torque_constant: float  # K, m3/rad
     swept_volume: float  # of one hose, m3
@@ -60,8 +60,14 @@ class _Ratios(NamedTuple):
     supply: float
 
 
-def description(sized: SizedJoint, model: Machine, extends: str) -> str:
-    """Return TOML text of a machine with the sized joint, laid out as the built-in machines are."""
+def joint_description(sized: SizedJoint, model: Machine, extends: str) -> str:
+    """Return the TOML text of a machine with the sized joint, in the layout of the built-in machines.
+
+    Args:
+        sized: the joint.
+        model: machine with one joint, from which all other values are scaled.
+        extends: name of this machine in the text.
+    """
     joint_name, base = next(iter(model.joints.items()))
     request, length = sized.request, sized.request.link_length or base.planar_link.length
     ratios = _Ratios(
@@ -79,14 +85,14 @@ def description(sized: SizedJoint, model: Machine, extends: str) -> str:
     payload = f"{sized.payload_inertia / length**2:.4g} kg"
     rows: list[tuple[str, str | int, str]] = [
         ("arm.payload", payload, f"{sized.payload_inertia:.4g} kg m2 at the link's end"),
-        ("supply.pressure_gauge", f"{bar:.6g} bar", ASKED),
+        ("supply.pressure_gauge", f"{bar:.6g} bar", GIVEN_NOTE),
         ("angle_sensor.range", f"{stroke + 1.5 * OVERSHOOT_ROOM:.6g} deg", "mechanical stroke and 10 deg"),
         ("pressure_sensor.range", f"{ceil(2.5e-5 * request.supply)} bar", "2.5 times supply pressure"),
     ]
-    own = [*_sizes(sized, base, ratios), *_scaled(sized, base, ratios)]
+    joint_rows = [*_sizes(sized, base, ratios), *_scaled(sized, base, ratios)]
     if base.gains is not None:
-        own += _gains(base.gains, ratios, _slowness(sized, model, base, ratios))
-    rows += [(f"joint.{joint_name}.{path}", value, note) for path, value, note in own]
+        joint_rows += _gains(base.gains, ratios, _speed_ratio(sized, model, base, ratios))
+    rows += [(f"joint.{joint_name}.{path}", value, note) for path, value, note in joint_rows]
     if model.valve is not None:
         conductance, leakage = (flow * ratios.volume * 1e8 for flow in (model.valve.conductance, model.valve.leakage))
         note = "grows with the hose's volume, so that filling takes as long as in the model"
@@ -97,14 +103,14 @@ def description(sized: SizedJoint, model: Machine, extends: str) -> str:
     for table, values in groupby(rows, lambda row: row[0].rpartition(".")[0]):
         lines += ["", f"[{table}]"]
         for path, value, note in values:
-            source = "given" if note == ASKED else "derived"
+            source = "given" if note == GIVEN_NOTE else "derived"
             described = f"value = {_quoted(value)}, source = {_quoted(source)}, note = {_quoted(note)}"
             lines.append(f"{path.rpartition('.')[2]} = {{ {described} }}")
     return "\n".join(lines) + "\n"
 
 
 def _sizes(sized: SizedJoint, base: Joint, ratios: _Ratios) -> Rows:
-    """Yield what sizing settled, and what follows of the hose."""
+    """Yield the sizes that the sizing chose, and values of the hose that follow from them."""
     joint, volume = sized.joint, ratios.volume
     hose, strap = joint.hose, joint.strap
     yield "hose.width", _mm(hose.width), "the narrowest that gives torque and stroke, or as given"
@@ -127,18 +133,18 @@ def _sizes(sized: SizedJoint, base: Joint, ratios: _Ratios) -> Rows:
 
 
 def _scaled(sized: SizedJoint, base: Joint, ratios: _Ratios) -> Rows:
-    """Yield what is scaled: a link is as heavy per length as its torque is greater."""
+    """Yield values scaled from the model's joint: the mass per length of a link is scaled by torque."""
     torque, length, stroke = ratios.torque, ratios.length, degrees(sized.request.stroke)
     stops, link = base.stops, base.planar_link
     yield "brake.torque", f"{BRAKE_SHARE * sized.torque:.4g} N m", "8 % of maximum torque, section 4.2"
     yield "brake.viscous", f"{base.brake.viscous * torque:.4g} N m s/rad", BY_TORQUE
-    yield "stops.working_stroke", f"{stroke:.6g} deg", ASKED
+    yield "stops.working_stroke", f"{stroke:.6g} deg", GIVEN_NOTE
     yield "stops.mechanical_stroke", f"{stroke + OVERSHOOT_ROOM:.6g} deg", "20 deg more, section 2.3"
     yield "stops.squeeze_stiffness", f"{stops.squeeze_stiffness * torque:.4g} N m/rad", BY_TORQUE
     yield "stops.stop_stiffness", f"{stops.stop_stiffness * torque:.4g} N m/rad", BY_TORQUE
     yield "stops.stop_damping", f"{stops.stop_damping * torque:.4g} N m s/rad", BY_TORQUE
     if length != 1.0:
-        yield "link.length", _mm(link.length * length), ASKED
+        yield "link.length", _mm(link.length * length), GIVEN_NOTE
         yield "link.centre", _mm(link.centre * length), "as its length"
     note = BY_TORQUE if length == 1.0 else f"{BY_TORQUE} and length"
     yield "link.mass", f"{link.mass * torque * length:.4g} kg", note
@@ -149,24 +155,24 @@ def _scaled(sized: SizedJoint, base: Joint, ratios: _Ratios) -> Rows:
     yield "body.height", height, "1.6 times the hose's width, as the paper's joints"
 
 
-def _slowness(sized: SizedJoint, model: Machine, base: Joint, ratios: _Ratios) -> float:
-    """Return how slowly the sized joint moves beside the model's, sqrt(T/J) over the model's: at most 1."""
+def _speed_ratio(sized: SizedJoint, model: Machine, base: Joint, ratios: _Ratios) -> float:
+    """Return the speed of the sized joint over the model's, by sqrt(T/J): at most 1."""
     link = base.planar_link
     along = link.inertia + link.mass * link.centre**2
-    own = sized.payload_inertia + along * ratios.torque * ratios.length**3 + link.rotor_inertia * ratios.width**5
-    models = model.arm.payload * link.length**2 + along + link.rotor_inertia
-    return min(1.0, sqrt(ratios.torque * models / own))
+    inertia = sized.payload_inertia + along * ratios.torque * ratios.length**3 + link.rotor_inertia * ratios.width**5
+    model_inertia = model.arm.payload * link.length**2 + along + link.rotor_inertia
+    return min(1.0, sqrt(ratios.torque * model_inertia / inertia))
 
 
-def _gains(gains: PaperGainsPart, ratios: _Ratios, slowness: float) -> Rows:
-    """Yield what differs from the model's gains; those of the error and the integral do not."""
+def _gains(gains: PaperGainsPart, ratios: _Ratios, speed_ratio: float) -> Rows:
+    """Yield the gains that differ from the model's: all but those of error and integral."""
     for phase in ("far", "near", "close"):
         pressure = getattr(gains, phase).pressure / ratios.supply * 1e5
         note = f"the paper's small joint over {ratios.supply:.3g}: its share of the supply pressure"
         yield f"gains.{phase}.pressure", f"{pressure:.4g} V/bar", note
     for threshold in ("near_below", "close_below"):
-        speed = degrees(getattr(gains, threshold).speed * slowness)
-        note = f"the paper's small joint times {slowness:.3g}: sqrt of torque per inertia, relative to it, at most 1"
+        speed = degrees(getattr(gains, threshold).speed * speed_ratio)
+        note = f"the paper's small joint times {speed_ratio:.3g}: sqrt of torque per inertia, relative to it, at most 1"
         yield f"gains.{threshold}.speed", f"{speed:.4g} deg/s", note
 
 

@@ -29,25 +29,25 @@ from layflat.machine import Joint
 
 Point = tuple[float, float]
 
-CLAMP_ANGLE = -pi / 2  # where on the cylinder both hoses are clamped, back to back
+CLAMP_ANGLE = -pi / 2  # angle on the cylinder at which both hoses are clamped, back to back
 
 
 @dataclass(frozen=True)
 class Lines:
-    """The strap's line at each travel; all of shape (n,) but `strap_point`."""
+    """Line of the strap at each travel; arrays of shape (n,) except `strap_point`."""
 
     lever: Array  # p, m
     normal_angle: Array  # psi, rad, continuous
-    alignment: Array  # A'.u, the share of the tension that acts along the shell's motion
+    alignment: Array  # A'.u, component of the tension along the shell's motion, over the tension
     strap_point: Array  # A, m, shape (n, 2)
 
 
 @dataclass(frozen=True)
 class ShellLine:
-    """Straight from the outer shell to the cam on `axis`, without deflecting rollers.
+    """Strap straight from the outer shell to the cam on `axis`, without deflecting rollers.
 
-    The shell turns about `hinge`; `start` is its strap point when the hose is collapsed. Eq. (1) gives the force at
-    right angles to the chord from clamp to strap point, which is the direction in which this point moves.
+    The shell rotates about `hinge`; `start` is its strap point with a collapsed hose. Eq. (1) gives the force at right
+    angles to the chord from clamp to strap point, which is the direction of this point's motion.
     """
 
     axis: Point
@@ -60,36 +60,44 @@ class ShellLine:
         return hypot(self.start[0] - self.hinge[0], self.start[1] - self.hinge[1])
 
     def lines(self, travel: Array, force: Array, torque_constant: float) -> Lines:
-        """Return lines that give the torque K at each travel s, where the force is f; raise DesignError if none does.
+        """Return the strap's lines that yield a constant torque.
 
         Virtual work: tension A'.u = F, so p = K (A'.u)/f, solved for the direction of u.
+
+        Args:
+            travel: s, m, (n,).
+            force: f, force per pressure, m2, (n,).
+            torque_constant: K, torque per pressure, m3/rad.
+
+        Raises:
+            DesignError: at some travel no lever arm yields the torque.
         """
         first = np.arctan2(self.start[1] - self.hinge[1], self.start[0] - self.hinge[0])
-        A = np.array(self.hinge) + self.chord * unit(first + travel / self.chord)
-        a = turned(A - np.array(self.hinge)) / self.chord
+        A = np.array(self.hinge) + self.chord * direction_vector(first + travel / self.chord)
+        a = rotate_quarter(A - np.array(self.hinge)) / self.chord
         out = A - np.array(self.axis)
         D = np.hypot(out[:, 0], out[:, 1])
         e = out / D[:, None]
-        across = turned(e)
+        across = rotate_quarter(e)
         along, sideways = np.sum(a * e, axis=-1), np.sum(a * across, axis=-1)
-        left_over = D * force / torque_constant - sideways
-        bad = ~((along > 0) & (left_over > 0))
+        remainder = D * force / torque_constant - sideways
+        bad = ~((along > 0) & (remainder > 0))
         if bad.any():
             at = int(np.argmax(bad))
             away = along[at] > 0
             what = "no lever arm is long enough" if away else "the shell does not move away from the output axis"
             right = "a longer stroke lowers the lever arms; an output axis further from the clamps aligns the strap"
             raise DesignError(f"{what} at {travel[at] * 1e3:.4g} mm of travel", where="cam", right=right)
-        beta = np.arctan2(along, left_over)
+        beta = np.arctan2(along, remainder)
         u = np.cos(beta)[:, None] * e + np.sin(beta)[:, None] * across
         return Lines(D * np.sin(beta), _normal_angle(u), np.sum(a * u, axis=-1), A)
 
 
 @dataclass(frozen=True)
 class RollerLine:
-    """Along the drum, over a deflecting roller, to the cam on `axis`: the strap's speed is the travel's everywhere.
+    """Strap along the drum, over a deflecting roller, to the cam on `axis`; its speed is the travel's everywhere.
 
-    `centre` and `radius` are those of the roller; the strap passes roller and cam on the same side.
+    `centre` and `radius` are the roller's; the strap passes roller and cam on the same side.
     """
 
     axis: Point
@@ -97,7 +105,16 @@ class RollerLine:
     radius: float
 
     def lines(self, travel: Array, force: Array, torque_constant: float) -> Lines:
-        """As of a `ShellLine`; the tension is F, so p = K/f."""
+        """Return the strap's lines that yield a constant torque: the tension is F, so p = K/f.
+
+        Args:
+            travel: s, m, (n,).
+            force: f, force per pressure, m2, (n,).
+            torque_constant: K, torque per pressure, m3/rad.
+
+        Raises:
+            DesignError: at some travel the lever arm is longer than the roller's distance from the axis allows.
+        """
         p = torque_constant / force
         out = np.array(self.centre) - np.array(self.axis)
         D = hypot(*out)
@@ -111,20 +128,20 @@ class RollerLine:
             raise DesignError(what, where="cam", right=right)
         beta = np.arcsin(far)
         e = out / D
-        u = np.cos(beta)[:, None] * e + np.sin(beta)[:, None] * turned(e)
+        u = np.cos(beta)[:, None] * e + np.sin(beta)[:, None] * rotate_quarter(e)
         psi = _normal_angle(u)
-        leaves = np.array(self.centre) + self.radius * unit(psi)
+        leaves = np.array(self.centre) + self.radius * direction_vector(psi)
         return Lines(p, psi, np.ones_like(p), leaves)
 
 
-StrapLine = ShellLine | RollerLine  # how the strap gets from the hose to the cam
+StrapLine = ShellLine | RollerLine  # line of the strap between hose and cam
 
 
-def of_joint(joint: Joint) -> StrapLine:
-    """Return the strap's way in a described joint.
+def joint_strap_line(joint: Joint) -> StrapLine:
+    """Return the line of the strap in a described joint.
 
     With a deflecting roller, or a shaft in the cylinder's middle, the strap runs along the drum and is deflected at the
-    rim; with an offset shaft and no roller it goes straight from the shell to the cam.
+    rim; with an offset shaft and no roller it is straight from the shell to the cam.
     """
     R, gamma = joint.cylinder.diameter / 2, joint.hose.wrap
     roller = joint.deflecting_roller
@@ -135,22 +152,24 @@ def of_joint(joint: Joint) -> StrapLine:
     return ShellLine(axis, (R * cos(CLAMP_ANGLE), R * sin(CLAMP_ANGLE)), (R * cos(free), R * sin(free)))
 
 
-def of_plate(plate: Plate, distance: float, height: float) -> ShellLine:
-    """Return the strap's way with plates on either side of the output shaft, straight from shell to cam.
+def plate_strap_line(plate: Plate, distance: float, height: float) -> ShellLine:
+    """Return the line of the strap with plates on either side of the output shaft, straight from shell to cam.
 
-    The left plate's chord stands upright, hinged at its foot, at a distance (m) from the output axis, which has a
-    height (m) above the hinge.
+    Args:
+        plate: the left one, with a vertical chord, hinged at its lower end.
+        distance: distance of the chord from the output axis, m.
+        height: height of the output axis above the hinge, m.
     """
     return ShellLine((0.0, height), (-distance, 0.0), (-distance, plate.chord))
 
 
-def unit(angle: ArrayLike) -> Array:
+def direction_vector(angle: ArrayLike) -> Array:
     """Return unit vectors at angles (rad), shape (..., 2)."""
     return np.stack((np.cos(angle), np.sin(angle)), axis=-1)
 
 
-def turned(vectors: Array) -> Array:
-    """Return vectors turned by +90 deg, shape (..., 2)."""
+def rotate_quarter(vectors: Array) -> Array:
+    """Return vectors rotated by +90 deg, shape (..., 2)."""
     return np.stack((-vectors[..., 1], vectors[..., 0]), axis=-1)
 
 

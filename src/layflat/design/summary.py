@@ -1,25 +1,54 @@
-"""A joint's whole design from its description: curve, cam, strap, findings, mass and air."""
+"""A joint's whole design from its description: curve, cam, strap, findings of the design rules, mass and air."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from math import pi
+from math import degrees, pi
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
 from layflat.arrays import Array
-from layflat.design.cam import Cam
+from layflat.design.cam import Cam, Outline
 from layflat.design.characteristic import Characteristic
-from layflat.design.findings import Finding
-from layflat.design.outline import Outline
-from layflat.design.strength import StrapStress, strap_stress
+from layflat.design.strength import StrapStress, shaft_advice, strap_stress
 from layflat.errors import DesignError
 from layflat.machine import Joint, Machine
 from layflat.machine.parts import part_masses
 from layflat.physics.air import GAS_CONSTANT, NORMAL_DENSITY
+from layflat.plot.tables import html_table
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+Severity = Literal["error", "warning", "note"]
+SEVERITY_ORDER: tuple[Severity, ...] = ("error", "warning", "note")
 
 
 @dataclass(frozen=True)
-class Mass:
+class Finding:
+    """Finding of a design rule."""
+
+    severity: Severity  # "error", "warning" or "note"
+    rule: str  # short name of the rule
+    where: str  # machine, joint and key
+    what: str  # observation, with its value
+    right: str = ""  # advice or consequence
+
+    def __str__(self) -> str:
+        text = f"{self.where}: {self.what}"
+        return f"{text}; {self.right}" if self.right else text
+
+
+def refuse_errors(findings: Sequence[Finding]) -> None:
+    """Raise DesignError with the text of the first error among findings, if there is one."""
+    for finding in findings:
+        if finding.severity == "error":
+            raise DesignError(finding.what, where=finding.where, right=finding.right)
+
+
+@dataclass(frozen=True)
+class JointMass:
     """Masses of the parts whose sizes the description gives, kg, and of the whole joint as described."""
 
     parts: dict[str, float]
@@ -31,34 +60,34 @@ class Mass:
         return sum(self.parts.values())
 
     @property
-    def rest(self) -> float:
-        """End plates, shaft, bearings, brake and fittings: what the parts leave of the whole, kg."""
+    def uncounted(self) -> float:
+        """Mass of end plates, shaft, bearings, brake and fittings: the whole less the counted parts, kg."""
         return self.body - self.counted
 
 
 @dataclass(frozen=True)
-class Air:
+class AirConsumption:
     """Air of one full stroke of one hose from its collapsed state, at supply pressure."""
 
     swept_volume: float  # m3
     dead_volume: float  # m3
-    normal_litres: float  # taken from the supply, at 0 degC and 1.01325 bar; isothermal at the supply's temperature
+    normal_litres: float  # from the supply, at 0 degC and 1.01325 bar; isothermal at the supply's temperature
 
 
 @dataclass(frozen=True)
 class JointDesign:
-    """The whole design of one joint."""
+    """Design of one joint."""
 
-    machine: Machine  # the machine it belongs to
-    name: str  # the joint's name there
+    machine: Machine  # to which it belongs
+    name: str  # of the joint in the machine
     pressure: float  # gauge supply pressure, Pa; all torques, tensions and stresses hold at this pressure
     characteristic: Characteristic  # force of one hose over its travel
     cam: Cam | None  # the exact cam; None with a round roller
     outline: Outline | None  # the cam as a part to be cut; None with a round roller
-    findings: tuple[Finding, ...] = ()  # what the design rules find, worst first
+    findings: tuple[Finding, ...] = ()  # of the design rules, worst first
 
     @property
-    def where(self) -> str:
+    def label(self) -> str:
         """File and joint, for messages."""
         return f"{self.machine.origin}: joint.{self.name}"
 
@@ -69,7 +98,7 @@ class JointDesign:
 
     @cached_property
     def stresses(self) -> tuple[StrapStress, ...]:
-        """Stresses of the strap, wherever it bends."""
+        """Stresses of the strap at each place where it bends."""
         over = [("roller", self.joint.output.radius)]
         if self.cam is not None:
             over = [("cam", self.cam.smallest_radius)] if self.cam.convex else []
@@ -79,18 +108,18 @@ class JointDesign:
         return tuple(strap_stress(self.joint.strap, place, radius, tension) for place, radius in over)
 
     @cached_property
-    def mass(self) -> Mass:
-        """Mass part by part; a cam is made of the cylinder's material, as wide as the strap."""
+    def mass(self) -> JointMass:
+        """Masses of the parts; a cam is made of the cylinder's material, as wide as the strap."""
         area = self.outline.area if self.outline else pi * self.joint.output.radius**2
-        return Mass(part_masses(self.joint, self.characteristic.full_travel, area), self.joint.body.mass)
+        return JointMass(part_masses(self.joint, self.characteristic.full_travel, area), self.joint.body.mass)
 
     @property
-    def air(self) -> Air:
-        """Air of one full stroke of one hose, which it fills from ambient to supply pressure."""
+    def air(self) -> AirConsumption:
+        """Air consumption of one full stroke of one hose, filled from ambient to supply pressure."""
         supply, swept, dead = self.machine.supply, self.characteristic.swept_volume, self.joint.hose.dead_volume
         full, before = supply.pressure * (swept + dead), supply.ambient_pressure * dead
         mass = (full - before) / (GAS_CONSTANT * supply.temperature)
-        return Air(swept, dead, mass / NORMAL_DENSITY * 1e3)
+        return AirConsumption(swept, dead, mass / NORMAL_DENSITY * 1e3)
 
     @property
     def roller_torque(self) -> tuple[Array, Array]:
@@ -121,8 +150,48 @@ class JointDesign:
         per_pressure = self.characteristic.force if self.cam is None else self.cam.tension
         return per_pressure * self.pressure
 
+    def quantity_rows(self) -> list[list[str]]:
+        """Return names and texts of the joint's main quantities."""
+        joint, (angle, torque) = self.joint, self.torque
+        counted = "hose, cylinder, shell, strap, cam"
+        rows = [
+            ["torque", f"{torque.min():.1f} to {torque.max():.1f} N m at {self.pressure / 1e5:g} bar gauge"],
+            [
+                "full travel",
+                f"{degrees(angle[-1]):.1f} deg (working stroke {degrees(joint.stops.working_stroke):.0f} deg)",
+            ],
+            ["hose", f"{1e3 * joint.hose.width:.0f} mm wide, wrapped {degrees(joint.hose.wrap):.0f} deg"],
+            ["cylinder", f"{1e3 * joint.cylinder.diameter:.1f} mm in diameter"],
+            ["output", f"{joint.output.kind}, {1e3 * joint.output.radius:.2f} mm mean radius"],
+            ["mass", f"{self.mass.body:.2f} kg, of which {self.mass.counted:.2f} kg {counted}"],
+            ["air per stroke", f"{self.air.normal_litres:.2f} normal litres"],
+        ]
+        if self.outline is not None:
+            rows.append(["shaft", shaft_advice(float(torque.max()), self.outline.bore)])
+        return rows
+
+    def plot(self) -> "Figure":
+        """Draw the torque over the angle, on a round roller and as built, and the cam with the strap that makes it."""
+        from layflat.plot.curves import design_figure  # noqa: PLC0415  # matplotlib takes long to import
+        from layflat.plot.style import add_caption  # noqa: PLC0415
+
+        curves = {"on a round roller": self.roller_torque} | ({} if self.cam is None else {"on the cam": self.torque})
+        return add_caption(design_figure(curves, self.cam), f"{self._title}, at {self.pressure / 1e5:g} bar gauge")
+
+    def _repr_html_(self) -> str:
+        """Return tables of quantities and findings, for notebooks."""
+        return html_table(self._title, (), self.quantity_rows()) + html_table(
+            "findings of the design rules",
+            ("severity", "where", "found", "action"),
+            [(one.severity, one.where, one.what, one.right) for one in self.findings],
+        )
+
+    @property
+    def _title(self) -> str:
+        return f"{self.machine.name}, {self.name} joint"
+
     def columns(self) -> dict[str, Array]:
-        """Return what Table 1 gives for the cam, exact: columns (n,), units in names; raise DesignError without one."""
+        """Return the columns of an exact Table 1 of the cam, (n,), units in names; raise DesignError without a cam."""
         cam = self.with_cam()
         return {
             "travel_mm": cam.travel * 1e3,
@@ -140,5 +209,5 @@ class JointDesign:
     def with_cam(self) -> Cam:
         """Return the cam; raise DesignError if the joint has none."""
         if self.cam is None:
-            raise DesignError('"roller"', where=f"{self.where}.output.kind", right='give "cam" to have one')
+            raise DesignError('"roller"', where=f"{self.label}.output.kind", right='give "cam" to have one')
         return self.cam

@@ -1,8 +1,17 @@
 """The paper's experiments and its claims."""
 
-from layflat.experiments.bench import Bench, bench
-from layflat.experiments.claim import Claim, Quantity
+from layflat.experiments.bench import ReproductionBench, load_bench
+from layflat.experiments.claim import Claim, ClaimQuantity
 from layflat.experiments.report import write_claims, write_report
 from layflat.experiments.reproduction import Reproduction, reproduce
 
-__all__ = ["Bench", "Claim", "Quantity", "Reproduction", "bench", "reproduce", "write_claims", "write_report"]
+__all__ = [
+    "Claim",
+    "ClaimQuantity",
+    "Reproduction",
+    "ReproductionBench",
+    "load_bench",
+    "reproduce",
+    "write_claims",
+    "write_report",
+]

@@ -1,18 +1,19 @@
-"""The machines of the paper's experiments, all derived from one arm, and what an experimenter may change in them."""
+"""Machines of the paper's experiments, all derived from one arm."""
 
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
 
 from layflat.description.change import changed_all
 from layflat.errors import MachineError
 from layflat.machine import Machine, changed, load, parameters
-from layflat.machine.cloud import parted
+from layflat.machine.cloud import split_member_name
 from layflat.machine.gains import check_papers_law
 from layflat.machine.parts import Joint
 from layflat.physics.valves.spool import SpoolValvePart
-from layflat.sim.sweep import Loop, sweep
+from layflat.sim.sweep import HysteresisLoop, sweep
 
-RIGS = (
+RIG_NAMES = (
     "rig-polyester",
     "rig-single-thickness",
     "rig-polyester-plate",
@@ -26,18 +27,24 @@ RIGS = (
 INERTIA_PER_TORQUE = 1e-2  # kg m2 per N m: the ratio at which the paper compares joints (sections 4.1 and 5)
 
 
-def alone(arm: Machine, joint: str, payload: float) -> Machine:
-    """Return one joint of an arm on a fixed base, with a payload (kg) at the end of its link."""
+def isolate_joint(arm: Machine, joint: str, payload: float) -> Machine:
+    """Return one joint of an arm on a fixed base, with a payload at the end of its link.
+
+    Args:
+        arm: machine that has the joint.
+        joint: its name.
+        payload: kg.
+    """
     return changed(changed(arm, "arm.joints", (joint,)), "arm.payload", payload)
 
 
 @dataclass(frozen=True)
-class Bench:
+class ReproductionBench:
     """The machine under test and the paper's other machines."""
 
-    arm: Machine  # under test; experiments ask it for the joints "large" and "small"
+    arm: Machine  # under test; experiments use its joints "large" and "small"
     earlier: Machine  # the earlier actuator, with a joint named "small"
-    brake: float = 1.0  # share of the brakes' torque in every experiment with brakes
+    brake: float = 1.0  # fraction of the brakes' torque in every experiment with brakes
 
     def joint(self, name: str) -> Joint:
         """Return a joint of the machine under test (MachineError: it has none of this name)."""
@@ -54,8 +61,14 @@ class Bench:
 
     def curve(
         self, name: str, machine: Machine | None = None, *, brake: float = 1.0, share: float | None = None
-    ) -> Loop:
-        """Sweep a joint at supply pressure, over its stroke or over a share of the small joint's.
+    ) -> HysteresisLoop:
+        """Sweep a joint at supply pressure, and return its hysteresis curve.
+
+        Args:
+            name: name of the joint.
+            machine: default: the machine under test.
+            brake: torque of the brake, as a fraction of its full torque.
+            share: share of the small joint's stroke that is swept; default: the joint's own working stroke.
 
         Raises:
             MachineError: the machine under test has no such joint.
@@ -68,7 +81,7 @@ class Bench:
     def axis_one(self) -> Machine:
         """The small joint alone with the paper's 2 kg at 0.4 m, and the controller of the earlier actuator."""
         self.joint("small")
-        return changed(alone(self.arm, "small", 2.0), "joint.small.gains", self.earlier.joint["small"].gains)
+        return changed(isolate_joint(self.arm, "small", 2.0), "joint.small.gains", self.earlier.joint["small"].gains)
 
     @cached_property
     def earlier_scaled(self) -> Machine:
@@ -86,21 +99,23 @@ class Bench:
     @cached_property
     def rigs(self) -> dict[str, Machine]:
         """The single-acting rigs by name."""
-        return {name: load(name) for name in RIGS}
+        return {name: load(name) for name in RIG_NAMES}
 
 
-def bench(arm: str | Machine = "paper-arm") -> Bench:
+def load_bench(arm: str | Path | Machine = "paper-arm") -> ReproductionBench:
     """Return the bench of a machine under test: a built-in name, a file or a machine.
 
-    With a member of a cloud comes the earlier actuator of the same member.
+    The earlier actuator of a cloud's member is that of the same member.
 
     Raises:
         MachineError: the machine is wrong, or its controller is not the paper's.
     """
-    member = parted(arm) if isinstance(arm, str) else None
+    member = None if isinstance(arm, Machine) else split_member_name(str(arm))
     machine = load(arm)
     check_papers_law(machine, "the reproduction of the paper")
-    return Bench(machine, load(f"earlier-actuator@{member[1]}:{member[2]}" if member else "earlier-actuator"))
+    return ReproductionBench(
+        machine, load(f"earlier-actuator@{member[1]}:{member[2]}" if member else "earlier-actuator")
+    )
 
 
 def maximum_torque(machine: Machine, joint: str) -> float:
@@ -109,5 +124,11 @@ def maximum_torque(machine: Machine, joint: str) -> float:
 
 
 def payload_for_inertia(machine: Machine, joint: str, inertia: float) -> float:
-    """Return the payload (kg) at the link's end that makes an inertia (kg m2)."""
+    """Return the payload at the end of a joint's link that has an inertia about the joint, kg.
+
+    Args:
+        machine: machine that has the joint.
+        joint: its name.
+        inertia: kg m2.
+    """
     return inertia / machine.joint[joint].planar_link.length ** 2

@@ -1,4 +1,4 @@
-"""Claims of the paper beside what is simulated, and the experiments whose runs they rest on."""
+"""Claims of the paper, their simulated quantities, and the experiments whose runs they are evaluated from."""
 
 import tomllib
 from collections.abc import Callable
@@ -8,17 +8,17 @@ from math import isfinite
 from typing import Any
 
 from layflat.errors import InputError, MachineError
-from layflat.experiments.bench import Bench
+from layflat.experiments.bench import ReproductionBench
 
 
-def texts_of(file: str) -> dict[str, Any]:
-    """Return the tables of a file of texts that stands beside this one."""
+def read_texts(file: str) -> dict[str, Any]:
+    """Return the tables of a TOML file of texts in this package."""
     return tomllib.loads((files("layflat.experiments") / file).read_text(encoding="utf-8"))
 
 
 @dataclass(frozen=True)
-class Quantity:
-    """One number of a claim: what is simulated, its unit, and in words what the paper gives for it, where it does."""
+class ClaimQuantity:
+    """One number of a claim: its simulated value, its unit, and the paper's value in words, where there is one."""
 
     name: str
     value: float
@@ -28,28 +28,28 @@ class Quantity:
 
 @dataclass(frozen=True)
 class Claim:
-    """One claim of the paper, as it was evaluated."""
+    """One claim of the paper, with the result of its evaluation."""
 
     id: str  # short name
     where: str  # section, table or figure of the paper
-    says: str  # what the paper says, in our words
+    says: str  # statement of the paper, in our words
     criterion: str  # when simulation and paper agree
-    quantities: tuple[Quantity, ...] = ()  # what is simulated; none where the claim was not evaluated
+    quantities: tuple[ClaimQuantity, ...] = ()  # simulated; none where the claim was not evaluated
     agrees: bool | None = None  # whether the criterion holds; None where the claim was not evaluated
     reason: str = ""  # why it was not evaluated
 
     @property
     def verdict(self) -> str:
-        """The outcome in a word or three."""
+        """Verdict in words: "agrees", "does not agree" or "not evaluated"."""
         return {None: "not evaluated", True: "agrees", False: "does not agree"}[self.agrees]
 
     def record(self) -> dict[str, Any]:
-        """Return the claim as it stands in claims.json; a value that is not finite becomes null."""
+        """Return the claim's entry in claims.json; a value that is not finite becomes null."""
         return {
             "id": self.id,
             "where": self.where,
             "paper": self.says,
-            "simulated": self._each([_json(one.value) for one in self.quantities]),
+            "simulated": self._each([_json_number(one.value) for one in self.quantities]),
             "unit": self._each([one.unit for one in self.quantities]),
             "paper_value": self._each([one.paper or None for one in self.quantities]),
             "agrees": self.agrees,
@@ -58,60 +58,62 @@ class Claim:
         }
 
     def _each(self, values: list[Any]) -> Any:
-        """Return one value as it is, several by the names of their quantities."""
+        """Return a single value as it is, several by the names of their quantities."""
         if len(values) <= 1:
             return values[0] if values else None
         return {one.name: value for one, value in zip(self.quantities, values, strict=True)}
 
 
-def _json(value: float) -> float | None:
+def _json_number(value: float) -> float | None:
     return round(float(value), 6) if isfinite(value) else None
 
 
-Evaluated = tuple[list[Quantity], bool]  # what a claim's rule computes: its quantities, and whether its criterion holds
+Evaluation = tuple[
+    list[ClaimQuantity], bool
+]  # result of a claim's rule: its quantities, and whether its criterion holds
 
 
 @dataclass(frozen=True)
-class Rule:
-    """A claim that has not been evaluated yet, and how to evaluate it by an experiment."""
+class ClaimRule:
+    """Claim that has not been evaluated yet, with the function of an experiment that evaluates it."""
 
     claim: Claim
-    evaluate: Callable[[Any], Evaluated]
+    evaluate: Callable[[Any], Evaluation]
 
-    def evaluated(self, experiment: "Experiment") -> Claim:
-        """Evaluate the claim; where the machine under test lacks what it takes, the claim says so.
+    def evaluate_claim(self, experiment: "Experiment") -> Claim:
+        """Evaluate the claim; where the machine under test lacks a required part, the claim's reason says so.
 
         A claim that can't be simulated for any other reason does not agree.
         """
         try:
             quantities, agrees = self.evaluate(experiment)
         except MachineError as error:
-            return self.open(f"not applicable: {error.where}: {error.what}")
+            return self.unevaluated(f"not applicable: {error.where}: {error.what}")
         except InputError as error:
-            return replace(self.open(f"can't be simulated: {error.where}: {error.what}"), agrees=False)
+            return replace(self.unevaluated(f"can't be simulated: {error.where}: {error.what}"), agrees=False)
         return replace(self.claim, quantities=tuple(quantities), agrees=bool(agrees))
 
-    def open(self, reason: str) -> Claim:
-        """Return the claim as one that is not evaluated, for a reason."""
+    def unevaluated(self, reason: str) -> Claim:
+        """Return the claim without a verdict, with the reason for that."""
         return replace(self.claim, reason=reason)
 
 
-CLAIMS = {key: Claim(key, **texts) for key, texts in texts_of("claims.toml").items()}
+PAPER_CLAIMS = {key: Claim(key, **texts) for key, texts in read_texts("claims.toml").items()}
 """By their short names, in the order of the paper."""
 
 
-def claim(identifier: str) -> Callable[[Callable[[Any], Evaluated]], Rule]:
-    """Declare a method of an experiment to be the rule of a claim."""
-    return lambda evaluate: Rule(CLAIMS[identifier], evaluate)
+def claim(identifier: str) -> Callable[[Callable[[Any], Evaluation]], ClaimRule]:
+    """Declare a method of an experiment as the evaluation of a claim, by the claim's short name."""
+    return lambda evaluate: ClaimRule(PAPER_CLAIMS[identifier], evaluate)
 
 
 @dataclass(frozen=True)
 class Experiment:
-    """Base of the experiments: runs are made when they are first asked for, and claims are methods."""
+    """Base of the experiments: runs are simulated when they are first read, and claims are methods."""
 
-    bench: Bench
+    bench: ReproductionBench
 
     @classmethod
-    def rules(cls) -> list[Rule]:
-        """The claims that rest on this experiment."""
-        return [member for member in vars(cls).values() if isinstance(member, Rule)]
+    def rules(cls) -> list[ClaimRule]:
+        """Return the rules of the claims that this experiment evaluates."""
+        return [member for member in vars(cls).values() if isinstance(member, ClaimRule)]

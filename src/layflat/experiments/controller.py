@@ -1,4 +1,4 @@
-"""The controller: what its long-term integral learns, by three rules, and how long a cycle takes (section 3)."""
+"""Controller: its long-term integral under its three rules, and the computing time of a cycle (section 3)."""
 
 import time
 from dataclasses import replace
@@ -10,38 +10,38 @@ import numpy as np
 import xarray
 
 from layflat.experiments.bench import maximum_torque
-from layflat.experiments.claim import Evaluated, Experiment, Quantity, claim
+from layflat.experiments.claim import ClaimQuantity, Evaluation, Experiment, claim
 from layflat.experiments.kernels import control_cycles
 from layflat.machine import parameters
 from layflat.motion.scenario import Scenario
 from layflat.physics.step import STEP
 from layflat.sim import rollout
 
-DRIFT = 0.05  # drift of the valve's neutral, share of full opening
+NEUTRAL_DRIFT = 0.05  # of the valve, fraction of full opening
 DURATION = 60.0
-OFFSET_LOAD = 0.4  # offset load of rule 3, share of the maximum torque at supply pressure
-CYCLES, BATCHES = 1000, 101  # cycles that are timed together, and how often
+OFFSET_LOAD = 0.4  # of rule 3, fraction of the maximum torque at supply pressure
+TIMED_CYCLES, TIMED_BATCHES = 1000, 101  # cycles that are timed together, and number of measurements
 
 
-def learnt(run: xarray.Dataset, since: float = 0.0) -> float:
-    """Return how much the long-term integral changes from a time (s) on, V."""
+def long_term_change(run: xarray.Dataset, since: float = 0.0) -> float:
+    """Return the change of the long-term integral from a time (s) to the end of a run, V."""
     values = run["long_term"].sel(joint="small", time=slice(since, None)).to_numpy()
     return float(values[-1] - values[0])
 
 
-def _sway(t: float) -> float:
-    """Demand of a joint in motion, rad."""
+def _sinusoidal_demand(t: float) -> float:
+    """Return the demand of a joint in motion, rad: 40 deg at 0.5 Hz."""
     return radians(40.0) * float(np.sin(2 * pi * 0.5 * t))
 
 
-class Controller(Experiment):
+class ControllerExperiment(Experiment):
     """Axis one with its valve's neutral drifted by 5 %; the controllers of all axes on noisy samples."""
 
     @cached_property
     def volts(self) -> float:
-        """The drift, V."""
-        valve, _, _ = parameters.drive_parts(self.bench.axis_one)
-        return DRIFT * valve.volts_to_full
+        """Drift of the valve's neutral, V."""
+        valve, _, _ = parameters.valve_and_sensors(self.bench.axis_one)
+        return NEUTRAL_DRIFT * valve.volts_to_full
 
     def run(self, step: float = STEP, **changes: Any) -> xarray.Dataset:
         """Simulate axis one; `changes` are fields of `Scenario`, the step of the plant is in s."""
@@ -49,21 +49,21 @@ class Controller(Experiment):
         return rollout(self.bench.axis_one, step=step, scenario=replace(case, **changes))
 
     @claim("long-term-integral")
-    def rules_of_the_integral(self) -> Evaluated:
-        """Simulate the integral at rest, with the air off, in motion, and under an offset load."""
+    def rules_of_the_integral(self) -> Evaluation:
+        """Evaluate the integral's change at rest, with the air off, in motion, and under an offset load."""
         machine = self.bench.axis_one
         load = OFFSET_LOAD * maximum_torque(machine, "small")
         ambient = machine.supply.ambient_pressure
-        taken = 100.0 * learnt(self.run(duration=DURATION)) / self.volts
-        still = {
-            "air off": abs(learnt(self.run(supply=0.0, pressures=(ambient, ambient)))),
-            "in motion": abs(learnt(self.run(demand=_sway), since=1.0)),
-            "offset load": abs(learnt(self.run(load=[(0.0, 0.0), (1.0, load)]), since=2.5)),
+        compensated = 100.0 * long_term_change(self.run(duration=DURATION)) / self.volts
+        changes = {
+            "air off": abs(long_term_change(self.run(supply=0.0, pressures=(ambient, ambient)))),
+            "in motion": abs(long_term_change(self.run(demand=_sinusoidal_demand), since=1.0)),
+            "offset load": abs(long_term_change(self.run(load=[(0.0, 0.0), (1.0, load)]), since=2.5)),
         }
         return [
-            Quantity("drift taken over", taken, "%", "all"),
-            *(Quantity(name, value, "V", "0") for name, value in still.items()),
-        ], 90.0 <= taken <= 110.0 and all(value == 0.0 for value in still.values())
+            ClaimQuantity("drift taken over", compensated, "%", "all"),
+            *(ClaimQuantity(name, value, "V", "0") for name, value in changes.items()),
+        ], 90.0 <= compensated <= 110.0 and all(value == 0.0 for value in changes.values())
 
     @cached_property
     def all_axes(self) -> float:
@@ -71,15 +71,15 @@ class Controller(Experiment):
         settings = parameters.control(self.bench.arm)
         noise = np.random.default_rng(5).standard_normal((3, 256))
         samples = (0.1 * noise[0], 1e5 * noise[1], 0.5 * noise[2])
-        control_cycles(settings, *samples, CYCLES)
+        control_cycles(settings, *samples, TIMED_CYCLES)
         times = []
-        for _ in range(BATCHES):
+        for _ in range(TIMED_BATCHES):
             begin = time.perf_counter()
-            control_cycles(settings, *samples, CYCLES)
-            times.append((time.perf_counter() - begin) / CYCLES)
+            control_cycles(settings, *samples, TIMED_CYCLES)
+            times.append((time.perf_counter() - begin) / TIMED_CYCLES)
         return float(np.median(times))
 
     @claim("control-cycle")
-    def control_cycle(self) -> Evaluated:
-        """Time one cycle of all axes."""
-        return [Quantity("time of a cycle", 1e6 * self.all_axes, "us", "under 2500")], self.all_axes < 1e-5
+    def control_cycle(self) -> Evaluation:
+        """Measure the computing time of one cycle of all axes."""
+        return [ClaimQuantity("time of a cycle", 1e6 * self.all_axes, "us", "under 2500")], self.all_axes < 1e-5

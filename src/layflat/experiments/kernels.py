@@ -1,4 +1,4 @@
-"""What the experiments compile for themselves: a timed controller, and a swept valve."""
+"""Kernels of the experiments: a timed controller, and a swept valve."""
 
 from math import pi
 
@@ -7,13 +7,12 @@ import numpy as np
 from layflat.control import Demand, Sensed, step, wake
 from layflat.jit import kernel
 from layflat.lanes import gather, slots
-from layflat.physics.valves.spool_motion import advance_spool
-from layflat.physics.valves.spool_ports import path_conductance
+from layflat.physics.valves.spool_laws import advance_spool, path_conductance
 
 
 @kernel
 def control_cycles(settings, angle, pressure, demand, cycles):  # type: ignore[no-untyped-def]
-    """Run the control law of all axes over many cycles of given samples; returns the sum of their voltages."""
+    """Run the control law of all axes over many cycles of recorded samples; return the sum of their voltages."""
     like, total = settings.joints, 0.0
     angles, pressures, demands = slots(like, angle[0]), slots(like, pressure[0]), slots(like, demand[0])
     memory = wake(settings, Sensed(gather(like, angles), gather(like, pressures)))
@@ -32,7 +31,7 @@ def control_cycles(settings, angle, pressure, demand, cycles):  # type: ignore[n
 
 @kernel
 def sweep_spool(valve, command, amplitude, frequency, h, n):  # type: ignore[no-untyped-def]
-    """Mean net opening over the last half of n steps at each command, share of full conductance."""
+    """Return the mean net opening over the last half of n steps at each command, fraction of full conductance."""
     opening = np.empty_like(command)
     x, v, t = 0.0, 0.0, 0.0
     for i in range(len(command)):

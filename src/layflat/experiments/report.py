@@ -1,6 +1,6 @@
 """Results of a reproduction on disk: claims.json, and one self-contained report.html with its figures.
 
-Another process evaluates some claims and draws their figures while the command's own does the rest (`perform`).
+Another process evaluates some claims and draws their figures meanwhile (`evaluate_other_claims`).
 """
 
 import json
@@ -12,152 +12,169 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from layflat._version import __version__
-from layflat.experiments.axis_one import AT, DURATION, TWICE, WINDOWS
-from layflat.experiments.bench import bench
-from layflat.experiments.claim import Claim, texts_of
+from layflat.experiments.axis_one import ABOUT_TWICE, DURATION, SETTLING_LIMITS, STEP_TIME
+from layflat.experiments.bench import load_bench
+from layflat.experiments.claim import Claim, read_texts
 from layflat.experiments.open_loop import RIG_PRESSURE
 from layflat.experiments.questions import Answer
 from layflat.experiments.reproduction import Reproduction
 from layflat.files import write_text
-from layflat.machine.listing import Line
+from layflat.machine.listing import ListedValue
+from layflat.plot import CaptionedFigure, render_page
 from layflat.plot.curves import (
-    average_response,
     cam_procedure,
     hysteresis_curves,
+    moving_average_gain,
     ratio_over_window,
     settling_over_inertia,
     valve_sweeps,
 )
-from layflat.plot.page import Drawn, page
-from layflat.plot.runs import angles, arm_steps
+from layflat.plot.runs import angle_figure, arm_steps
 from layflat.plot.style import to_svg
-from layflat.sim.metrics import BAND
+from layflat.sim.metrics import SETTLING_BAND
 
-TINY, LARGE = 1e-4, 1e5  # numbers below and above these are not written out
+MIN_PRINTED, MAX_PRINTED = 1e-4, 1e5  # below: "< 0.0001"; from here on: without decimals
 
 
-def number(value: float) -> str:
-    """Return a number as people read it; a time that is not finite is one that never comes."""
+def format_number(value: float) -> str:
+    """Return a number as text of five significant digits; "never" for one that is not finite."""
     if not isfinite(value):
         return "never"
-    if abs(value) >= LARGE:
+    if abs(value) >= MAX_PRINTED:
         return f"{value:,.0f}"
-    return f"< {TINY:g}" if 0.0 < value < TINY else f"{value:.5g}"
+    return f"< {MIN_PRINTED:g}" if 0.0 < value < MIN_PRINTED else f"{value:.5g}"
 
 
-AGREES = {True: "yes", False: "NO", None: "-"}
+AGREEMENT_TEXTS = {True: "yes", False: "NO", None: "-"}
 COLUMNS = ("claim", "quantity", "the paper", "simulated", "unit", "agrees")
 
 
-def table(claims: Sequence[Claim]) -> list[list[str]]:
-    """Return rows with `COLUMNS`: one for each quantity, or for the reason why a claim was not evaluated."""
+def claim_rows(claims: Sequence[Claim]) -> list[list[str]]:
+    """Return table rows by `COLUMNS`: one for each quantity, or for the reason why a claim was not evaluated."""
     rows = []
-    for one in claims:
-        told = [[q.name, q.paper, number(q.value), q.unit.removeprefix("1")] for q in one.quantities]
-        for i, cells in enumerate(told or [[one.reason, "", "", ""]]):
-            rows.append(["" if i else one.id, *cells, "" if i else AGREES[one.agrees]])
+    for claim in claims:
+        quantity_cells = [[q.name, q.paper, format_number(q.value), q.unit.removeprefix("1")] for q in claim.quantities]
+        for i, cells in enumerate(quantity_cells or [[claim.reason, "", "", ""]]):
+            rows.append(["" if i else claim.id, *cells, "" if i else AGREEMENT_TEXTS[claim.agrees]])
     return rows
 
 
-def write_claims(found: Reproduction, path: Path) -> Path:
+def write_claims(reproduction: Reproduction, path: Path) -> Path:
     """Write the claims as a JSON list (OutputError: it can't be written there)."""
-    records = [claim.record() for claim in found.claims]
+    records = [claim.record() for claim in reproduction.claims]
     return write_text(path, json.dumps(records, indent=2, ensure_ascii=False, allow_nan=False) + "\n")
 
 
-def write_report(found: Reproduction, assumed: list[Line], path: Path, answers: Sequence[Answer] = ()) -> Path:
-    """Write the report as one HTML file that needs nothing else (OutputError: it can't be written there).
+def write_report(
+    reproduction: Reproduction, assumed: list[ListedValue], path: Path, answers: Sequence[Answer] = ()
+) -> Path:
+    """Write the report as one self-contained HTML file, and return its path.
 
-    `assumed` has the lines of the description that the paper does not give, `answers` those to open questions, if any.
+    Args:
+        reproduction: evaluated claims and the experiments behind them.
+        assumed: lines of the description whose values the paper does not give.
+        path: path of the file.
+        answers: answers to open questions.
+
+    Raises:
+        OutputError: the file can't be written.
     """
-    html = page(
+    html = render_page(
         "layflat.experiments",
         "report.html.j2",
-        machine=found.bench.arm.title,
+        machine=reproduction.bench.arm.title,
         version=__version__,
-        summary=found.summary,
-        claims=found.claims,
-        number=number,
-        figures=list(figures(found)),
+        summary=reproduction.summary,
+        claims=reproduction.claims,
+        number=format_number,
+        figures=list(draw_figures(reproduction)),
         assumed=assumed,
         answers=list(answers),
     )
     return write_text(path, html)
 
 
-def figures(found: Reproduction) -> Iterator[Drawn]:
-    """Draw the figures whose claims were evaluated, one by one; those that are drawn already are taken as they are."""
-    evaluated = {claim.id for claim in found.claims if claim.quantities}
-    for name, texts in FIGURES.items():
+def draw_figures(reproduction: Reproduction) -> Iterator[CaptionedFigure]:
+    """Yield the figures whose claims were evaluated; those in `reproduction.drawn` are not drawn again."""
+    evaluated = {claim.id for claim in reproduction.claims if claim.quantities}
+    for name, texts in FIGURE_TEXTS.items():
         if evaluated.issuperset(texts["claims"]):
-            yield found.drawn.get(name) or Drawn(name, texts["title"], texts["caption"], to_svg(DRAWN[name](found)))
+            yield reproduction.drawn.get(name) or CaptionedFigure(
+                name, texts["title"], texts["caption"], to_svg(FIGURE_DRAWERS[name](reproduction))
+            )
 
 
-def _rigs(**labels: str) -> Callable[[Reproduction], Figure]:
-    def draw(found: Reproduction) -> Figure:
+def _rig_drawer(**labels: str) -> Callable[[Reproduction], Figure]:
+    """Return a function that draws the hysteresis curves of named rigs; words of a label are joined by "_"."""
+
+    def draw(reproduction: Reproduction) -> Figure:
         named = {label.replace("_", " "): name for label, name in labels.items()}
-        return hysteresis_curves({label: found.open_loop.rigs[name][RIG_PRESSURE] for label, name in named.items()})
+        return hysteresis_curves(
+            {label: reproduction.open_loop.rigs[name][RIG_PRESSURE] for label, name in named.items()}
+        )
 
     return draw
 
 
-def _steps(found: Reproduction) -> Figure:
+def _draw_steps(reproduction: Reproduction) -> Figure:
+    """Draw the small joint's angle over a step, with and without brake, and of the earlier actuator."""
     runs = {
-        "with brake": found.axis_one.braked,
-        "without brake": found.axis_one.unbraked,
-        "earlier actuator": found.axis_one.earlier,
+        "with brake": reproduction.axis_one.braked,
+        "without brake": reproduction.axis_one.unbraked,
+        "earlier actuator": reproduction.axis_one.earlier,
     }
-    part = {label: run.sel(time=slice(0, AT + WINDOWS[-1])) for label, run in runs.items()}
-    return angles(part, "small", since=AT, band=BAND)
+    part = {label: run.sel(time=slice(0, STEP_TIME + SETTLING_LIMITS[-1])) for label, run in runs.items()}
+    return angle_figure(part, "small", since=STEP_TIME, band=SETTLING_BAND)
 
 
-def _ratio(found: Reproduction) -> Figure:
-    new, earlier = found.axis_one.carried_braked, found.axis_one.carried_earlier
-    window = np.linspace(WINDOWS[0], WINDOWS[-1], 131)
-    limits = np.array([(new.within(allowed), earlier.within(allowed)) for allowed in window])
+def _draw_ratio(reproduction: Reproduction) -> Figure:
+    """Draw the ratio of the inertias that new and earlier actuator carry, over the allowed settling time (s)."""
+    new, earlier = reproduction.axis_one.carried_braked, reproduction.axis_one.carried_earlier
+    window = np.linspace(SETTLING_LIMITS[0], SETTLING_LIMITS[-1], 131)
+    limits = np.array([(new.max_inertia_within(allowed), earlier.max_inertia_within(allowed)) for allowed in window])
     ratio = limits[:, 0] / np.where(limits[:, 1] > 0.0, limits[:, 1], np.nan)
-    return ratio_over_window(window, ratio, new.stable / earlier.stable if earlier.stable else np.nan, TWICE)
+    return ratio_over_window(window, ratio, new.stable / earlier.stable if earlier.stable else np.nan, ABOUT_TWICE)
 
 
-def _valve(found: Reproduction) -> Figure:
+def _draw_valve_sweeps(reproduction: Reproduction) -> Figure:
     labels = {"without": "without dither", "normal": "with 50 Hz dither", "fast": "with 400 Hz dither"}
-    sweeps = {labels[name]: sweep for name, sweep in found.dither.sweeps.items()}
+    sweeps = {labels[name]: sweep for name, sweep in reproduction.dither.sweeps.items()}
     return valve_sweeps({k: ((s.command, s.up), (s.command, s.down)) for k, s in sweeps.items()})
 
 
-DRAWN: dict[str, Callable[[Reproduction], Figure]] = {
-    "fig-2": _rigs(single_thickness="rig-single-thickness"),
-    "fig-3": _rigs(polyester_webbing="rig-polyester", with_plate="rig-polyester-plate"),
-    "fig-4": _rigs(Kevlar_webbing="rig-kevlar", with_plate="rig-kevlar-plate"),
-    "fig-5": _rigs(shell_and_steel="rig-shell-steel"),
-    "fig-6": lambda found: cam_procedure(found.statics.design.with_cam()),
-    "fig-10": lambda found: hysteresis_curves({"new joint": found.open_loop.unbraked}),
-    "fig-11": lambda found: hysteresis_curves({"earlier actuator": found.open_loop.earlier}),
-    "fig-12": lambda found: hysteresis_curves(
-        {"with brake": found.open_loop.braked, "without": found.open_loop.unbraked}
+FIGURE_DRAWERS: dict[str, Callable[[Reproduction], Figure]] = {
+    "fig-2": _rig_drawer(single_thickness="rig-single-thickness"),
+    "fig-3": _rig_drawer(polyester_webbing="rig-polyester", with_plate="rig-polyester-plate"),
+    "fig-4": _rig_drawer(Kevlar_webbing="rig-kevlar", with_plate="rig-kevlar-plate"),
+    "fig-5": _rig_drawer(shell_and_steel="rig-shell-steel"),
+    "fig-6": lambda result: cam_procedure(result.statics.design.with_cam()),
+    "fig-10": lambda result: hysteresis_curves({"new joint": result.open_loop.unbraked}),
+    "fig-11": lambda result: hysteresis_curves({"earlier actuator": result.open_loop.earlier}),
+    "fig-12": lambda result: hysteresis_curves(
+        {"with brake": result.open_loop.braked, "without": result.open_loop.unbraked}
     ),
-    "fig-13": _steps,
-    "fig-13b": lambda found: settling_over_inertia(
+    "fig-13": _draw_steps,
+    "fig-13b": lambda result: settling_over_inertia(
         {
-            "new joint with brake": found.axis_one.carried_braked.times,
-            "earlier actuator": found.axis_one.carried_earlier.times,
+            "new joint with brake": result.axis_one.carried_braked.times,
+            "earlier actuator": result.axis_one.carried_earlier.times,
         },
         DURATION,
     ),
-    "fig-13c": _ratio,
-    "fig-14": lambda found: arm_steps(found.two_axis.steps, band=BAND),
-    "fig-valve": _valve,
-    "fig-average": lambda found: average_response(found.dither.frequency, found.dither.response, 50.0),
+    "fig-13c": _draw_ratio,
+    "fig-14": lambda result: arm_steps(result.two_axis.steps, band=SETTLING_BAND),
+    "fig-valve": _draw_valve_sweeps,
+    "fig-average": lambda result: moving_average_gain(result.dither.frequency, result.dither.response, 50.0),
 }
 
-FIGURES = texts_of("figures.toml")
-"""Title, caption and claims shown of each figure by its id, in the order of the paper's."""
+FIGURE_TEXTS = read_texts("figures.toml")
+"""Title, caption and required claims of each figure by its id, in the order of the paper."""
 
 
-def perform(machine: str) -> Iterator[Claim | Drawn]:
-    """Evaluate the claims of a machine that another process does not, then draw their figures, one by one."""
-    found = Reproduction.on(bench(machine))
-    for rule, experiment in found.rules(aside=True):
-        found.claims.append(rule.evaluated(experiment))
-        yield found.claims[-1]
-    yield from figures(found)
+def evaluate_other_claims(machine: str) -> Iterator[Claim | CaptionedFigure]:
+    """Yield the claims of a machine that the subprocess of a reproduction evaluates, then their figures."""
+    reproduction = Reproduction.from_bench(load_bench(machine))
+    for rule, experiment in reproduction.rules(in_subprocess=True):
+        reproduction.claims.append(rule.evaluate_claim(experiment))
+        yield reproduction.claims[-1]
+    yield from draw_figures(reproduction)

@@ -1,4 +1,4 @@
-"""What the paper's experiments come to over the members of a cloud."""
+"""Range of each number of the paper's claims over the members of a cloud (plausible parameter sets)."""
 
 import json
 from collections.abc import Callable, Iterator, Sequence
@@ -8,21 +8,21 @@ from typing import TypeVar
 
 import numpy as np
 
-from layflat.experiments.bench import bench
+from layflat.experiments.bench import load_bench
 from layflat.experiments.claim import Claim
-from layflat.experiments.report import number
+from layflat.experiments.report import format_number
 from layflat.experiments.reproduction import Reproduction, reproduce
 from layflat.files import write_text
 from layflat.parallel import process_pool
 
 T = TypeVar("T")
 
-ENDS = (5.0, 95.0)  # percentiles that a spread is told by
+RANGE_PERCENTILES = (5.0, 95.0)  # lower and upper end of a range
 
 
 @dataclass(frozen=True)
-class Spread:
-    """One number of a claim over the members of a cloud."""
+class QuantityRange:
+    """Range of one number of a claim over the members of a cloud."""
 
     claim: str
     quantity: str
@@ -30,57 +30,70 @@ class Spread:
     low: float  # 5th percentile
     median: float
     high: float  # 95th percentile
-    agreeing: float  # share of the members with which the claim agrees
+    agreeing: float  # fraction of the members with which the claim agrees
 
 
-def claims_of(where: str) -> list[Claim]:
-    """Return the claims of a machine by its name, or of a member's."""
-    return reproduce(bench(where)).claims
+def evaluate_claims(where: str) -> list[Claim]:
+    """Return the evaluated claims of a built-in machine or a cloud's member, by its name."""
+    return reproduce(load_bench(where)).claims
 
 
-def over(names: Sequence[str]) -> Iterator[list[Claim]]:
-    """Yield the claims of machines, on all cores."""
-    return at_once(claims_of, names)
+def evaluate_machines(names: Sequence[str]) -> Iterator[list[Claim]]:
+    """Yield the evaluated claims of each machine, on all cores."""
+    return map_in_processes(evaluate_claims, names)
 
 
-def names_in(file: Path, count: int) -> list[str]:
-    """Return the names of a cloud's members."""
+def cloud_file_members(file: Path, count: int) -> list[str]:
+    """Return the loadable names of the members in a cloud's file: "paper-arm@FILE:0", ..."""
     return [f"paper-arm@{file}:{number}" for number in range(count)]
 
 
-def at_once(what: Callable[[str], T], names: Sequence[str]) -> Iterator[T]:
-    """Yield something of each machine, on all cores."""
+def map_in_processes(function: Callable[[str], T], names: Sequence[str]) -> Iterator[T]:
+    """Yield the result of a function of each machine's name, in order, on all cores."""
     with process_pool() as submit:
-        for job in [submit(what, name) for name in names]:
+        for job in [submit(function, name) for name in names]:
             yield job.result()
 
 
-def spreads(found: Sequence[Sequence[Claim]]) -> list[Spread]:
-    """Return how each number of each claim spreads over members, whose claims come in the same order."""
+def quantity_ranges(claims_by_member: Sequence[Sequence[Claim]]) -> list[QuantityRange]:
+    """Return the range of each number of each claim over members, each with the same claims in the same order."""
     rows = []
-    for same in zip(*found, strict=True):
-        agreeing = float(np.mean([claim.agrees is True for claim in same]))
-        for quantity in same[0].quantities:
-            values = np.array([one.value for claim in same for one in claim.quantities if one.name == quantity.name])
-            low, median, high = np.percentile(values, [ENDS[0], 50.0, ENDS[1]], method="nearest").tolist()
-            rows.append(Spread(same[0].id, quantity.name, quantity.unit, low, median, high, agreeing))
+    for member_claims in zip(*claims_by_member, strict=True):
+        agreeing = float(np.mean([claim.agrees is True for claim in member_claims]))
+        for quantity in member_claims[0].quantities:
+            values = np.array(
+                [one.value for claim in member_claims for one in claim.quantities if one.name == quantity.name]
+            )
+            low, median, high = np.percentile(
+                values, [RANGE_PERCENTILES[0], 50.0, RANGE_PERCENTILES[1]], method="nearest"
+            ).tolist()
+            rows.append(QuantityRange(member_claims[0].id, quantity.name, quantity.unit, low, median, high, agreeing))
     return rows
 
 
-def spread_table(found: Reproduction, told: Sequence[Spread]) -> list[list[str]]:
-    """Return rows of claim, quantity, what is simulated with the machine itself, spread, unit and share that agrees."""
-    own = {(claim.id, one.name): one.value for claim in found.claims for one in claim.quantities}
-    rows, before = [], ""
-    for one in told:
-        first, before = one.claim != before, one.claim
-        between = f"{number(one.low)} to {number(one.high)}"
-        agreeing = f"{one.agreeing:.0%}" if first else ""
-        value = number(own[one.claim, one.quantity])
-        rows.append([one.claim if first else "", one.quantity, value, between, one.unit.removeprefix("1"), agreeing])
+def range_rows(reproduction: Reproduction, ranges: Sequence[QuantityRange]) -> list[list[str]]:
+    """Return table rows: claim, quantity, value of the machine itself, range, unit and fraction that agrees."""
+    values = {(claim.id, row.name): row.value for claim in reproduction.claims for row in claim.quantities}
+    rows, last_claim = [], ""
+    for row in ranges:
+        first, last_claim = row.claim != last_claim, row.claim
+        between = f"{format_number(row.low)} to {format_number(row.high)}"
+        agreeing = f"{row.agreeing:.0%}" if first else ""
+        value = format_number(values[row.claim, row.quantity])
+        rows.append([row.claim if first else "", row.quantity, value, between, row.unit.removeprefix("1"), agreeing])
     return rows
 
 
-def write_spreads(told: Sequence[Spread], members: int, path: Path) -> Path:
-    """Write the spreads over so many members as JSON (OutputError: it can't be written there)."""
-    finite = [{key: one if one != np.inf else None for key, one in asdict(row).items()} for row in told]
+def write_ranges(ranges: Sequence[QuantityRange], members: int, path: Path) -> Path:
+    """Write ranges as JSON, and return the path.
+
+    Args:
+        ranges: ranges of the claims' numbers.
+        members: number of members of the cloud.
+        path: path of the file.
+
+    Raises:
+        OutputError: the file can't be written.
+    """
+    finite = [{key: cell if cell != np.inf else None for key, cell in asdict(row).items()} for row in ranges]
     return write_text(path, json.dumps({"members": members, "quantities": finite}, indent=2, allow_nan=False) + "\n")

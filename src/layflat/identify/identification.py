@@ -1,8 +1,11 @@
-"""An identification from files to files: logs and a description in, a fitted description and what it is worth out."""
+"""Identification from files to files: logs and a description in, a fitted description and its figures out.
+
+Where several laws may explain the logs, each is fitted, and the simplest that predicts as well as any is chosen.
+"""
 
 import json
-from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass, field
 from functools import cached_property
 from math import isfinite
 from pathlib import Path
@@ -14,133 +17,186 @@ import numpy as np
 from layflat.arrays import Dataset
 from layflat.errors import InputError
 from layflat.files import check_folder, write_text
-from layflat.identify.benches.contract import BenchDescription, Logs
-from layflat.identify.benches.loader import bench_of, chosen_blocks, described_tables, load_described
-from layflat.identify.fit import Estimate, Fit, fit
-from layflat.identify.fit.search import STARTS, Progress
+from layflat.identify.benches import BenchDescription, Logs
+from layflat.identify.benches.loader import description_tables, load_description, parse_blocks, select_bench
+from layflat.identify.fit import Fit, FittedParameter, fit
+from layflat.identify.fit.result import choose_simplest, relative_error
+from layflat.identify.fit.search import RANDOM_STARTS, Progress
 from layflat.identify.fit.selection import fit_selected
-from layflat.identify.identified_file import Written, identified_path, write_identified, written_values
-from layflat.identify.kinds import Candidate, compared
-from layflat.identify.logs import check, read_log, read_table, refuse
-from layflat.identify.logs.checks.channels import Issue, checked_log, ordered, several
+from layflat.identify.identified_file import WrittenValue, identified_path, write_identified, written_values
+from layflat.identify.logs import find_issues, raise_first_error, read_log, read_table
+from layflat.identify.logs.checks.channels import Issue, merge_issues, name_several, prepare_log
 from layflat.identify.logs.checks.presence import NOTHING_MOVES
 from layflat.identify.model import Model
 from layflat.machine import Machine
 
-NAMED = 3  # values, and motions, that are named where there are more
-KEPT = ("value", "low", "high", "identified", "at_bound", "partner")  # what the JSON says of an estimate
+
+@dataclass(frozen=True)
+class LawCandidate:
+    """Law that logs may obey: its name, a description with it, and the model of that."""
+
+    name: str
+    described: Machine | BenchDescription
+    model: Model
+    replaces: Mapping[str, Any] = field(default_factory=dict)
+    """Whole parts that replace those of the first description, by path; none for the first description itself."""
+
+
+def compare_candidates(candidates: Sequence[LawCandidate], fit_candidate: Callable[[int, LawCandidate], Fit]) -> Fit:
+    """Fit every candidate, the simplest first, and return the fit that is chosen; its remarks say why.
+
+    Candidates are compared by their errors in the validation, or in the fitted samples where nothing was kept for
+    validation. A search that the user stops ends the comparison, and its fit is returned.
+    """
+    fits: list[Fit] = []
+    for number, candidate in enumerate(candidates):
+        fits.append(fit_candidate(number, candidate))
+        if fits[-1].partial:
+            return fits[-1]
+    if len(fits) == 1:
+        return fits[0]
+    errors = [relative_error(fit.predictions or fit.qualities()) for fit in fits]
+    chosen = choose_simplest(errors)
+    fits[chosen].model.remarks = (
+        *fits[chosen].model.remarks,
+        _comparison_remark([candidate.name for candidate in candidates], errors, chosen),
+    )
+    return fits[chosen]
+
+
+def _comparison_remark(names: Sequence[str], errors: Sequence[float], chosen: int) -> str:
+    """Return a sentence on the errors of all candidates and the chosen one."""
+    each = ", ".join(f"{name} {100.0 * error:.2g} %" for name, error in zip(names, errors, strict=True))
+    best = int(np.argmin(errors))
+    if best == chosen:
+        why = f"{names[chosen]} predicts best"
+    else:
+        why = f"{names[best]} predicts no better than the simpler {names[chosen]}: the logs can't tell them apart"
+    return f"Kinds compared by what they miss of the validation's range: {each}. {why[0].upper()}{why[1:]}."
+
+
+MAX_NAMED_VALUES = 3  # parameters, or excitations, named in a message
+ESTIMATE_FIELDS = ("value", "low", "high", "identified", "at_bound", "partner")  # of an estimate in the JSON file
 
 
 @dataclass(frozen=True)
 class Identification:
     """Logs and a description, ready to be fitted."""
 
-    given: str  # built-in name or file of the description
-    described: Machine | BenchDescription  # what it says
-    logs: Logs  # to fit
+    source: str  # built-in name or file of the description
+    described: Machine | BenchDescription  # description that the fit begins with
+    logs: Logs  # fitted
     validation: Logs  # logs that are only predicted
-    issues: Mapping[str, Sequence[Issue]]  # what is doubtful in each log
-    blocks: Sequence[str]  # what is fitted
-    candidates: Sequence[Candidate]  # what is fitted: the description, or several that differ in a law
-    path: Path  # where the description that is found is put
+    issues: Mapping[str, Sequence[Issue]]  # by log
+    blocks: Sequence[str]  # groups of parameters that are fitted
+    candidates: Sequence[LawCandidate]  # the description, or several that differ in a law
+    path: Path  # of the fitted description
 
     @property
     def model(self) -> Model:
-        """The model of the description that was given."""
-        return next(one.model for one in self.candidates if not one.replaces)
+        """Model of the first description."""
+        return next(candidate.model for candidate in self.candidates if not candidate.replaces)
 
-    def fit(self, *, starts: int = STARTS, seed: int = 0, progress: Progress | None = None) -> Fit:
-        """Fit the model, or several and take the one that predicts best: see `layflat.identify.fit` and `compared`."""
+    def fit(self, *, starts: int = RANDOM_STARTS, seed: int = 0, progress: Progress | None = None) -> Fit:
+        """Fit the model, or several and choose the one that predicts best: see `compare_candidates`.
+
+        Args:
+            starts: random starts of the search, besides the description's values.
+            seed: seed of the starts.
+            progress: called with the fraction that is done and a text.
+        """
         count = len(self.candidates)
 
-        def one(number: int, candidate: Candidate) -> Fit:
-            def tell(share: float, text: str) -> None:
+        def fit_candidate(number: int, candidate: LawCandidate) -> Fit:
+            def report_progress(fraction: float, text: str) -> None:
                 if progress is not None:
-                    progress((number + share) / count, f"{candidate.name}: {text}" if count > 1 else text)
+                    progress((number + fraction) / count, f"{candidate.name}: {text}" if count > 1 else text)
 
-            chosen = fit_selected if candidate.model.cross_validated else fit
-            return chosen(candidate.model, starts=starts, seed=seed, progress=tell)
+            search = fit_selected if candidate.model.cross_validated else fit
+            return search(candidate.model, starts=starts, seed=seed, progress=report_progress)
 
-        return compared(self.candidates, one)
+        return compare_candidates(self.candidates, fit_candidate)
 
-    def taken(self, found: Fit) -> Candidate:
-        """The candidate that a fit is of; the only one where its unknowns were chosen."""
-        return next((one for one in self.candidates if one.model is found.model), self.candidates[0])
+    def fitted_candidate(self, result: Fit) -> LawCandidate:
+        """Return the candidate of a fit; the first one where the fit chose among its own models."""
+        return next((candidate for candidate in self.candidates if candidate.model is result.model), self.candidates[0])
 
     @cached_property
     def checksums(self) -> dict[str, str]:
         """Checksums of the fitted logs, by name."""
         return {name: str(log.attrs.get("log_sha256", "unknown")) for name, log in self.logs.items()}
 
-    def values(self, found: Fit) -> list[Written]:
-        """Values that were found, in the units of the description."""
-        return written_values(found, self.taken(found).described, described_tables(self.given)[0])
+    def values(self, result: Fit) -> list[WrittenValue]:
+        """Return the fitted values in the units of the description."""
+        return written_values(result, self.fitted_candidate(result).described, description_tables(self.source)[0])
 
     @property
     def figures_path(self) -> Path:
-        """The file of all figures."""
+        """JSON file of all figures."""
         return self.path.with_suffix(".json")
 
-    def keep_figures(self, found: Fit) -> Path:
-        """Write all figures of a fit as JSON, first of all: nothing in them has to fit a description."""
-        return write_text(self.figures_path, json.dumps(_finite(self.figures(found)), indent=2, allow_nan=False))
+    def write_figures(self, result: Fit) -> Path:
+        """Write all figures of a fit as JSON, which works for values that no description holds."""
+        return write_text(self.figures_path, json.dumps(_json_values(self.figures(result)), indent=2, allow_nan=False))
 
-    def keep(self, found: Fit) -> Machine | BenchDescription:
-        """Write all figures as JSON, and beside them the description, which is loaded again.
+    def write_results(self, result: Fit) -> Machine | BenchDescription:
+        """Write all figures as JSON and the fitted description, and return the description as loaded again.
 
         Raises:
-            InputError: the description can't be written, or can't hold what was found; the figures are kept.
+            InputError: the description can't be written, or can't hold the fitted values; the figures are kept.
         """
-        self.keep_figures(found)
-        return self.keep_description(found)
+        self.write_figures(result)
+        return self.write_description(result)
 
-    def keep_description(self, found: Fit) -> Machine | BenchDescription:
-        """Write the description that was found and load it; raise InputError as `keep` does."""
-        taken = self.taken(found)
-        return write_identified(self.given, taken.described, found, self.checksums, self.path, taken.replaces)
+    def write_description(self, result: Fit) -> Machine | BenchDescription:
+        """Write the fitted description and return it as loaded again; raise InputError as `keep` does."""
+        candidate = self.fitted_candidate(result)
+        return write_identified(self.source, candidate.described, result, self.checksums, self.path, candidate.replaces)
 
-    def try_to_keep(self) -> None:
-        """Write what is begun with as if it had been found, elsewhere, so that nothing is lost after a long fit.
+    def check_writable(self) -> None:
+        """Write the description with its first values to a temporary folder, so that no long fit is lost.
 
         Raises:
-            InputError: no description can be written of what will be found.
+            InputError: no description can be written for the result.
         """
         for candidate in self.candidates:
             model, guess = candidate.model, candidate.model.guess
             estimates = [
-                Estimate(one, at, one.low, one.high, False) for one, at in zip(model.unknowns, guess, strict=True)
+                FittedParameter(unknown, value, unknown.low, unknown.high, False)
+                for unknown, value in zip(model.unknowns, guess, strict=True)
             ]
             trial = Fit(model, tuple(estimates), model.measured, True, 0)
             with TemporaryDirectory(prefix="layflat-") as folder:
                 path = Path(folder) / self.path.name
                 try:
-                    write_identified(self.given, candidate.described, trial, self.checksums, path, candidate.replaces)
+                    write_identified(self.source, candidate.described, trial, self.checksums, path, candidate.replaces)
                 except InputError as error:
-                    what = f"what will be found could not be written there ({str(error).replace(f'{path}: ', '')})"
+                    problem = f"what will be found could not be written there ({str(error).replace(f'{path}: ', '')})"
                     right = "mend the description, or give a copy with another name"
-                    raise InputError(what, where=str(self.path), right=right) from None
+                    raise InputError(problem, where=str(self.path), right=right) from None
 
-    def figures(self, found: Fit) -> dict[str, Any]:
-        """All figures of a fit, SI."""
+    def figures(self, result: Fit) -> dict[str, Any]:
+        """Return all figures of a fit, SI, by the keys of the JSON file."""
         return {
-            "description": self.given,
+            "description": self.source,
             "blocks": list(self.blocks),
             "logs": self.checksums,
-            "converged": found.converged,
-            "trusted": found.trusted,
-            "partial": found.partial,
-            "simulations": found.simulations,
-            "remarks": list(found.remarks),
+            "converged": result.converged,
+            "trusted": result.trusted,
+            "partial": result.partial,
+            "simulations": result.simulations,
+            "remarks": list(result.remarks),
             "values": {
-                one.unknown.path: {"unit": one.unknown.unit} | {key: getattr(one, key) for key in KEPT}
-                for one in found.estimates
+                estimate.unknown.path: {"unit": estimate.unknown.unit}
+                | {key: getattr(estimate, key) for key in ESTIMATE_FIELDS}
+                for estimate in result.estimates
             },
-            "errors": [vars(quality) for quality in found.qualities()],
-            "expected": [asdict(one) for one in found.expected],
+            "errors": [vars(quality) for quality in result.qualities()],
+            "expected": [asdict(error) for error in result.expected],
         }
 
 
-def begin(
+def prepare_identification(
     logs: Sequence[str | Path],
     described: str | Path,
     out: Path,
@@ -149,96 +205,103 @@ def begin(
     validate: Sequence[str | Path] = (),
     mapping: str | Path | None = None,
 ) -> Identification:
-    """Read and check everything before any work is done.
+    """Read and check logs and description, and return the session that fits them.
 
     Args:
         logs: files to fit.
         described: built-in name or file of a machine or a bench.
         out: folder for the results.
-        blocks: what to fit, such as "valve, hose"; default: those of the bench.
+        blocks: groups of parameters to fit, such as "valve, hose"; default: those of the bench.
         validate: logs that are only predicted; without any, the last third of each log is.
-        mapping: what the logs' columns are.
+        mapping: mapping of the logs' columns, or its file.
 
     Raises:
-        InputError: in one line, what is wrong with a log, the description or an option.
+        InputError: a log, the description or an argument is wrong.
     """
-    start = load_described(described)
+    start = load_description(described)
     path = identified_path(str(described), start, out)
     check_folder(out, path.name, *(path.with_suffix(suffix).name for suffix in (".json", ".html")), costly=True)
     machine = start if isinstance(start, Machine) else None
     joints = list(machine.joints) if machine is not None else None
-    tables = {name: read_table(file) for name, file in _named([*map(Path, logs), *map(Path, validate)]).items()}
-    whole = {name: read_log(table, mapping, joints=joints) for name, table in tables.items()}
-    fitted = list(whole)[: len(logs)]
-    bench = bench_of(start, {name: whole[name] for name in fitted})
-    chosen = chosen_blocks(bench, blocks)
-    taken, issues = {}, {}
+    tables = {name: read_table(file) for name, file in _index_files([*map(Path, logs), *map(Path, validate)]).items()}
+    whole_logs = {name: read_log(table, mapping, joints=joints) for name, table in tables.items()}
+    fitted = list(whole_logs)[: len(logs)]
+    bench = select_bench(start, {name: whole_logs[name] for name in fitted})
+    chosen = parse_blocks(bench, blocks)
+    read, issues = {}, {}
     for name, table in tables.items():
-        found = check(whole[name], machine)
-        if [issue for issue in found if issue.severity == "error"] == [NOTHING_MOVES]:
+        found_issues = find_issues(whole_logs[name], machine)
+        if [issue for issue in found_issues if issue.severity == "error"] == [NOTHING_MOVES]:
             sequence = " (`layflat excite` writes such a sequence)" if machine is not None else ""
-            _refuse_rest(bench.model(start, {name: whole[name]}, {}, blocks=chosen), sequence, str(table.path))
-        refuse(found, str(table.path))
+            _refuse_stationary(
+                bench.model(start, {name: whole_logs[name]}, {}, blocks=chosen), sequence, str(table.path)
+            )
+        raise_first_error(found_issues, str(table.path))
         cycle = machine.cycle if machine is not None and bench.even else None
         log = read_log(table, mapping, joints=joints, cycle=cycle, as_recorded=not bench.even)
-        taken[name], late = _begun(log) if bench.even else (log, [])
-        issues[name] = ordered([*found, *late])
-    of_fit = {name: log for name, log in taken.items() if name in fitted}
-    others = {name: log for name, log in taken.items() if name not in fitted}
-    kinds = bench.kinds(start, of_fit, chosen) or {"": (start, {})}
+        read[name], late = _cut_unknown_start(log) if bench.even else (log, [])
+        issues[name] = merge_issues([*found_issues, *late])
+    of_fit = {name: log for name, log in read.items() if name in fitted}
+    others = {name: log for name, log in read.items() if name not in fitted}
+    kinds = bench.alternatives(start, of_fit, chosen) or {"": (start, {})}
     candidates = [
-        Candidate(name, of, bench.model(of, of_fit, others, blocks=chosen), replaces)
-        for name, (of, replaces) in kinds.items()
+        LawCandidate(name, description, bench.model(description, of_fit, others, blocks=chosen), replaces)
+        for name, (description, replaces) in kinds.items()
     ]
     session = Identification(str(described), start, of_fit, others, issues, chosen, candidates, path)
-    session.try_to_keep()
+    session.check_writable()
     return session
 
 
-def _named(files: Sequence[Path]) -> dict[str, Path]:
-    """Files by the names of their logs, each its own."""
-    found: dict[str, Path] = {}
+def _index_files(files: Sequence[Path]) -> dict[str, Path]:
+    """Return files by the names of their logs; raise InputError if two have one name."""
+    file_by_name: dict[str, Path] = {}
     for file in files:
-        if file.stem in found:
-            what = "is given twice" if file == found[file.stem] else f"has the same name as {found[file.stem]}"
-            raise InputError(what, where=str(file), right="give every log once, under a name of its own")
-        found[file.stem] = file
-    return found
+        if file.stem in file_by_name:
+            problem = (
+                "is given twice"
+                if file == file_by_name[file.stem]
+                else f"has the same name as {file_by_name[file.stem]}"
+            )
+            raise InputError(problem, where=str(file), right="give every log once, under a name of its own")
+        file_by_name[file.stem] = file
+    return file_by_name
 
 
-def _begun(log: Dataset) -> tuple[Dataset, list[Issue]]:
-    """Cut a log to begin where every signal is known, as a simulation begins with all of them; and say what is cut."""
-    channels = [channel for channel in checked_log(log, None).channels.values() if channel.known.size]
-    known = np.isfinite(np.stack([channel.values for channel in channels]))
-    if known[:, 0].all() or not known.all(axis=0).any():
+def _cut_unknown_start(log: Dataset) -> tuple[Dataset, list[Issue]]:
+    """Cut a log to begin where every signal is known, as a simulation needs; return it and a note on the cut."""
+    channels = [channel for channel in prepare_log(log, None).channels.values() if channel.samples.size]
+    finite = np.isfinite(np.stack([channel.values for channel in channels]))
+    if finite[:, 0].all() or not finite.all(axis=0).any():
         return log, []
-    first = int(np.argmax(known.all(axis=0)))
-    late = [channel.name for channel, row in zip(channels, known, strict=True) if not row[:first].all()]
-    left = float(log["time"][first])
+    first = int(np.argmax(finite.all(axis=0)))
+    late_channels = [channel.name for channel, row in zip(channels, finite, strict=True) if not row[:first].all()]
+    cut = float(log["time"][first])
     rest = log.isel(time=slice(first, None))
-    rest = rest.assign_coords(time=("time", rest["time"].to_numpy() - left, log["time"].attrs))
-    rest.attrs["log_start"] = float(log.attrs["log_start"]) + left
-    text = f"is not known from the log's start on; its first {left:.3g} s are left out"
-    return rest, [Issue("warning", several(late), text, "a simulation begins with all signals")]
+    rest = rest.assign_coords(time=("time", rest["time"].to_numpy() - cut, log["time"].attrs))
+    rest.attrs["log_start"] = float(log.attrs["log_start"]) + cut
+    text = f"is not known from the log's start on; its first {cut:.3g} s are left out"
+    return rest, [Issue("warning", name_several(late_channels), text, "a simulation begins with all signals")]
 
 
-def _refuse_rest(model: Model, sequence: str, file: str) -> None:
-    """Refuse a log in which nothing moves: say what it can't identify, and what to record."""
-    unknowns = [one for one in model.unknowns if not one.nuisance]
-    excitations = list(dict.fromkeys(one.excitation for one in unknowns if one.excitation))
-    what = f"{NOTHING_MOVES.text}: it can't identify {_first([one.path for one in unknowns])}"
-    raise InputError(what, where=file, right=f"record {_first(excitations, '; ')}{sequence}")
+def _refuse_stationary(model: Model, sequence: str, file: str) -> None:
+    """Raise InputError for a log in which nothing moves, with the parameters and the experiments to record."""
+    unknowns = [unknown for unknown in model.unknowns if not unknown.nuisance]
+    excitations = list(dict.fromkeys(unknown.excitation for unknown in unknowns if unknown.excitation))
+    problem = f"{NOTHING_MOVES.text}: it can't identify {_name_first([unknown.path for unknown in unknowns])}"
+    raise InputError(problem, where=file, right=f"record {_name_first(excitations, '; ')}{sequence}")
 
 
-def _finite(figures: Any) -> Any:
-    """Figures as JSON holds them: what is no finite number is null."""
+def _json_values(figures: Any) -> Any:
+    """Return figures with None for numbers that are not finite, which JSON can't hold."""
     if isinstance(figures, dict):
-        return {key: _finite(value) for key, value in figures.items()}
+        return {key: _json_values(value) for key, value in figures.items()}
     if isinstance(figures, (list, tuple)):
-        return [_finite(value) for value in figures]
+        return [_json_values(value) for value in figures]
     return None if isinstance(figures, float) and not isfinite(figures) else figures
 
 
-def _first(names: Sequence[str], between: str = ", ") -> str:
-    more = len(names) - NAMED
-    return between.join(names[:NAMED]) + (f" and {more} more" if more > 0 else "")
+def _name_first(names: Sequence[str], between: str = ", ") -> str:
+    """Return the first names as a list, with the number of the others."""
+    more = len(names) - MAX_NAMED_VALUES
+    return between.join(names[:MAX_NAMED_VALUES]) + (f" and {more} more" if more > 0 else "")

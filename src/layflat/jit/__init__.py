@@ -1,13 +1,12 @@
-"""How laws and kernels are compiled.
+"""Compilation of laws and kernels.
 
-A *law* is a scalar function of scalars and named tuples that returns a scalar or a tuple. It is inlined into whatever
-kernel calls it. A *composition* is a law that puts laws together across lanes (see `lanes`). A *kernel* is the function
-that Python calls to have much done; it loops over time, is compiled when it is first called, and its machine code is
-kept on disk (see cache.py).
+A *law* is a scalar function of scalars and named tuples that returns a scalar or a tuple. It is inlined into every
+kernel that calls it. A *composition* is a law that combines laws across lanes (see `lanes`). A *kernel* is a function
+that Python calls for a long computation; it loops over time, is compiled at its first call, and its machine code is
+cached on disk (see cache.py).
 
-Called from Python, a law is the plain function that stands there: it has the same bits as when it is compiled, and
-costs no compiler. So whoever only reads or checks a description never loads numba, which takes longer than all else;
-what is needed of it stands in compiler.py.
+Called from Python, a law is the plain function: it returns the same bits as compiled, and needs no compiler. So code
+that only reads or checks a description never loads numba, which takes longer than all else; only compiler.py does.
 """
 
 from layflat.jit.cache import cache_folder, include_source

@@ -1,96 +1,100 @@
-"""The compiler: every numba option of the project stands here, and the check that this numba is one that fits.
+"""Compiler options: all numba options of the project, and the check of the installed version.
 
-`lanes` teaches numba a type of its own by means that numba does not promise to keep. So the versions it was tested with
-are the ones that are accepted.
+Some parts of numba that are used (internals.py) are not documented and may change. So only the tested versions are
+accepted, unless `LAYFLAT_ANY_COMPILER` is set, by which `make newest-numba` tries others.
 """
 
 # mypy: disable-error-code="no-untyped-call"
 # The compiler's own modules are untyped.
 
 from collections.abc import Callable, Mapping
-from contextlib import suppress
 from functools import partial
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
 from layflat.errors import CompilerError
+from layflat.lanes import is_switched_on
 
-FITTING = {"numba": ((0, 66), (0, 69)), "llvmlite": ((0, 46), (0, 51))}
-"""Versions that fit: from the first on, below the second. They stand in pyproject.toml as well."""
+SUPPORTED_VERSIONS = {"numba": ((0, 66), (0, 69)), "llvmlite": ((0, 46), (0, 51))}
+"""Supported versions: from the first on, below the second, as in pyproject.toml."""
 
 
 def check_versions(installed: Callable[[str], str] = version) -> None:
-    """Make sure that the installed compiler is one whose internals are known.
+    """Check that the installed compiler is of a supported version.
 
     Raises:
-        CompilerError: it is older or newer.
+        CompilerError: it is older or newer, and `LAYFLAT_ANY_COMPILER` is not set.
     """
-    for package, (first, end) in FITTING.items():
-        found = installed(package)
-        if not first <= tuple(int(part) for part in found.split(".")[:2]) < end:
+    if is_switched_on("LAYFLAT_ANY_COMPILER"):
+        return
+    for package, (first, end) in SUPPORTED_VERSIONS.items():
+        present = installed(package)
+        if not first <= tuple(int(part) for part in present.split(".")[:2]) < end:
             known = f"{package}>={'.'.join(map(str, first))},<{'.'.join(map(str, end))}"
-            raise CompilerError(f"{package} {found} does not fit: layflat compiles with {known}; pip install '{known}'")
+            what = f"{package} {present} does not fit: layflat compiles with {known}; pip install '{known}'"
+            raise CompilerError(what)
 
 
 check_versions()
 try:
     import numba
-    from numba.core import types
-    from numba.core.datamodel.models import OpaqueModel
-    from numba.core.imputils import lower_constant
-    from numba.extending import register_model
+    from numba import types
+    from numba.extending import models, register_model
 
-    import layflat.lanes.compiled  # noqa: F401  # it teaches the compiler lanes
+    import layflat.jit.lanes  # noqa: F401  # registers the types of lanes
+    from layflat.jit.internals import tolerate_failed_save
     from layflat.jit.libraries import KernelCompiler, LawCompiler
 except (ImportError, AttributeError) as error:
     raise CompilerError(f"numba {version('numba')} lacks what layflat needs of it ({error})") from error
 
 config: Any = numba.config
 
-STRICT: dict[str, Any] = {"error_model": "numpy", "nogil": True}
-"""No fast-math: a run is bit for bit the same wherever its laws are inlined."""
+JIT_OPTIONS: dict[str, Any] = {"error_model": "numpy", "nogil": True}
+"""Options of all functions. No fast-math: results are bit for bit the same wherever laws are inlined."""
 
-INLINED: dict[str, Any] = {"forceinline": True, "no_cpython_wrapper": True, "no_cfunc_wrapper": True, **STRICT}
-"""For laws inside kernels: an entry for Python would take a third of the time to compile."""
+INLINE_OPTIONS: dict[str, Any] = {
+    "forceinline": True,
+    "no_cpython_wrapper": True,
+    "no_cfunc_wrapper": True,
+    **JIT_OPTIONS,
+}
+"""Options of laws: without an entry point for Python, which would take a third of the time to compile."""
 
 
-def inlined(function: Callable[..., Any]) -> Any:
+def compile_inlined(function: Callable[..., Any]) -> Any:
     """Compile a law into the kernels that call it."""
-    return numba.njit(pipeline_class=LawCompiler, **INLINED)(function)
+    return numba.njit(pipeline_class=LawCompiler, **INLINE_OPTIONS)(function)
 
 
-def cached(function: Callable[..., Any], folder: Path | None) -> Any:
-    """Compile a kernel, and keep its machine code in a folder where there is one."""
-    return keep_code(partial(numba.njit, pipeline_class=KernelCompiler, **STRICT), function, folder)
+def compile_cached(function: Callable[..., Any], folder: Path | None) -> Any:
+    """Compile a kernel, and cache its machine code in a folder unless that is None."""
+    return compile_with_cache(partial(numba.njit, pipeline_class=KernelCompiler, **JIT_OPTIONS), function, folder)
 
 
-def keep_code(compiler: Callable[..., Any], function: Callable[..., Any], folder: Path | None) -> Any:
-    """A function for a compiler, which keeps its machine code in a folder where there is one."""
+def compile_with_cache(compiler: Callable[..., Any], function: Callable[..., Any], folder: Path | None) -> Any:
+    """Return a function compiled by a numba decorator, with its machine code cached in a folder.
+
+    Args:
+        compiler: decorator factory with an argument `cache`.
+        function: the function.
+        folder: folder of the cache; None: no cache.
+    """
     before = config.CACHE_DIR
     config.CACHE_DIR = str(folder or "")
     try:
-        dispatcher: Any = compiler(cache=folder is not None)(function)
+        return tolerate_failed_save(compiler(cache=folder is not None)(function))
     finally:
         config.CACHE_DIR = before
-    save = dispatcher._cache.save_overload
-
-    def save_where_possible(*args: Any) -> None:
-        """On a full disk the machine code is of use all the same."""
-        with suppress(OSError):
-            save(*args)
-
-    dispatcher._cache.save_overload = save_where_possible
-    return dispatcher
 
 
 def dispatcher_type(dispatcher: Any) -> Any:
-    """Type of a law or a kernel to the compiler, which does not keep it alive."""
+    """Return the numba type of a law or a kernel, which holds only a weak reference."""
     return types.Dispatcher(dispatcher)
 
 
-class _Choice(types.Callable):
-    """To the compiler: a call is one of the law for the kind of the first argument."""
+class _Choice(types.Callable, types.Opaque):
+    """Type of a choice between laws: a call is one of the law for the class of the first argument."""
 
     def __init__(self, laws: Mapping[type, Any], type_of: Callable[[Any], Any]) -> None:
         self.laws, self.type_of = laws, type_of
@@ -99,7 +103,7 @@ class _Choice(types.Callable):
     def _law(self, args: Any) -> Any:
         return self.type_of(self.laws[args[0].instance_class])
 
-    def get_call_type(self, context: Any, args: Any, kws: Any) -> Any:
+    def get_call_type(self, context: Any, args: Any, kws: Any) -> Any:  # language: numba's interface
         return self._law(args).get_call_type(context, args, kws)
 
     def get_call_signatures(self) -> Any:
@@ -109,18 +113,13 @@ class _Choice(types.Callable):
         return self._law(sig.args).get_impl_key(sig)
 
 
-register_model(_Choice)(OpaqueModel)
-
-
-@lower_constant(_Choice)  # type: ignore[untyped-decorator]
-def _nothing(context: Any, builder: Any, kind: Any, value: Any) -> Any:  # noqa: ARG001
-    return context.get_dummy_value()
+register_model(_Choice)(models.OpaqueModel)
 
 
 def _host_type(law: Any) -> Any:
     return law._numba_type_
 
 
-def choice(laws: Mapping[type, Any], type_of: Callable[[Any], Any] = _host_type) -> Any:
-    """Type of a choice between laws to the compiler; `type_of` is that of a law."""
+def choice_type(laws: Mapping[type, Any], type_of: Callable[[Any], Any] = _host_type) -> Any:
+    """Return the numba type of a choice between laws; `type_of` maps a law to its type."""
     return _Choice(laws, type_of)

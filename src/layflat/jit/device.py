@@ -1,4 +1,4 @@
-"""The compiler for CUDA devices: kernels that their threads run, and the laws inlined into these."""
+"""Compilation for CUDA devices: kernels that their threads run, and the laws inlined into these."""
 
 # mypy: disable-error-code="no-untyped-call"
 # The compiler's own modules are untyped.
@@ -9,27 +9,27 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-from layflat.jit.compiler import choice, config, keep_code
+from layflat.jit.compiler import choice_type, compile_with_cache, config
 from layflat.jit.functions import ByKind, Law
 
 
 def device_kernel(function: Callable[..., Any], folder: Path | None = None) -> Any:
-    """Compile a function that the threads of a CUDA device run, and keep its machine code in a folder.
+    """Compile a function that the threads of a CUDA device run, and cache its machine code in a folder.
 
-    It may call laws, and what `on_device` gives.
+    It may call laws, and functions of `device_law`.
     """
     cuda: Any = import_module("numba.cuda")
     if config.ENABLE_CUDASIM:
         return cuda.jit(function)
     extending: Any = import_module("numba.cuda.extending")
-    extending.typeof_impl.register(Law)(lambda law, _: on_device(law)._numba_type_)
-    extending.typeof_impl.register(ByKind)(lambda laws, _: choice(laws.kinds, _device_type))
-    return keep_code(cuda.jit, function, folder)
+    extending.typeof_impl.register(Law)(lambda law, _: device_law(law)._numba_type_)
+    extending.typeof_impl.register(ByKind)(lambda laws, _: choice_type(laws.kinds, _device_type))
+    return compile_with_cache(cuda.jit, function, folder)
 
 
 @cache
-def on_device(function: Any) -> Any:
-    """A law or a kernel, such that it is inlined into a `device_kernel` that calls it."""
+def device_law(function: Any) -> Any:
+    """Return a law or a kernel in a form that is inlined into a `device_kernel`."""
     plain = getattr(function, "py_func", function)
     if config.ENABLE_CUDASIM:
         return plain
@@ -37,4 +37,4 @@ def on_device(function: Any) -> Any:
 
 
 def _device_type(law: Any) -> Any:
-    return on_device(law)._numba_type_
+    return device_law(law)._numba_type_

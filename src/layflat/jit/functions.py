@@ -1,4 +1,4 @@
-"""Laws, kernels and choices between laws, as Python meets them; the compiler is loaded when a kernel first runs."""
+"""Laws, kernels and choices between laws as Python objects; the compiler is loaded when a kernel first runs."""
 
 from collections.abc import Callable, Mapping
 from functools import cached_property, update_wrapper
@@ -19,7 +19,7 @@ def _compiler() -> ModuleType:
 
 
 class Law:
-    """A function that kernels inline; Python calls it as it stands, with lanes one by one."""
+    """Function that kernels inline; called from Python it is interpreted, lane by lane."""
 
     def __init__(self, function: Callable[..., Any], called: Callable[..., Any]) -> None:
         update_wrapper(self, function)
@@ -27,8 +27,8 @@ class Law:
 
     @cached_property
     def dispatcher(self) -> Any:
-        """The compiler's own object for it."""
-        return _compiler().inlined(self.py_func)
+        """Numba's dispatcher of the law."""
+        return _compiler().compile_inlined(self.py_func)
 
     @cached_property
     def _numba_type_(self) -> Any:
@@ -40,7 +40,7 @@ class Law:
 
 
 class Kernel:
-    """A function that is compiled for the arguments of its first call; the machine code is kept on disk."""
+    """Function that is compiled for the types of its arguments at the first call; machine code is cached on disk."""
 
     _lock = Lock()
 
@@ -51,13 +51,13 @@ class Kernel:
 
     @property
     def dispatcher(self) -> Any:
-        """The compiler's own object for it."""
+        """Numba's dispatcher of the kernel."""
         key = included_sources()
         if key not in self._dispatchers:
             with self._lock:
                 if key not in self._dispatchers:
                     folder = cache_folder(Path(self.py_func.__code__.co_filename))
-                    self._dispatchers[key] = _compiler().cached(self.py_func, folder)
+                    self._dispatchers[key] = _compiler().compile_cached(self.py_func, folder)
         return self._dispatchers[key]
 
     @property
@@ -68,8 +68,8 @@ class Kernel:
         """Call it from Python; the first call with arguments of some types compiles it for them.
 
         Raises:
-            KindError: a law from outside can't be compiled.
-            KeyboardInterrupt: Ctrl-C meanwhile.
+            KindError: a user's law can't be compiled.
+            KeyboardInterrupt: Ctrl-C during the call.
         """
         try:
             if not included_sources():
@@ -77,17 +77,17 @@ class Kernel:
             with blame_outside():
                 return self.dispatcher(*args)
         except SystemError as error:
-            # What comes while machine code runs is found as it ends, and hidden behind an error of the interpreter.
+            # Ctrl-C while machine code runs appears at its end, hidden behind an error of the interpreter.
             if isinstance(error.__cause__, KeyboardInterrupt):
                 raise error.__cause__ from None
             raise
 
 
 class ByKind:
-    """A law for each kind of its first argument.
+    """Choice between laws by the class of the first argument.
 
-    The choice is made when a kernel is compiled, so a kernel costs nothing for the kinds it does not use. Kinds may be
-    added later, to the mapping that it was made with.
+    The choice is made when a kernel is compiled, so kinds that a kernel does not use cost nothing. Kinds may be added
+    later to the mapping.
     """
 
     def __init__(self, kinds: Mapping[type, Callable[..., Any]]) -> None:
@@ -95,28 +95,28 @@ class ByKind:
 
     @cached_property
     def _numba_type_(self) -> Any:
-        return _compiler().choice(self.kinds)
+        return _compiler().choice_type(self.kinds)
 
     def __call__(self, first: Any, *rest: Any) -> Any:
-        """Call from Python the law for the first argument."""
+        """Call the law for the class of the first argument from Python."""
         return self.kinds[type(first)](first, *rest)
 
 
 def law(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Make a scalar function a law: it is inlined into every kernel that uses it, for numbers and for lanes."""
+    """Decorate a scalar function as a law, which kernels inline, for numbers and for lanes."""
     return Law(function, lane_by_lane(function))
 
 
 def composition(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Make a function that joins and parts lanes a law; it is given them all at once in any case."""
+    """Decorate a function that joins and separates lanes as a law; it always gets all lanes at once."""
     return Law(function, function)
 
 
 def kernel(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Compile a function that Python calls when it is first called, and keep the machine code on disk."""
+    """Decorate a function as a kernel: compiled at its first call from Python, its machine code cached on disk."""
     return function if interpreted() else Kernel(function)
 
 
 def by_kind(kinds: Mapping[type, Callable[..., Any]]) -> Callable[..., Any]:
-    """A law that picks its implementation by the kind (named tuple class) of its first argument."""
+    """Return a law that selects its implementation by the class (named tuple) of its first argument."""
     return ByKind(kinds)

@@ -1,15 +1,14 @@
-"""Compiled laws and kernels: what is made of each, and how laws are called.
+"""Libraries of compiled laws and kernels, and the calling convention of laws.
 
-Laws are only ever inlined: they are compiled as far as that takes, and no machine code is made of them. The compiler
-would make a library of every law, optimised to the last and ready to be called from Python. A kernel is optimised as a
-whole in any case, so that this took a sixth of the time in which it is compiled.
+Laws are only ever inlined: they are compiled as far as inlining needs, without machine code. Numba would make a library
+of every law, fully optimised and callable from Python. A kernel is optimised as a whole in any case, so that this took
+a sixth of its compile time.
 
-Laws are handed named tuples as they are, and hand on what refers to nothing without a look at all that is in it. The
-compiler would hand over each of their numbers, often hundreds, as an argument of its own, and look in each for what it
-refers to, to count who does. Both together took a seventh of the time in which four joints in space with the tracking
-law are compiled.
+Laws get named tuples as whole arguments, and tuples without references are passed on without inspection. Numba would
+pass each of their numbers, often hundreds, as an argument of its own, and inspect each for references to count. Both
+together took a seventh of the compile time of four joints in space with the tracking law.
 
-A kernel's instructions are put in order once all else is done (see ordering.py).
+A kernel's instructions are reordered at the end (see ordering.py).
 """
 
 # mypy: disable-error-code="no-untyped-call,misc"
@@ -22,21 +21,24 @@ from typing import Any, cast
 from weakref import WeakKeyDictionary
 
 from llvmlite import binding, ir
+from numba import types
 from numba.core.cgutils import normalize_ir_text
-from numba.core.codegen import CPUCodeLibrary, JITCodeLibrary
-from numba.core.compiler import Compiler
-from numba.core.cpu import CPUContext
-from numba.core.datamodel.packer import ArgPacker
-from numba.core.imputils import user_function
-from numba.core.runtime.context import NRTContext
-from numba.core.types import BaseNamedTuple
 
-from layflat.jit.meanwhile import Work
-from layflat.jit.ordering import ordered
+from layflat.jit.compile_session import LlvmWork
+from layflat.jit.internals import (
+    ArgPacker,
+    Compiler,
+    CPUCodeLibrary,
+    CPUContext,
+    JITCodeLibrary,
+    NRTContext,
+    user_function,
+)
+from layflat.jit.ordering import order_instructions
 
 
-class _AsItIs:
-    """A named tuple as an argument."""
+class _WholeTuple:
+    """Argument model of a named tuple that is not flattened."""
 
     def __init__(self, model: Any) -> None:
         self.get_argument_type = model.get_value_type
@@ -47,53 +49,44 @@ class _AsItIs:
     from_argument = as_argument
 
 
-class _Models:
-    """Models by which arguments are handed to a law, by their types."""
+class _ArgumentModels:
+    """Data models of a law's arguments, by their types."""
 
     def __init__(self, models: Any) -> None:
         self._models = models
 
     def lookup(self, kind: Any) -> Any:
         model = self._models.lookup(kind)
-        return _AsItIs(model) if isinstance(kind, BaseNamedTuple) else model
+        return _WholeTuple(model) if isinstance(kind, types.BaseNamedTuple) else model
 
 
-_refers: WeakKeyDictionary[Any, bool] = WeakKeyDictionary()
+_holds_references: WeakKeyDictionary[Any, bool] = WeakKeyDictionary()
 
 
 class _References(NRTContext):
-    """Counting of references."""
+    """Reference counting."""
 
-    def get_meminfos(self, builder: Any, kind: Any, value: Any) -> Any:
-        if kind not in _refers:
-            _refers[kind] = self._context.data_model_manager[kind].contains_nrt_meminfo()
-        return super().get_meminfos(builder, kind, value) if _refers[kind] else ()
-
-
-_sizes: dict[str, int] = {}
+    def get_meminfos(self, builder: Any, kind: Any, value: Any) -> Any:  # language: numba's interface
+        if kind not in _holds_references:
+            _holds_references[kind] = self._context.data_model_manager[kind].contains_nrt_meminfo()
+        return super().get_meminfos(builder, kind, value) if _holds_references[kind] else ()
 
 
 class _LawContext(CPUContext):
-    """Context in which a law is compiled and called; all that it calls itself is called as that was compiled."""
+    """Context in which a law is compiled and called; its own calls use the conventions of the callees."""
 
     @property
     def nrt(self) -> Any:
         return _References(self, self.enable_nrt)
 
-    def get_abi_sizeof(self, kind: Any) -> Any:
-        # To ask LLVM is to wait until it has done what it is at.
-        name = str(kind)
-        if name not in _sizes:
-            _sizes[name] = super().get_abi_sizeof(kind)
-        return _sizes[name]
-
     def get_arg_packer(self, kinds: Any) -> Any:
-        return ArgPacker(_Models(self.data_model_manager), kinds)
+        return ArgPacker(_ArgumentModels(self.data_model_manager), kinds)
 
     def get_function(self, *called: Any) -> Any:
-        return _as_kind(CPUContext, self).get_function(*called)
+        return _copy_as(CPUContext, self).get_function(*called)
 
-    def insert_user_function(self, function: Any, described: Any, libraries: Any = ()) -> None:
+    def insert_user_function(self, function: Any, described: Any, libraries: Any = ()) -> None:  # language: numba's
+        """Register a law for other laws, which call it in the context of laws."""
         call = user_function(described, libraries)
 
         def called(context: Any, *rest: Any) -> Any:
@@ -104,11 +97,11 @@ class _LawContext(CPUContext):
 
 
 def law_context(context: Any) -> Any:
-    """The compiler's context, as it is for laws."""
-    return _as_kind(_LawContext, context)
+    """Return numba's target context with the calling convention of laws."""
+    return _copy_as(_LawContext, context)
 
 
-def _as_kind(kind: type, context: Any) -> Any:
+def _copy_as(kind: type, context: Any) -> Any:
     other = copy(context)
     other.__class__ = kind
     return other
@@ -120,32 +113,32 @@ def _triple() -> str:
     return triple
 
 
-def _parsed(name: str, text: str) -> Any:
+def _parse_module(name: str, text: str) -> Any:
     module = binding.parse_assembly(text)
     module.name = name
     return module
 
 
-class _Nowhere:
-    """Keeper of the environments of machine code, where there is none."""
+class _NoEnvironments:
+    """Registry of environments of machine code that stores nothing."""
 
     def set_env(self, name: str, env: Any) -> None:
-        """Keep nothing."""
+        """Do nothing."""
 
 
 class _LawLibrary(JITCodeLibrary):
-    """LLVM does all of its work later (see meanwhile.py): who asks for what came of it waits."""
+    """Library of a law whose LLVM work runs in a thread (see compile_session.py); access to the result waits."""
 
     def __init__(self, codegen: Any, name: str) -> None:
-        # As all libraries, but for the empty module that a processor's begin with: a law has one of its own.
+        # As the base class, without the empty module that it begins with: a law has its own.
         super(CPUCodeLibrary, self).__init__(codegen, name)
         self._linking_libraries: list[Any] = []
         self._shared_module = None
-        self._work, self._module = Work(), cast("Any", None)
+        self._work, self._module = LlvmWork(), cast("Any", None)
 
     @property
-    def codegen(self) -> _Nowhere:
-        return _Nowhere()
+    def codegen(self) -> _NoEnvironments:
+        return _NoEnvironments()
 
     @property
     def _final_module(self) -> Any:
@@ -162,16 +155,18 @@ class _LawLibrary(JITCodeLibrary):
         return module
 
     def add_ir_module(self, ir_module: Any) -> None:
-        self._work.add(self._add, ir_module.name, normalize_ir_text(str(ir_module)))
+        self._work.add(self._add_module, ir_module.name, normalize_ir_text(str(ir_module)))
 
     def finalize(self) -> None:
+        """End the collection of code; the thread links and optimises the rest."""
         for library in self._linking_libraries:
             self._reload_init.update(library._reload_init)
         self._finalized = True
-        self._work.add(self._finish)
+        self._work.add(self._link_and_optimize)
 
-    def _add(self, name: str, text: str) -> None:
-        module = _parsed(name, text)
+    def _add_module(self, name: str, text: str) -> None:
+        """Parse, verify and optimise a module's text, and link it into that of the library."""
+        module = _parse_module(name, text)
         module.verify()
         self._optimize_functions(module)
         if self._module is None:
@@ -179,10 +174,11 @@ class _LawLibrary(JITCodeLibrary):
         else:
             self._module.link_in(module)
 
-    def _finish(self) -> None:
+    def _link_and_optimize(self) -> None:
+        """Link the modules of the called laws and optimise the result, such that inlined code stays small."""
         for library in dict.fromkeys(self._linking_libraries):
             self._module.link_in(library._get_module_for_linking(), preserve=True)
-        # As much as keeps what is inlined small.
+        # Optimisation that keeps inlined code small.
         passes, builder = self._codegen._module_pass_manager(opt=1, loop_vectorize=False, slp_vectorize=False)
         passes.run(self._module, builder)
         self._module.verify()
@@ -190,27 +186,30 @@ class _LawLibrary(JITCodeLibrary):
 
 
 class _KernelLibrary(JITCodeLibrary):
+    """Library of a kernel, whose instructions are scheduled after the optimisation."""
+
     def _optimize_final_module(self) -> None:
+        """Optimise the module and put its instructions in order; if LLVM can't parse these, only speed is lost."""
         super()._optimize_final_module()
         name, text = self._final_module.name, str(self._final_module)
-        in_order = ordered(text)
+        in_order = order_instructions(text)
         if in_order == text:
             return
-        # Text that LLVM can't read again is no loss but of speed.
+        # If LLVM can't parse the text, only speed is lost.
         with suppress(RuntimeError):
-            self._final_module = _parsed(name, in_order)
+            self._final_module = _parse_module(name, in_order)
 
 
 class LawCompiler(Compiler):
-    """Compiles a law to what kernels inline."""
+    """Compiler of laws, to code that kernels inline."""
 
     def __init__(self, typing_context: Any, context: Any, library: Any, *rest: Any) -> None:
-        own = library or _LawLibrary(context.codegen(), "law")
-        super().__init__(typing_context, law_context(context), own, *rest)
+        law_library = library or _LawLibrary(context.codegen(), "law")
+        super().__init__(typing_context, law_context(context), law_library, *rest)
 
 
 class KernelCompiler(Compiler):
-    """Compiles a kernel to machine code."""
+    """Compiler of kernels, to machine code."""
 
     def __init__(self, typing_context: Any, context: Any, library: Any, *rest: Any) -> None:
         if library is None:

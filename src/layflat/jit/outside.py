@@ -1,6 +1,6 @@
-"""Kinds from outside: a user's own control law, valve, hysteresis or arm, in a Python file that a machine's file names.
+"""Users' kinds: a control law, valve, hysteresis or arm in a Python file that a machine's description names.
 
-Such a file is a program: whoever loads a machine that names one runs it.
+Such a file is a program: loading a machine that names one runs it.
 """
 
 import re
@@ -16,18 +16,18 @@ from layflat.errors import KindError, LayflatError
 from layflat.jit.cache import include_source
 
 _loaded: dict[Path, str] = {}
-"""Digests of the files that were run, by path."""
+"""Digests of the files that have been run, by path."""
 
 NO_CAUSE = re.compile(
     r"Failed in \S+ mode pipeline|During: |File \"|- Resolution failure|There are \d+ candidate|[\^~]+$|$"
 )
 """Lines of the compiler's errors that do not say what is wrong."""
 
-RAISED = re.compile(r"\s*Raised from .*")  # the place, which stands before
+RAISED_FROM = re.compile(r"\s*Raised from .*")  # the place, which the message already has
 
-NO_FAILURES = (LayflatError, KeyboardInterrupt)  # in code of a user: all else that is raised there is one
+NO_FAILURES = (LayflatError, KeyboardInterrupt)  # exceptions in a user's code that are no failures of it
 
-COLOUR = re.compile(r"\x1b\[[0-9;]*m")
+COLOUR_CODE = re.compile(r"\x1b\[[0-9;]*m")
 
 
 def load_kinds(path: Path, where: str) -> None:
@@ -35,7 +35,7 @@ def load_kinds(path: Path, where: str) -> None:
 
     Args:
         path: the file.
-        where: who names it, for messages.
+        where: description and key that name it, for messages.
 
     Raises:
         KindError: it can't be read, fails, or was changed since it was run.
@@ -55,7 +55,7 @@ def load_kinds(path: Path, where: str) -> None:
     if digest in _loaded.values():  # a copy under another name holds the same kinds
         _loaded[path] = digest
         return
-    # By content alone: what is kept of compiled laws names their module, and is found by their content.
+    # By content alone: cached machine code refers to the module's name, and is looked up by content.
     name = f"layflat_kinds_{digest[:16]}"
     spec = spec_from_file_location(name, path)
     if spec is None or spec.loader is None:
@@ -65,7 +65,7 @@ def load_kinds(path: Path, where: str) -> None:
     include_source(path)
     try:
         with blame_outside(path):
-            exec(compile(content, str(path), "exec"), module.__dict__)  # what the digest is of
+            exec(compile(content, str(path), "exec"), module.__dict__)  # content of the digest
     except BaseException:
         del sys.modules[name], _loaded[path]
         raise
@@ -73,10 +73,10 @@ def load_kinds(path: Path, where: str) -> None:
 
 @contextmanager
 def blame_outside(running: Path | None = None) -> Iterator[None]:
-    """Turn what goes wrong in a file of kinds into one line that names the file and the line.
+    """Turn an error in a file of kinds into one line that names the file and the line.
 
     Args:
-        running: the file that is run, to which all that goes wrong is due.
+        running: the file that is being run, which all errors are attributed to; None: by the traceback.
 
     Raises:
         KindError: such a file failed, when it ran or when its laws were compiled.
@@ -101,15 +101,15 @@ def blame_outside(running: Path | None = None) -> Iterator[None]:
 
 
 def first_line(error: BaseException) -> str:
-    """Return what an error is and says in one line; of the compiler's many the first that says what is wrong."""
-    text = error.msg if isinstance(error, SyntaxError) else COLOUR.sub("", str(error))
+    """Return class and message of an error in one line; of the compiler's many lines the first with the cause."""
+    text = error.msg if isinstance(error, SyntaxError) else COLOUR_CODE.sub("", str(error))
     lines = [line.strip() for line in text.strip().split("\n")]
-    said = next((line for line in lines if not NO_CAUSE.match(line)), lines[0])
-    return f"{type(error).__name__}: {RAISED.sub('', said)}" if said else type(error).__name__
+    message = next((line for line in lines if not NO_CAUSE.match(line)), lines[0])
+    return f"{type(error).__name__}: {RAISED_FROM.sub('', message)}" if message else type(error).__name__
 
 
 def place_in_kinds(error: BaseException) -> str | None:
-    """Return file and line of a file of kinds in which something went wrong; None where it was not in one."""
+    """Return file and line of an error in a file of kinds; None if it was in no such file."""
     if isinstance(error, SyntaxError) and error.filename and Path(error.filename) in _loaded:
         return f"{error.filename}:{error.lineno}" if error.lineno else error.filename
     for frame in reversed(traceback.extract_tb(error.__traceback__)):
@@ -117,7 +117,7 @@ def place_in_kinds(error: BaseException) -> str | None:
             return f"{frame.filename}:{frame.lineno}"
     for path in _loaded:
         name = re.escape(path.name)
-        found = re.search(rf'File "(?:[^"]*/)?{name}", line (\d+)|Raised from (?:\S*/)?{name} \((\d+)\)', str(error))
-        if found:
-            return f"{path}:{found[1] or found[2]}"
+        position = re.search(rf'File "(?:[^"]*/)?{name}", line (\d+)|Raised from (?:\S*/)?{name} \((\d+)\)', str(error))
+        if position:
+            return f"{path}:{position[1] or position[2]}"
     return None

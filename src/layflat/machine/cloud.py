@@ -1,7 +1,7 @@
-"""Clouds: in place of one machine, the many that agree with all that is known of it.
+"""Clouds: ensembles of plausible parameter sets of a machine, all consistent with what is known of it.
 
-A cloud is a file of values that take the place of those of built-in machines. Member 17 of the paper's machines is
-named `paper-arm@17`: the same description, with its values laid over it.
+A cloud is a file of values that replace those of built-in machines. Member 17 of the paper's machines is named
+`paper-arm@17`: the same description, overlaid by the member's values.
 """
 
 import json
@@ -13,46 +13,46 @@ from typing import Any
 
 from layflat._version import __version__
 from layflat.description.library import Layer
-from layflat.description.provenance import Provenance
-from layflat.description.tables import Plain, leaves
+from layflat.description.renamed import with_present_keys
+from layflat.description.tables import Plain, Provenance, leaves
 from layflat.description.text import read_text
 from layflat.errors import MachineError
 
-PAPER = Path(__file__).parent / "builtin" / "paper.cloud.json"
-"""The cloud of the paper's machines; `python -m research.cloud` makes it."""
+PAPER_CLOUD = Path(__file__).parent / "builtin" / "paper.cloud.json"
+"""Cloud of the paper's machines, written by `python -m research.cloud`."""
 
-KEYS = ("layflat", "command", "columns", "bases", "members")
-
-
-@dataclass(frozen=True)
-class Column:
-    """A value that differs from member to member."""
-
-    machine: str  # over whose description it is laid
-    paths: tuple[str, ...]  # dotted, an item of a list by its number
-    unit: str = ""  # none of a plain number
+REQUIRED_KEYS = ("layflat", "command", "columns", "bases", "members")
 
 
 @dataclass(frozen=True)
-class Cloud:
-    """Machines that agree with all that is known of one, as a file keeps them."""
+class CloudColumn:
+    """Value that differs from member to member."""
 
-    where: str
-    command: str  # that makes the file
-    columns: tuple[Column, ...]
-    bases: Mapping[str, Plain]  # what the machines said when the cloud was made
-    members: tuple[tuple[float, ...], ...]  # numbers by column, an item a member
+    machine: str  # whose description it overlays
+    paths: tuple[str, ...]  # dotted paths of the value, items of lists by their numbers
+    unit: str = ""  # empty for a plain number
+
+
+@dataclass(frozen=True)
+class MachineCloud:
+    """Plausible parameter sets of a machine, as a file stores them."""
+
+    where: str  # the file, for messages
+    command: str  # that writes the file
+    columns: tuple[CloudColumn, ...]
+    bases: Mapping[str, Plain]  # descriptions of the machines when the cloud was computed
+    members: tuple[tuple[float, ...], ...]  # values by column, an item a member
 
     def layer(self, number: int, base: Layer, plain: Plain) -> Layer | None:
-        """Return what a member lays over a description, None where it has nothing to say of it.
+        """Return the layer of a member over a description; None if the cloud has no values of it.
 
         Args:
-            number: of the member.
-            base: the description's own layer.
-            plain: its values, with those that it extends.
+            number: index of the member.
+            base: layer of the description.
+            plain: values of the description, inherited ones included.
 
         Raises:
-            MachineError: there is no such member, or the description has changed since the cloud was made.
+            MachineError: there is no such member, or the description has changed since the cloud was computed.
         """
         if not 0 <= number < len(self.members):
             right = f"give a number from 0 to {len(self.members) - 1}"
@@ -63,14 +63,16 @@ class Cloud:
         over: Plain = {}
         for column, value in zip(self.columns, self.members[number], strict=True):
             for path in column.paths if column.machine == base.where else ():
-                _put(over, plain, path, f"{value:g} {column.unit}" if column.unit else value)
+                _set_value(over, plain, path, f"{value:g} {column.unit}" if column.unit else value)
         note = Provenance("calibrated", f"member {number} of {Path(self.where).name}")
         return Layer(f"{base.where}@{number}", over, {path: note for path, _ in leaves(over)})
 
     def _check(self, base: Layer) -> None:
-        """Refuse a description that says something else than when the cloud was made, but for what members replace."""
+        """Raise MachineError if a value that members do not replace has changed since the cloud was computed."""
         then, now = dict(leaves(self.bases[base.where])), dict(leaves(base.plain))
-        replaced = {path for one in self.columns if one.machine == base.where for path in map(_whole, one.paths)}
+        replaced = {
+            path for column in self.columns if column.machine == base.where for path in map(_list_path, column.paths)
+        }
         for path in sorted(then.keys() | now.keys()):
             if then.get(path) != now.get(path) and path not in replaced:
                 was, has = (f"{one[path]!r}" if path in one else "nothing" for one in (then, now))
@@ -81,34 +83,37 @@ class Cloud:
                 )
 
 
-def parted(where: str) -> tuple[str, Path, int] | None:
-    """Part the name of a member, `NAME@17` or `NAME@FILE:17`, into machine, file and number; None: it is none."""
+def split_member_name(where: str) -> tuple[str, Path, int] | None:
+    """Return machine, file and index of a member's name, `NAME@17` or `NAME@FILE:17`; None for another name."""
     name, at, member = where.rpartition("@")
     file, _, number = member.rpartition(":")
     if not (name and at and number.isascii() and number.isdigit()):
         return None
-    return name, Path(file) if file else PAPER, int(number)
+    return name, Path(file) if file else PAPER_CLOUD, int(number)
 
 
-def cloud(path: Path = PAPER) -> Cloud:
-    """Return the cloud that a file keeps.
+def load_cloud(path: Path = PAPER_CLOUD) -> MachineCloud:
+    """Return the cloud in a file.
 
     Raises:
-        MachineError: it can't be read, is none, or is of another version.
+        MachineError: the file can't be read, is no cloud, or is of another version.
     """
-    return _parsed(read_text(path, str(path), "give a cloud's file, or none for the paper's", MachineError), str(path))
+    return _parse_cloud(
+        read_text(path, str(path), "give a cloud's file, or none for the paper's", MachineError), str(path)
+    )
 
 
 @lru_cache(maxsize=4)
-def _parsed(text: str, where: str) -> Cloud:
+def _parse_cloud(text: str, where: str) -> MachineCloud:
+    """Return the cloud in a file's text; raise MachineError if it is none, or of another version of layflat."""
     try:
-        raw = json.loads(text)
-        if lacking := [key for key in KEYS if key not in raw]:
+        raw, _ = with_present_keys("cloud", json.loads(text), certain=False)
+        if lacking := [key for key in REQUIRED_KEYS if key not in raw]:
             raise MachineError(f"has no {lacking[0]!r}", where=where, right="give a cloud's file")
         if raw["layflat"] != __version__:
             what = f"was made with layflat {raw['layflat']}, this is {__version__}"
             raise MachineError(what, where=where, right=f"make it anew in a clone of layflat: {raw['command']}")
-        columns = tuple(Column(one["machine"], tuple(one["paths"]), one.get("unit", "")) for one in raw["columns"])
+        columns = tuple(CloudColumn(one["machine"], tuple(one["paths"]), one.get("unit", "")) for one in raw["columns"])
         members = tuple(tuple(float(value) for value in one) for one in raw["members"])
     except (ValueError, TypeError, KeyError, RecursionError):
         raise MachineError("is no cloud of machines", where=where, right="give a cloud's file") from None
@@ -116,11 +121,11 @@ def _parsed(text: str, where: str) -> Cloud:
         if len(one) != len(columns):
             what = f"member {i} has {len(one)} values for {len(columns)} columns"
             raise MachineError(what, where=where, right=f"make it anew in a clone of layflat: {raw['command']}")
-    return Cloud(where, raw["command"], columns, raw["bases"], members)
+    return MachineCloud(where, raw["command"], columns, raw["bases"], members)
 
 
-def _put(over: Plain, plain: Plain, path: str, value: Any) -> None:
-    """Put a value at a path; of a list the items beside it stay as they are."""
+def _set_value(over: Plain, plain: Plain, path: str, value: Any) -> None:
+    """Set a value at a path in `over`; the other items of a list are copied from `plain`."""
     *parts, key = path.split(".")
     below: Any = plain
     for part in parts:
@@ -133,7 +138,7 @@ def _put(over: Plain, plain: Plain, path: str, value: Any) -> None:
     over[key] = value
 
 
-def _whole(path: str) -> str:
-    """The path of what is written as one: a list, for its items."""
+def _list_path(path: str) -> str:
+    """Return the path of the list that a path is an item of; else the path itself."""
     head, _, last = path.rpartition(".")
     return head if last.isdigit() else path

@@ -1,4 +1,4 @@
-"""Other machines in place of one: with another kind of losses or control law, and the members of a cloud."""
+"""Variants of a machine: with another kind of losses or control law, and the members of a cloud."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -7,33 +7,38 @@ from typing import Any
 import numpy as np
 
 from layflat.arrays import Array
-from layflat.control.tracking.description import TrackingControllerPart
+from layflat.control.tracking import TrackingControllerPart
 from layflat.description.change import changed_all, value_at
 from layflat.errors import InputError, MachineError
 from layflat.machine import parameters
-from layflat.machine.cloud import PAPER, cloud
+from layflat.machine.cloud import PAPER_CLOUD, load_cloud
 from layflat.machine.loader import load
 from layflat.machine.model import Machine
 
-KEPT = ("reference_pressure_gauge", "pressure_free", "damping_time")
-"""What losses of every kind have: how they go with pressure, and with velocity."""
+COMMON_LOSS_KEYS = ("reference_pressure_gauge", "pressure_free", "damping_time")
+"""Keys that losses of every kind have: dependence on pressure and on velocity."""
 
 
 def with_losses(machine: Machine, kind: str, values: Mapping[str, Any], joints: Sequence[str] | None = None) -> Machine:
-    """Return a machine whose joints have a kind of losses, what every kind has as before.
+    """Return a machine whose joints have another kind of losses; `COMMON_LOSS_KEYS` keep their values.
 
     Args:
-        machine: which is not changed.
-        kind: of losses.
-        values: what else a description of this kind says, by key.
-        joints: by name; None: all.
+        machine: the original, which is not changed.
+        kind: name of the kind of losses.
+        values: further values of the description of this kind, by key.
+        joints: names of the joints; None: all.
     """
-    kept = {name: {key: getattr(machine.joint[name].losses, key) for key in KEPT} for name in joints or machine.joint}
-    return changed_all(machine, {f"joint.{name}.losses": {"kind": kind, **own, **values} for name, own in kept.items()})
+    kept = {
+        name: {key: getattr(machine.joint[name].losses, key) for key in COMMON_LOSS_KEYS}
+        for name in joints or machine.joint
+    }
+    return changed_all(
+        machine, {f"joint.{name}.losses": {"kind": kind, **common, **values} for name, common in kept.items()}
+    )
 
 
 def with_tracking(machine: Machine) -> Machine | None:
-    """Return the machine with a tracking controller, as it is where it has one; None if the law can't model it."""
+    """Return the machine with a tracking controller, unchanged if it has one; None if the law can't model it."""
     if isinstance(machine.controller, TrackingControllerPart):
         return machine
     gains = {f"joint.{name}.gains": None for name in machine.joint}
@@ -46,30 +51,30 @@ def with_tracking(machine: Machine) -> Machine | None:
     return tracking
 
 
-def members(where: str, path: Path = PAPER) -> list[str]:
-    """Return the names of a machine's members, in the order of the cloud that a file keeps.
+def member_names(machine_name: str, path: Path = PAPER_CLOUD) -> list[str]:
+    """Return the loadable names of a cloud's members of a machine: "name@0", or "name@FILE:0" for a file of one's own.
 
     Raises:
         MachineError: the file is no cloud, or of another version.
     """
-    at = "" if path == PAPER else f"{path}:"
-    return [f"{where}@{at}{number}" for number in range(len(cloud(path).members))]
+    at = "" if path == PAPER_CLOUD else f"{path}:"
+    return [f"{machine_name}@{at}{number}" for number in range(len(load_cloud(path).members))]
 
 
-def differing(where: str, path: Path = PAPER) -> dict[str, Array]:
-    """Return the numbers (SI) in which a machine's members differ, by dotted path: all but gains, an item a member.
+def member_values(where: str, path: Path = PAPER_CLOUD) -> dict[str, Array]:
+    """Return the values (SI) in which a machine's members differ, by dotted path, an item a member; gains left out.
 
     Raises:
         MachineError: the file is no cloud of this machine.
     """
-    machines = [load(name) for name in members(where, path)]
-    found = {}
-    for column in cloud(path).columns:
+    machines = [load(name) for name in member_names(where, path)]
+    values = {}
+    for column in load_cloud(path).columns:
         for key in (key for key in column.paths if ".gains." not in key):
             try:
                 numbers = np.array([value_at(machine, key) for machine in machines], dtype=float)
             except InputError:  # of a joint that it does not have
                 continue
             if np.ptp(numbers) > 0.0:
-                found[key] = numbers
-    return found
+                values[key] = numbers
+    return values

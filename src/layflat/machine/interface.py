@@ -1,7 +1,7 @@
-"""What a rig has between controller and joints, and the limits that its supervisor holds the machine to.
+"""Interface between controller and joints of a rig, and the limits that its supervisor enforces.
 
-Converters, the device's watchdog, and how to talk to it: the device is what the wires end in, a remote I/O station or a
-microcontroller. Reasons for the limits stand in docs/rig.md.
+The interface has converters, the device's watchdog and its communication; the device is a remote I/O station or a
+microcontroller. Reasons for the limits are given in docs/rig-faults.md.
 """
 
 from math import radians
@@ -12,12 +12,13 @@ from pydantic import AfterValidator, Field
 from layflat.description import Part, ordered
 from layflat.description import units as u
 
-MOST_OUTPUTS = 8  # a command has bits for so many
+MAX_OUTPUTS = 8  # digital outputs, for which a command has bits
 
 Register = Annotated[int, Field(ge=0, le=65535)]
 
 
-def _all_different(names: tuple[str, ...]) -> tuple[str, ...]:
+def _check_distinct(names: tuple[str, ...]) -> tuple[str, ...]:
+    """Return the names of the outputs; raise ValueError if one is there twice."""
     twice = next((name for name in names if names.count(name) > 1), None)
     if twice is not None:
         raise ValueError(f"{twice!r} is there twice; give each output a name of its own")
@@ -25,11 +26,11 @@ def _all_different(names: tuple[str, ...]) -> tuple[str, ...]:
 
 
 OutputName = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9 _-]{0,23}$")]
-OutputNames = Annotated[tuple[OutputName, ...], Field(max_length=MOST_OUTPUTS), AfterValidator(_all_different)]
+OutputNames = Annotated[tuple[OutputName, ...], Field(max_length=MAX_OUTPUTS), AfterValidator(_check_distinct)]
 
 
 class ModbusLink(Part):
-    """Registers of a Modbus station; all are 16 bits wide, in the order that docs/rig-wires.md gives."""
+    """Registers of a Modbus station, 16 bits each, in the order of docs/rig-wires.md."""
 
     unit: Annotated[int, Field(ge=0, le=255)] = 1
     commands: Register = Field(default=0, description="first register that is written")
@@ -46,7 +47,7 @@ class SerialLink(Part):
 
 
 class Interface(Part):
-    """Converters and device; the sensors' own ranges and bits stand with the sensors."""
+    """Converters and device; ranges and bits of the sensors are described with the sensors."""
 
     voltage_bits: Annotated[int, Field(ge=8, le=16)] = Field(default=16, description="of the voltages to the valves")
     supply_range_gauge: u.PositivePressure = Field(default=10e5, description="of the sensor of the supply's pressure")
@@ -63,7 +64,7 @@ class Interface(Part):
 
 
 class Safety(Part):
-    """Limits of a rig; how soon a fault has to be found stands in rig/safety/faults.py."""
+    """Limits of a rig; detection times of the faults are in rig/safety/faults.py."""
 
     supply_low: u.Share = Field(default=0.5, description="share of the supply's gauge pressure; below it it is lost")
     supply_ready: u.Share = Field(default=0.8, description="share of the same that a soft start waits for")
@@ -84,12 +85,12 @@ class Safety(Part):
     following_time: u.TimeOrZero = Field(
         default=0.1, description="what the error may grow by with speed: about the time in which a joint stops"
     )
-    demand_lead: u.PositiveAngle = Field(
-        default=radians(45.0), description="how far a demand may jump ahead; the paper's moves are steps of 40 deg"
+    demand_step: u.PositiveAngle = Field(
+        default=radians(45.0), description="how far a demand may step ahead; the paper's moves are steps of 40 deg"
     )
     demand_margin: Annotated[float, Field(gt=0.0, le=10.0)] = Field(
         default=0.9,
-        description="how far it may jump, over what is left between any joint and its stop: they fling each other",
+        description="how far it may step, over what is left between any joint and its stop: they fling each other",
     )
     demand_speed: u.PositiveSpeed = Field(
         default=radians(60.0), description="with which demands go on beyond that; all sound joints keep up with it"

@@ -1,4 +1,4 @@
-"""Descriptions as text: lines with their sources, TOML, JSON Schema, and those that a search wrote."""
+"""Descriptions as text: values with their sources, TOML, JSON Schema, and descriptions derived from others."""
 
 import json
 from collections.abc import Callable, Mapping
@@ -7,17 +7,16 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeVar
 
-from layflat.description.provenance import SOURCES, Provenance, Sources
-from layflat.description.tables import Plain, leaves
+from layflat.description.tables import SOURCE_NAMES, Plain, Provenance, Sources, leaves
 from layflat.errors import InputError, MachineError
 from layflat.files import whole_file
-from layflat.machine.loader import MACHINES, load, names, tables
+from layflat.machine.loader import MACHINE_LIBRARY, load, names, tables
 from layflat.machine.model import Machine
 
 
 @dataclass(frozen=True)
-class Line:
-    """One value of a description."""
+class ListedValue:
+    """Value of a description as text, with its source."""
 
     path: str
     text: str
@@ -25,8 +24,8 @@ class Line:
     note: str
 
 
-def listing(plain: Plain, sources: Sources) -> list[Line]:
-    """Every value of a description that its arm uses, as written, with its source."""
+def list_values(plain: Plain, sources: Sources) -> list[ListedValue]:
+    """Return every value of a description that its arm uses, as written, with its source."""
     used = {f"joint.{name}" for name in plain.get("arm", {}).get("joints", [])}
     lines = []
     for path, value in leaves(plain):
@@ -34,32 +33,34 @@ def listing(plain: Plain, sources: Sources) -> list[Line]:
         if path in {"kind", "name", "title"} or (parts[0] == "joint" and ".".join(parts[:2]) not in used):
             continue
         source = sources.get(path, Provenance())
-        lines.append(Line(path, _text(value), source.source, source.note))
+        lines.append(ListedValue(path, _format_value(value), source.source, source.note))
     return lines
 
 
-def _text(value: Any) -> str:
+def _format_value(value: Any) -> str:
+    """Return a value of a description as text for people; lists by commas, tables by semicolons."""
     if isinstance(value, dict):
-        return "; ".join(f"{key} = {_text(one)}" for key, one in value.items())
+        return "; ".join(f"{key} = {_format_value(item)}" for key, item in value.items())
     if isinstance(value, list):
-        return (" / " if any(isinstance(one, dict) for one in value) else ", ").join(map(_text, value))
+        return (" / " if any(isinstance(item, dict) for item in value) else ", ").join(map(_format_value, value))
     return str(value)
 
 
 def to_toml(plain: Plain, sources: Sources) -> str:
-    """Plain values and their sources as TOML text that `load` takes back."""
+    """Return plain values and their sources as TOML text that `load` reads."""
     import tomli_w  # noqa: PLC0415
 
-    return tomli_w.dumps(_joined(plain, sources, ""))
+    return tomli_w.dumps(_join_sources(plain, sources, ""))
 
 
-def _joined(table: Plain, sources: Sources, prefix: str) -> Plain:
+def _join_sources(table: Plain, sources: Sources, prefix: str) -> Plain:
+    """Return a table whose values with a source are tables of value, source and note."""
     joined: Plain = {}
     for key, value in table.items():
         path = f"{prefix}.{key}" if prefix else key
         source = sources.get(path, Provenance())
         if isinstance(value, dict):
-            joined[key] = _joined(value, sources, path)
+            joined[key] = _join_sources(value, sources, path)
         elif source == Provenance():
             joined[key] = value
         else:
@@ -68,10 +69,11 @@ def _joined(table: Plain, sources: Sources, prefix: str) -> Plain:
 
 
 def schema_text() -> str:
-    """JSON Schema of description files."""
+    """Return the JSON Schema of description files as text."""
     schema = Machine.model_json_schema()
     definitions = schema.pop("$defs", {})
     schema["title"] = "layflat machine"
+    schema["description"] = schema["description"].partition("\n")[0]
     schema["properties"]["extends"] = {"type": "string", "description": "built-in name or file to lay this one over"}
     schema["properties"]["omits"] = {
         "type": "array",
@@ -80,26 +82,29 @@ def schema_text() -> str:
     }
     schema.pop("required", None)
     opened = {name: _with_sources(entry) for name, entry in definitions.items()}
-    schema["properties"] = {key: _sourced(entry) for key, entry in schema["properties"].items()}
+    schema["properties"] = {key: _allow_source(entry) for key, entry in schema["properties"].items()}
     return json.dumps({"$schema": "https://json-schema.org/draft/2020-12/schema", **schema, "$defs": opened}, indent=2)
 
 
 def _with_sources(definition: dict[str, Any]) -> dict[str, Any]:
-    """A part whose keys may be left to the description that it extends, and whose values may carry a source."""
+    """Return the schema of a part with optional keys, as files extend others, and with sources of values."""
     open_definition = {key: value for key, value in definition.items() if key != "required"}
-    open_definition["properties"] = {key: _sourced(entry) for key, entry in definition.get("properties", {}).items()}
+    open_definition["properties"] = {
+        key: _allow_source(entry) for key, entry in definition.get("properties", {}).items()
+    }
     return open_definition
 
 
-def _sourced(entry: dict[str, Any]) -> dict[str, Any]:
-    if "oneOf" in entry:  # kinds: what a file leaves to the one that it extends may tell them apart
+def _allow_source(entry: dict[str, Any]) -> dict[str, Any]:
+    """Return the JSON schema of an entry that may also be a table of value, source and note."""
+    if "oneOf" in entry:  # kinds: the key that distinguishes them may be inherited
         return {("anyOf" if key == "oneOf" else key): value for key, value in entry.items()}
     if "$ref" in entry or entry.get("type") == "object" or "anyOf" in entry:
         return entry
     plain = {key: value for key, value in entry.items() if key != "description"}
     with_source = {
         "type": "object",
-        "properties": {"value": plain, "source": {"enum": list(SOURCES)}, "note": {"type": "string"}},
+        "properties": {"value": plain, "source": {"enum": list(SOURCE_NAMES)}, "note": {"type": "string"}},
         "required": ["value"],
         "additionalProperties": False,
     }
@@ -110,51 +115,56 @@ def _sourced(entry: dict[str, Any]) -> dict[str, Any]:
 Loaded = TypeVar("Loaded")
 
 
-def derived_path(given: str, folder: Path, suffix: str) -> Path:
-    """Return where a description derived from a built-in machine or a file is put: NAME-tuned.toml, after its name.
+def derived_path(base: str, folder: Path, suffix: str) -> Path:
+    """Return the path NAME-SUFFIX.toml of a description derived from a built-in machine or a file.
+
+    Args:
+        base: built-in name or file.
+        folder: folder of the result.
+        suffix: such as "tuned".
 
     Raises:
         InputError: it would overwrite a file that it is derived from.
     """
-    path = folder / f"{tables(given)[0].get('name', Path(given).stem)}-{suffix}.toml"
-    if given in names():
+    path = folder / f"{tables(base)[0].get('name', Path(base).stem)}-{suffix}.toml"
+    if base in names():
         return path
-    if path.resolve() in [Path(layer.where).resolve() for layer in MACHINES.layers(given)]:
+    if path.resolve() in [Path(layer.where).resolve() for layer in MACHINE_LIBRARY.layers(base)]:
         right = "give another folder"
         raise InputError("would be overwritten by what is derived from it", where=str(path), right=right)
     return path
 
 
 def write_derived(
-    given: str, title: str, values: Mapping[str, Any], sources: Mapping[str, Provenance], path: Path
+    base: str, title: str, values: Mapping[str, Any], sources: Mapping[str, Provenance], path: Path
 ) -> Machine:
-    """Write a description that stands on its own wherever it is moved to, and load what was written.
+    """Write a self-contained description and return the machine loaded from it.
 
     Args:
-        given: built-in name or file of the base; what a file extends is included.
-        title: of the description.
-        values: as they stand in a file, by dotted path; items of a list by their number ("....deflections.0").
-        sources: of these values; of a list, that of its last item is kept.
-        path: from `derived_path`.
+        base: built-in name or file; the values of a file are included in the result.
+        title: title of the description.
+        values: values as they stand in a file, by dotted path; items of a list by their number ("....deflections.0").
+        sources: sources of these values; of a list, that of its last item is kept.
+        path: path of the result, from `derived_path`.
 
     Raises:
         MachineError: the values make no description; nothing is replaced then.
         OutputError: it can't be written there.
     """
-    base, known = tables(given)
-    plain: dict[str, Any] = {"extends": given} if given in names() else deepcopy(base)
+    base_values, base_sources = tables(base)
+    plain: dict[str, Any] = {"extends": base} if base in names() else deepcopy(base_values)
     plain |= {"name": path.stem, "title": title}
-    noted = {} if given in names() else dict(known)
+    noted = {} if base in names() else dict(base_sources)
     for key, value in values.items():
-        noted[with_value(plain, base, key, value)] = sources[key]
+        noted[set_nested_value(plain, base_values, key, value)] = sources[key]
     return write_loadable(path, to_toml(plain, noted), load)
 
 
 def write_loadable(path: Path, text: str, load_file: Callable[[Path], Loaded]) -> Loaded:
-    """Write a description and return it as loaded again; what does not load replaces nothing.
+    """Write a description and return it as loaded again; a text that does not load replaces nothing.
 
     Args:
-        path: where it is put.
+        path: path of the file.
         text: TOML.
         load_file: loads a description from a path.
 
@@ -172,15 +182,21 @@ def write_loadable(path: Path, text: str, load_file: Callable[[Path], Loaded]) -
     return load_file(path)
 
 
-def with_value(plain: dict[str, Any], base: dict[str, Any], path: str, value: Any) -> str:
-    """Put a value into nested tables; of a list, what `plain` does not have is taken from `base`.
+def set_nested_value(plain: dict[str, Any], base: dict[str, Any], path: str, value: Any) -> str:
+    """Set a value in nested tables; the other items of a list are copied from `base` if `plain` has none.
+
+    Args:
+        plain: nested tables, changed in place.
+        base: tables that `plain` extends.
+        path: dotted path of the value, an item of a list by its number.
+        value: the value.
 
     Returns:
-        Where it stands: the path, without the number of an item.
+        The path, without the number of an item.
     """
     *parts, last = path.split(".")
     if last.isdigit():
-        items = at_path(plain, parts) or at_path(base, parts)
+        items = nested_value(plain, parts) or nested_value(base, parts)
         value = [value if i == int(last) else item for i, item in enumerate(items)]
         *parts, last = parts
     table = plain
@@ -190,8 +206,8 @@ def with_value(plain: dict[str, Any], base: dict[str, Any], path: str, value: An
     return ".".join([*parts, last])
 
 
-def at_path(table: Any, keys: list[str]) -> Any:
-    """Return what stands in nested tables and lists, or None."""
+def nested_value(table: Any, keys: list[str]) -> Any:
+    """Return the value in nested tables and lists, or None."""
     for key in keys:
         table = table[int(key)] if isinstance(table, list) else table.get(key) if isinstance(table, dict) else None
     return table

@@ -1,4 +1,4 @@
-"""Libraries of descriptions of machines and test benches; a file or a built-in name becomes a validated `Machine`."""
+"""Libraries of descriptions of machines and test benches, and loading of a validated `Machine` from them."""
 
 from dataclasses import replace
 from functools import reduce
@@ -7,75 +7,74 @@ from typing import Any
 
 from layflat.control import CONTROL_LAWS
 from layflat.description.library import Layer, Library
-from layflat.description.provenance import Sources
-from layflat.description.tables import Plain
+from layflat.description.tables import Plain, Sources
 from layflat.errors import MachineError
 from layflat.jit.outside import load_kinds
-from layflat.kinds import Table
-from layflat.machine.cloud import cloud, parted
+from layflat.kinds import KindTable
+from layflat.machine.cloud import load_cloud, split_member_name
 from layflat.machine.model import Machine, build
-from layflat.physics.arms import ARMS
+from layflat.physics.arms import ARM_KINDS
 from layflat.physics.friction import FRICTION
 from layflat.physics.hysteresis import HYSTERESIS
-from layflat.physics.valves import VALVES
+from layflat.physics.valves import VALVE_KINDS
 
 _BUILT_IN = Path(__file__).parent / "builtin"
-_SHOWN = "`layflat machines` lists them"
+_LISTING_ADVICE = "`layflat machine list` lists them"
 
 
 class MachineLibrary(Library):
-    """Machines: a file and those that it extends may each name files of kinds, relative to their own folders."""
+    """Library of machines, whose files may name files of kinds, relative to their own folders."""
 
     def layers(self, where: str | Path, above: tuple[str, ...] = ()) -> list[Layer]:
-        """Return layers; `NAME@17` are those of a description, with what a cloud's member lays over them."""
-        if (member := parted(str(where))) is None:
+        """Return the layers of a machine; those of `NAME@17` have the layer of a cloud's member above each."""
+        if (member := split_member_name(str(where))) is None:
             return super().layers(where, above)
         name, file, number = member
-        members, found = cloud(file), list[Layer]()
+        members, layers = load_cloud(file), list[Layer]()
         nothing: tuple[Plain, Sources] = ({}, {})
         for layer in super().layers(name, above):
-            own = members.layer(number, layer, reduce(self.laid, [*found, layer], nothing)[0])
-            found += [layer, own] if own else [layer]
-        if not any(layer.where in members.bases for layer in found):
+            overlay = members.layer(number, layer, reduce(self.apply_layer, [*layers, layer], nothing)[0])
+            layers += [layer, overlay] if overlay else [layer]
+        if not any(layer.where in members.bases for layer in layers):
             known = ", ".join(members.bases)
             raise MachineError(f"{name!r} is no machine of this cloud", where=members.where, right=f"it has {known}")
-        return found
+        return layers
 
-    def beside(self, where: str, name: str) -> str:
-        """Return names beside as any library does; members of clouds are named as the machines are."""
-        member = parted(name)
-        return name if member and member[0] in self.names else super().beside(where, name)
+    def resolve(self, where: str, name: str) -> str:
+        """Return the place of a name as any library does; members of clouds are named as the machines are."""
+        member = split_member_name(name)
+        return name if member and member[0] in self.names else super().resolve(where, name)
 
-    def laid(self, under: tuple[Plain, Sources], layer: Layer) -> tuple[Plain, Sources]:
-        """Return tables laid over others; of a part below that is of another kind only what both kinds know is kept.
+    def apply_layer(self, under: tuple[Plain, Sources], layer: Layer) -> tuple[Plain, Sources]:
+        """Return tables overlaid by a layer; a part that changes its kind keeps only keys that both kinds have.
 
-        Files of meshes get full paths, as those of kinds do: they are beside the file that names them.
+        Files of meshes get full paths, as those of kinds do: they are relative to the file that names them.
         """
-        for path in _kinds(layer):
+        for path in _kind_files(layer):
             load_kinds(Path(path), f"{layer.where}: kinds")
         below, joints = under[0], under[0].get("joint", {})
-        places: dict[str, Table[Any]] = {"controller": CONTROL_LAWS, "valve": VALVES, "arm": ARMS}
+        places: dict[str, KindTable[Any]] = {"controller": CONTROL_LAWS, "valve": VALVE_KINDS, "arm": ARM_KINDS}
         for name in joints:
             losses = f"joint.{name}.losses"
-            parts = _part(below, f"{losses}.parts") or {}
+            parts = _nested_part(below, f"{losses}.parts") or {}
             places |= {losses: HYSTERESIS, f"joint.{name}.friction": FRICTION}
             places |= {f"{losses}.parts.{part}": HYSTERESIS for part in parts}
-        lost = [key for at, table in places.items() for key in _lost(below, layer.plain, at, table)]
+        lost = [key for at, table in places.items() for key in _incompatible_paths(below, layer.plain, at, table)]
         if any(key.startswith("controller.") for key in lost):
             lost += [f"joint.{name}.gains" for name, joint in joints.items() if "gains" in joint]
         omitted = [key for key in lost if not any(f"{key}.".startswith(f"{path}.") for path in layer.omits)]
         plain = _with_meshes(layer.plain, self.folder if layer.where in self.names else Path(layer.where).parent)
-        return super().laid(under, replace(layer, plain=plain, omits=(*layer.omits, *omitted)))
+        return super().apply_layer(under, replace(layer, plain=plain, omits=(*layer.omits, *omitted)))
 
     def tables(self, where: str | Path) -> tuple[Plain, Sources]:
-        """Return tables as any library does; `kinds` are those of all files, the lowest first, with full paths."""
+        """Return tables as any library does; `kinds` has the files of all layers, the lowest first, with full paths."""
         plain, sources = super().tables(where)
-        kinds = [path for layer in self.layers(where) for path in _kinds(layer)] if "kinds" in plain else []
+        kinds = [path for layer in self.layers(where) for path in _kind_files(layer)] if "kinds" in plain else []
         return plain | ({"kinds": list(dict.fromkeys(kinds))} if kinds else {}), sources
 
 
-def _part(plain: Plain, place: str) -> Any:
-    """Return what stands at a dotted path, None where nothing does."""
+def _nested_part(plain: Plain, place: str) -> Any:
+    """Return the value at a dotted path of nested tables, or None."""
     part: Any = plain
     for key in place.split("."):
         part = part.get(key) if isinstance(part, dict) else None
@@ -83,8 +82,8 @@ def _part(plain: Plain, place: str) -> Any:
 
 
 def _with_meshes(plain: Plain, folder: Path) -> Plain:
-    """Return what a file says, with full paths of the meshes by which links of its arm are drawn."""
-    links = _part(plain, "arm.link")
+    """Return the values of a file, with full paths of the meshes that its arm's links are drawn by."""
+    links = _nested_part(plain, "arm.link")
     if not isinstance(links, dict):
         return plain
     drawn = {
@@ -100,18 +99,19 @@ def _with_mesh(shape: Any, folder: Path) -> Any:
     return shape | {"file": str((folder / file).resolve())} if isinstance(file, str) and file else shape
 
 
-def _lost(below: Plain, above: Plain, at: str, table: Table[Any]) -> list[str]:
-    """Dotted paths of what a part that names another kind does not know of the part below it."""
-    old, new = _part(below, at), _part(above, at)
+def _incompatible_paths(below: Plain, above: Plain, at: str, table: KindTable[Any]) -> list[str]:
+    """Return the dotted paths of the keys of a part below that the kind named above does not have."""
+    old, new = _nested_part(below, at), _nested_part(above, at)
     if not (isinstance(old, dict) and isinstance(new, dict) and "kind" in new):
         return []
-    known = [kind.description.model_fields for kind in table if kind.name == new["kind"]]
-    if not known or new["kind"] == old.get("kind", table.usual):
+    new_fields = [kind.description.model_fields for kind in table if kind.name == new["kind"]]
+    if not new_fields or new["kind"] == old.get("kind", table.usual):
         return []
-    return [f"{at}.{key}" for key in old if key not in known[0]]
+    return [f"{at}.{key}" for key in old if key not in new_fields[0]]
 
 
-def _kinds(layer: Layer) -> list[str]:
+def _kind_files(layer: Layer) -> list[str]:
+    """Return the paths of the files of kinds that a layer names, relative to it; raise MachineError if malformed."""
     named = layer.plain.get("kinds", [])
     if not isinstance(named, list) or not all(isinstance(path, str) for path in named):
         raise MachineError(
@@ -120,23 +120,35 @@ def _kinds(layer: Layer) -> list[str]:
     return [str((Path(layer.where).parent / path).resolve()) for path in named]
 
 
-MACHINES = MachineLibrary(_BUILT_IN, "machine", _SHOWN, 'width = "160 mm"', MachineError)
-BENCHES = Library(_BUILT_IN / "benches", "test bench", _SHOWN, 'volume = "10 l"', MachineError)
+MACHINE_LIBRARY = MachineLibrary(_BUILT_IN, "machine", _LISTING_ADVICE, 'width = "160 mm"', MachineError)
+BENCH_LIBRARY = Library(_BUILT_IN / "benches", "test bench", _LISTING_ADVICE, 'volume = "10 l"', MachineError)
 
 
-BUILT_IN = MACHINES.folder
+BUILT_IN = MACHINE_LIBRARY.folder
 
 
 def names() -> tuple[str, ...]:
-    """Return the names of the built-in machines."""
-    return MACHINES.names
+    """Return the names of the built-in machines.
+
+    Example:
+        >>> import layflat as lf
+        >>> "paper-arm" in lf.names()
+        True
+    """
+    return MACHINE_LIBRARY.names
 
 
 def load(machine: str | Path | Machine) -> Machine:
     """Return a machine from its built-in name or from a TOML file; a `Machine` is passed through.
 
     Raises:
-        MachineError: in one line, which file, key and value is wrong and what would be right.
+        MachineError: a file, key or value is wrong; the message names it and what would be right.
+
+    Example:
+        >>> import layflat as lf
+        >>> arm = lf.load("paper-arm")
+        >>> list(arm.joints), arm.arm.payload
+        (['large', 'small'], 1.5)
     """
     if isinstance(machine, Machine):
         return machine
@@ -144,15 +156,15 @@ def load(machine: str | Path | Machine) -> Machine:
 
 
 def tables(machine: str | Path) -> tuple[Plain, Sources]:
-    """Return the plain values of a description as they are written, what it extends included, and their sources.
+    """Return the plain values of a description as written, inherited ones included, and their sources.
 
     Raises:
         MachineError: the file is missing or broken, or describes a test bench.
     """
     where = str(machine)
-    if where in BENCHES.names:
+    if where in BENCH_LIBRARY.names:
         raise _is_bench(where)
-    plain, sources = MACHINES.tables(machine)
+    plain, sources = MACHINE_LIBRARY.tables(machine)
     if "kind" in plain:
         raise _is_bench(where)
     return plain, sources

@@ -1,6 +1,6 @@
-"""The parts of a joint as a person describes them: hose, cylinder, output, strap, cover, brake, stops, link.
+"""Description of the parts of a joint: hose, cylinder, output, strap, cover, brake, stops, link.
 
-All numbers are SI floats once validated ; keys that end in `_gauge` are gauge pressures.
+All numbers are SI floats once validated; keys that end in `_gauge` are gauge pressures.
 """
 
 from math import pi, radians
@@ -10,26 +10,26 @@ from pydantic import AfterValidator, Field, model_validator
 
 from layflat.description import Part, ordered
 from layflat.description import units as u
-from layflat.description.wrong import INPUT, wrong
+from layflat.description.wrong import INPUT_VALUE, value_error
 from layflat.errors import MachineError
-from layflat.kinds import AnyOf
+from layflat.kinds import AnyKindOf
 from layflat.machine.gains import Gains
-from layflat.machine.tube import Line
+from layflat.machine.tube import TubePart
 from layflat.physics.friction import FRICTION, FrictionPart
 from layflat.physics.hose import HoseGeometry
 from layflat.physics.hysteresis import HYSTERESIS, LossesPart
 
-CLAMPED = 0.03  # length of hose that the clamp takes from each end, m
-CYLINDER_LONGER = 1.2  # length of the cylinder over the hose's width: room for the end plates
-STRAP_LONGER = 1.5  # length of the strap over the full travel and the cylinder's radius: what is clamped at both ends
+CLAMPED_LENGTH = 0.03  # length of hose that the clamp takes from each end, m
+CYLINDER_LENGTH_RATIO = 1.2  # length of the cylinder over the hose's width: room for the end plates
+STRAP_LENGTH_RATIO = 1.5  # length of the strap, clamped ends included, over full travel plus the cylinder's radius
 
-WHOLE_PER_PARTS = 3.2
-"""Mass of a whole joint over that of the parts that are counted, as in the paper's small joint (2 kg)."""
+JOINT_MASS_RATIO = 3.2
+"""Mass of a whole joint over that of `part_masses`, as in the paper's small joint (2 kg)."""
 
 
-def _at_most_half_round(wrap: float) -> float:
+def _check_wrap(wrap: float) -> float:
     if wrap > radians(180.0001):
-        raise wrong("is over 180 deg", 'give an angle such as "120 deg"', INPUT)
+        raise value_error("is over 180 deg", 'give an angle such as "120 deg"', INPUT_VALUE)
     return wrap
 
 
@@ -37,7 +37,7 @@ class Hose(Part):
     """A layflat hose, wrapped around the cylinder."""
 
     width: u.Size = Field(description="width of the flat hose, along the cylinder's axis")
-    wrap: Annotated[u.PositiveAngle, AfterValidator(_at_most_half_round)] = Field(
+    wrap: Annotated[u.PositiveAngle, AfterValidator(_check_wrap)] = Field(
         description="wrap angle of the collapsed hose (gamma)"
     )
     contact_end: u.PositiveAngle = Field(description="contact angle at full travel (alpha)")
@@ -48,7 +48,7 @@ class Hose(Part):
     compliance: u.Compliance = Field(description="volume gained per pressure by the stretching wall")
     wall_conductance: u.HeatConductance = Field(description="heat flow from wall to air per kelvin")
     areal_mass: u.AreaDensity = Field(description="mass of one layer of hose per area")
-    loss_share: u.Share = Field(description="loop height / torque, with a free outer surface, at reference pressure")
+    loss_fraction: u.Share = Field(description="loop height / torque, with a free outer surface, at reference pressure")
     torque_factor: u.Ratio = Field(
         default=1.0, description="measured torque over that of Eq. (1); of its volume likewise"
     )
@@ -69,7 +69,7 @@ class Cylinder(Part):
     density: u.Density
 
 
-class Output(Part):
+class OutputElement(Part):
     """Part that the strap turns: a round roller, or a cam that keeps the torque constant."""
 
     kind: Literal["roller", "cam"]
@@ -90,14 +90,14 @@ class Strap(Part):
     modulus: u.Stress
     yield_stress: u.Stress
     density: u.Density
-    loss_share: u.Share = Field(description="loop height / torque that the strap adds at reference pressure")
+    loss_fraction: u.Share = Field(description="loop height / torque that the strap adds at reference pressure")
 
 
 class Cover(Part):
     """Cover on the hose's outer surface; it limits how far the hose distorts."""
 
     kind: Literal["none", "plate", "polythene", "shell"]
-    loss_factor: u.Share = Field(description="share of the hose's loss that remains")
+    loss_factor: u.Share = Field(description="fraction of the hose's loss that remains")
     thickness: u.LengthOrZero
     density: u.Density
 
@@ -107,21 +107,21 @@ class DeflectingRoller(Part):
 
     diameter: u.Size
     count: Annotated[int, Field(ge=1, le=100)]
-    friction_share: u.Share = Field(description="loop height / torque that the pin of each roller adds")
-    bending_share: u.Share = Field(description="the same of bending a strap as thick as the roller's diameter")
+    friction_fraction: u.Share = Field(description="loop height / torque that the pin of each roller adds")
+    bending_fraction: u.Share = Field(description="the same of bending a strap as thick as the roller's diameter")
 
 
 class Calliper(Part):
-    """A pneumatic actuator that closes the brake, in place of a spring: its torque is the controller's to choose."""
+    """A pneumatic actuator that closes the brake, in place of a spring: the controller commands its torque."""
 
-    least: u.Share = Field(description="share of the brake's torque that stays when it is released")
+    released_fraction: u.Share = Field(description="fraction of the brake's torque that stays when it is released")
     stroke_time: u.ShortTime = Field(description="from none of the torque to all of it")
 
 
 class Brake(Part):
-    """Friction on the output shaft: the brake that is put there, and what the bearings drag.
+    """Friction on the output shaft: the brake, and viscous drag of the bearings.
 
-    How it depends on velocity and on the bearings' load stands in the joint's `friction`.
+    Its dependence on velocity and on the bearings' load is described by the joint's `friction`.
     """
 
     torque: u.Torque = Field(description="torque at which the brake slips, at full brake signal")
@@ -130,7 +130,7 @@ class Brake(Part):
 
 
 class Stops(Part):
-    """Strokes and what limits them."""
+    """Strokes of a joint and its end stops."""
 
     working_stroke: u.PositiveAngle
     mechanical_stroke: u.PositiveAngle
@@ -146,7 +146,7 @@ class Stops(Part):
     )
 
 
-class Link(Part):
+class PlanarLink(Part):
     """The rigid link that the joint turns, and the masses that turn with it."""
 
     length: u.Size
@@ -161,14 +161,15 @@ class Link(Part):
     rotor_inertia: u.Inertia = Field(description="of cams, shaft and brake disk about the joint")
 
     @model_validator(mode="after")
-    def _derive(self) -> Self:
+    def _derive_centre_and_inertia(self) -> Self:
+        """Set centre (m) and inertia (kg m2) of a slender rod where they are not described."""
         derived = {"centre": self.length / 2, "inertia": self.mass * self.length**2 / 12}
         self.__dict__.update({name: derived[name] for name in derived.keys() - self.model_fields_set})
         return self
 
 
-class Body(Part):
-    """The joint as a thing to carry."""
+class JointBody(Part):
+    """Mass and height of a whole joint, as a load of the link before it."""
 
     mass: u.Mass = Field(
         default_factory=float, description="of the whole joint; default: estimated from the sizes of its parts"
@@ -176,38 +177,38 @@ class Body(Part):
     height: u.Size
 
 
-class Regulator(Part):
-    """A proportional pressure regulator before the valve: it lets the controller choose the stiffness of the joint."""
+class RegulatorPart(Part):
+    """A proportional pressure regulator before the valve, by which the controller sets the stiffness of the joint."""
 
-    least: u.Share = Field(description="share of the supply's gauge pressure down to which it regulates")
+    min_fraction: u.Share = Field(description="fraction of the supply's gauge pressure down to which it regulates")
     stroke_time: u.ShortTime = Field(description="from none of the gauge pressure to all of it")
 
 
 class Spring(Part):
-    """A spring on the shaft: it brings back a joint with a single hose, or bears part of what the arm weighs."""
+    """A spring on the shaft: it returns a joint with a single hose, or bears part of the arm's weight."""
 
     torque: u.AnyTorque = Field(description="at mid-stroke; one above 0 turns the joint forward, as hose A does")
     stiffness: u.Stiffness = Field(default=0.0, description="by which that torque falls as the joint turns forward")
 
 
 class Joint(Part):
-    """One joint; `acting` says whether one hose pulls, which turns it forward, or two against each other."""
+    """A joint; single-acting with one hose, which turns it forward, or double-acting with two antagonistic hoses."""
 
     acting: Literal["single", "double"]
     hose: Hose
     cylinder: Cylinder
-    output: Output
+    output: OutputElement
     strap: Strap
     cover: Cover
-    losses: Annotated[LossesPart, AnyOf(HYSTERESIS)]
+    losses: Annotated[LossesPart, AnyKindOf(HYSTERESIS)]
     brake: Brake
     stops: Stops
-    link: Link | None = Field(default=None, description="of a planar arm")
-    body: Body
+    link: PlanarLink | None = Field(default=None, description="of a planar arm")
+    body: JointBody
     deflecting_roller: DeflectingRoller | None = None
-    friction: Annotated[FrictionPart, AnyOf(FRICTION)] | None = None
-    line: Line | None = Field(default=None, description="tube from the valve to each hose; default: the machine's")
-    regulator: Regulator | None = Field(default=None, description="default: the valve gets the supply as it is")
+    friction: Annotated[FrictionPart, AnyKindOf(FRICTION)] | None = None
+    line: TubePart | None = Field(default=None, description="tube from the valve to each hose; default: the machine's")
+    regulator: RegulatorPart | None = Field(default=None, description="default: the valve gets the supply as it is")
     spring: Spring | None = Field(default=None, description="default: none")
     gains: Gains | None = None
     valve_size: u.Ratio = Field(
@@ -215,7 +216,8 @@ class Joint(Part):
     )
 
     @model_validator(mode="after")
-    def _derive(self) -> Self:
+    def _derive_body_mass(self) -> Self:
+        """Set the mass of the body (kg) from its sizes, unless it is described."""
         if "mass" not in self.body.model_fields_set:
             body = self.body.model_copy()
             body.__dict__["mass"] = body_mass(self)
@@ -229,14 +231,15 @@ class Joint(Part):
         return HoseGeometry(hose.width, R, hose.wrap, hose.contact_end, hose.peel_ratio, hose.torque_factor)
 
     @property
-    def planar_link(self) -> Link:
-        """Return its link in a planar arm; raise MachineError if it has none."""
+    def planar_link(self) -> PlanarLink:
+        """Link of the joint in a planar arm; raise MachineError if it has none."""
         if self.link is None:
             raise MachineError("joint has no link of a planar arm", right="describe it as [joint.NAME.link]")
         return self.link
 
     @model_validator(mode="after")
-    def _fits(self) -> Self:
+    def _check_sizes(self) -> Self:
+        """Raise ValueError if sizes of hose, cylinder and output do not fit each other."""
         if self.output.radius >= self.cylinder.diameter / 2:
             raise ValueError("output.radius must be smaller than the cylinder's radius")
         if self.acting == "single" and self.regulator is not None:
@@ -251,18 +254,17 @@ def part_masses(joint: Joint, full_travel: float, output_area: float) -> dict[st
 
     Args:
         joint: the described joint.
-        full_travel: of the strap point, m.
-        output_area: of the cam or roller seen along its axis, m2; it is of the cylinder's material, as wide as the
-            strap.
+        full_travel: travel of the strap point, m.
+        output_area: area of the cam or roller along its axis, m2; it has the cylinder's material and the strap's width.
     """
     hose, tube, cover, strap = joint.hose, joint.cylinder, joint.cover, joint.strap
     hoses = 2 if joint.acting == "double" else 1
     R = tube.diameter / 2
     wrapped = R * hose.wrap
-    strap_length = STRAP_LONGER * (full_travel + R)
+    strap_length = STRAP_LENGTH_RATIO * (full_travel + R)
     return {
-        "cylinder": pi * (tube.diameter - tube.wall) * tube.wall * CYLINDER_LONGER * hose.width * tube.density,
-        "hose": hoses * 2 * hose.width * (wrapped + CLAMPED) * hose.areal_mass,
+        "cylinder": pi * (tube.diameter - tube.wall) * tube.wall * CYLINDER_LENGTH_RATIO * hose.width * tube.density,
+        "hose": hoses * 2 * hose.width * (wrapped + CLAMPED_LENGTH) * hose.areal_mass,
         "cover": hoses * wrapped * hose.width * cover.thickness * cover.density,
         "strap": hoses * strap.width * strap.thickness * strap.layers * strap_length * strap.density,
         joint.output.kind: hoses * output_area * strap.width * tube.density,
@@ -270,6 +272,6 @@ def part_masses(joint: Joint, full_travel: float, output_area: float) -> dict[st
 
 
 def body_mass(joint: Joint) -> float:
-    """Return the estimated mass of a whole joint, kg, with a cam as heavy as the roller that it stands for."""
+    """Return the estimated mass of a whole joint, kg; a cam counts as the roller that it replaces."""
     area = pi * joint.output.radius**2
-    return WHOLE_PER_PARTS * sum(part_masses(joint, joint.geometry.full_travel(), area).values())
+    return JOINT_MASS_RATIO * sum(part_masses(joint, joint.geometry.full_travel(), area).values())

@@ -1,6 +1,6 @@
-"""What is known of a machine in motion: the signals' names, units and meanings, simulated or recorded alike.
+"""Signals of a machine in motion: names, units and meanings, simulated and recorded alike.
 
-What acts on it stands in motion/scenario.py; what a control law reports is named by the law (see control/kind.py).
+Input signals are in motion/scenario.py; reports of a control law are named by the law (see control/kind.py).
 """
 
 SIGNALS: dict[str, tuple[str, str]] = {
@@ -24,10 +24,10 @@ SIGNALS: dict[str, tuple[str, str]] = {
     "air_taken": ("kg", "air taken from the supply since the start"),
     "tip": ("m", "position of the tip"),
 }
-"""Unit and meaning by name."""
+"""Unit and meaning of each signal."""
 
 
-def attributes(name: str) -> dict[str, str]:
-    """Those of a signal in a data set."""
+def signal_attributes(name: str) -> dict[str, str]:
+    """Return the attributes of a signal's variable in a data set."""
     unit, meaning = SIGNALS[name]
     return {"units": unit, "long_name": meaning}

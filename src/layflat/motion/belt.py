@@ -16,114 +16,127 @@ from scipy.optimize import brentq
 from layflat.arrays import Array
 from layflat.errors import InputError
 from layflat.machine import Machine
-from layflat.motion.curve import Line, Point, TipPath
+from layflat.motion.curve import LineCurve, Point, TipPath
 from layflat.motion.kinematics import tip_position
-from layflat.motion.path import CLOSE
+from layflat.motion.path import SAME_POINT_DISTANCE
 from layflat.motion.tip_path import tip_path
-from layflat.motion.trajectory import Along
+from layflat.motion.trajectory import PathMotion
 
-PEAK = 1.5  # of a change of speed: its greatest acceleration over its mean one
-MORE = 0.6  # by which a stop takes longer, in the same unit, where the belt has its full acceleration
-LOOKS = 2001  # instants at which it is looked where the point is
-ROUNDING = 1e-9  # s
+PEAK_TO_MEAN_ACCELERATION = 1.5  # ratio for a change of speed by a cubic polynomial
+STOP_STRETCH = 0.6  # added to that ratio for a stop that begins while the belt has its full acceleration
+BELT_SAMPLES = 2001  # instants at which the point's position is computed
+KNOT_ROUNDING = 1e-9  # times that differ by less are the same knot, s
 
 
 @dataclass(frozen=True)
-class Left:
-    """When (s) and where (m) the point on the belt leaves the arm's reach for the first time."""
+class ReachExit:
+    """First instant (s) at which the point on the belt leaves the arm's reach, and its position then (m)."""
 
     time: float
-    place: Point
+    position: Point
 
 
 @dataclass(frozen=True)
-class Followed(Along):
-    """A motion that follows a point on a belt as far as the arm reaches."""
+class BeltMotion(PathMotion):
+    """Motion that follows a point on a belt as far as the arm reaches."""
 
-    left: Left | None  # None if the arm reaches all of its way
+    reach_exit: ReachExit | None  # None if the arm reaches the whole path
 
 
 def follow_belt(
     machine: Machine, start: Array, direction: float, speeds: Sequence[tuple[float, float]], acceleration: float,
     where: str = "belt",
-) -> Followed:  # fmt: skip
+) -> BeltMotion:  # fmt: skip
     """Return the motion of an arm whose tip follows a point on a belt, from rest to rest.
 
     Args:
-        machine: whose arm follows; in space the belt is level, at the height of the tip.
-        start: posture in which the tip is at the point, (joints,), rad.
-        direction: of the belt, from the x axis about z, rad.
+        machine: machine whose arm follows; in space the belt is level, at the height of the tip.
+        start: configuration in which the tip is at the point, (joints,), rad.
+        direction: direction of the belt, from the x axis about z, rad.
         speeds: when the belt's speed begins to change (s), and what to (m/s; negative: back); the last is zero.
-        acceleration: of the belt at most, m/s2.
-        where: it was given, for messages.
+        acceleration: maximum of the belt, m/s2.
+        where: source of these values, for messages.
+
+    Returns:
+        Motion of the joints; it stops at the border of the reach if the point leaves it.
 
     Raises:
         InputError: naming `where`: the speeds contradict each other, the belt does not stop, or the arm is stretched.
     """
-    speed = _profile(speeds, acceleration, where)
+    speed = _belt_speed(speeds, acceleration, where)
     tip = tuple(tip_position(machine, start).tolist())
-    way = (cos(direction), sin(direction), 0.0)[: len(tip)]
-    furthest = speed.antiderivative()(np.linspace(0.0, speed.x[-1], LOOKS))
-    span = float(furthest.min()), float(furthest.max())
-    path = tip_path(machine, Line(tip, way, 1.0), start, where, span=span)
-    crossed, left = _crossing(path, speed), None
-    if crossed is not None:
-        time, border = crossed
-        left = Left(time, tuple(path.curve.at(np.array([border])).value[0].tolist()))
-        speed = _stopping(speed, time, border, acceleration)
-    along, change = speed.antiderivative(), speed.derivative()
-    return Followed(float(speed.x[-1]), path, lambda times: (along(times), speed(times), change(times)), left)
+    unit = (cos(direction), sin(direction), 0.0)[: len(tip)]
+    distances = speed.antiderivative()(np.linspace(0.0, speed.x[-1], BELT_SAMPLES))
+    span = float(distances.min()), float(distances.max())
+    path = tip_path(machine, LineCurve(tip, unit, 1.0), start, where, span=span)
+    crossing, reach_exit = _first_reach_exit(path, speed), None
+    if crossing is not None:
+        time, border = crossing
+        reach_exit = ReachExit(time, tuple(path.curve.evaluate(np.array([border])).value[0].tolist()))
+        speed = _stopping_speed(speed, time, border, acceleration)
+    distance, change = speed.antiderivative(), speed.derivative()
+    return BeltMotion(
+        float(speed.x[-1]), path, lambda times: (distance(times), speed(times), change(times)), reach_exit
+    )
 
 
-def _profile(speeds: Sequence[tuple[float, float]], acceleration: float, where: str) -> CubicHermiteSpline:
-    """Return the belt's speed over time."""
+def _belt_speed(speeds: Sequence[tuple[float, float]], acceleration: float, where: str) -> CubicHermiteSpline:
+    """Return the belt's speed (m/s) over time (s) with smooth changes between (time, speed) pairs.
+
+    Raises:
+        InputError: naming `where`: changes overlap, or the belt does not end at rest.
+    """
     knots, values = [0.0], [0.0]
     for time, value in speeds:
-        lasts = PEAK * abs(value - values[-1]) / acceleration
-        if time < knots[-1] - ROUNDING:
+        duration = PEAK_TO_MEAN_ACCELERATION * abs(value - values[-1]) / acceleration
+        if time < knots[-1] - KNOT_ROUNDING:
             what = f"begins to change its speed at {time:g} s, while it changes until {knots[-1]:g} s"
             raise InputError(what, where=where, right="give a later time, or a greater acceleration")
-        if time > knots[-1] + ROUNDING:
+        if time > knots[-1] + KNOT_ROUNDING:
             knots, values = [*knots, time], [*values, values[-1]]
-        if lasts > 0.0:
-            knots, values = [*knots, knots[-1] + lasts], [*values, value]
+        if duration > 0.0:
+            knots, values = [*knots, knots[-1] + duration], [*values, value]
     if values[-1] != 0.0 or not any(values):
         what = "does not move" if not any(values) else f"goes on with {values[-1]:g} m/s"
         raise InputError(what, where=where, right='give speeds such as [["0 s", "0.3 m/s"], ["1 s", "0 m/s"]]')
     return CubicHermiteSpline(knots, values, np.zeros(len(knots)))
 
 
-def _crossing(path: TipPath, speed: CubicHermiteSpline) -> tuple[float, float] | None:
-    """Return when the point on the belt first leaves the arm's reach (s), and at which distance (m), if it does."""
-    way, times = speed.antiderivative(), np.linspace(0.0, speed.x[-1], LOOKS)
-    at, found = way(times), []
-    for furthest in (float(at.max()), float(at.min())):
-        border = path.border(furthest)
+def _first_reach_exit(path: TipPath, speed: CubicHermiteSpline) -> tuple[float, float] | None:
+    """Return the time (s) and distance (m) at which the belt's point first leaves the arm's reach; None if never."""
+    distance, times = speed.antiderivative(), np.linspace(0.0, speed.x[-1], BELT_SAMPLES)
+    distances, crossings = distance(times), []
+    for furthest in (float(distances.max()), float(distances.min())):
+        border = path.reach_limit(furthest)
         if border is not None:
-            k = int(np.argmax(at > border if furthest > 0.0 else at < border))
-            found.append((float(brentq(lambda t, border=border: way(t) - border, times[k - 1], times[k])), border))
-    return min(found, default=None)
+            k = int(np.argmax(distances > border if furthest > 0.0 else distances < border))
+            time = float(brentq(lambda t, border=border: distance(t) - border, times[k - 1], times[k]))
+            crossings.append((time, border))
+    return min(crossings, default=None)
 
 
-def _stopping(speed: CubicHermiteSpline, crossed: float, border: float, acceleration: float) -> CubicHermiteSpline:
-    """Return the speed of a tip that leaves the belt as late as it still stops at the border."""
-    way, change, end = speed.antiderivative(), speed.derivative(), float(speed.x[-1])
-    if abs(border) < CLOSE:  # where it begins: it stays there
+def _stopping_speed(
+    speed: CubicHermiteSpline, crossing_time: float, border: float, acceleration: float
+) -> CubicHermiteSpline:
+    """Return the speed of a tip that leaves the belt's point at the last instant from which it stops at the border."""
+    distance, change, end = speed.antiderivative(), speed.derivative(), float(speed.x[-1])
+    if abs(border) < SAME_POINT_DISTANCE:  # the tip stays where it begins
         return CubicHermiteSpline([0.0, end], [0.0, 0.0], [0.0, 0.0])
     sign = np.sign(border)
 
-    def lasts(t: float) -> float:
-        share = max(sign * change(t) / acceleration, 0.0)
-        return float((PEAK + MORE * share) * abs(speed(t)) / acceleration)
+    def stop_duration(t: float) -> float:
+        fraction = max(sign * change(t) / acceleration, 0.0)
+        return float((PEAK_TO_MEAN_ACCELERATION + STOP_STRETCH * fraction) * abs(speed(t)) / acceleration)
 
-    def left_over(t: float) -> float:
-        return float(sign * (border - way(t) - lasts(t) * (speed(t) / 2 + change(t) * lasts(t) / 12)))
+    def remaining_distance(t: float) -> float:
+        duration = stop_duration(t)
+        return float(sign * (border - distance(t) - duration * (speed(t) / 2 + change(t) * duration / 12)))
 
-    times = np.linspace(0.0, crossed, LOOKS)
-    last = int(np.flatnonzero([left_over(t) >= 0.0 for t in times])[-1])
-    begins = float(brentq(left_over, times[last], times[last + 1]))
-    ends = begins + lasts(begins)
-    before = np.append(speed.x[speed.x < begins - ROUNDING], begins)
-    after = np.array([ends, end] if end > ends + ROUNDING else [ends])
+    times = np.linspace(0.0, crossing_time, BELT_SAMPLES)
+    last = int(np.flatnonzero([remaining_distance(t) >= 0.0 for t in times])[-1])
+    begins = float(brentq(remaining_distance, times[last], times[last + 1]))
+    ends = begins + stop_duration(begins)
+    before = np.append(speed.x[speed.x < begins - KNOT_ROUNDING], begins)
+    after = np.array([ends, end] if end > ends + KNOT_ROUNDING else [ends])
     knots, still = np.concatenate([before, after]), np.zeros(len(after))
     return CubicHermiteSpline(knots, np.concatenate([speed(before), still]), np.concatenate([change(before), still]))

@@ -1,9 +1,9 @@
-"""Torques that a motion asks of an arm's joints.
+"""Joint torques that a motion requires (inverse dynamics).
 
 | symbol | meaning | unit |
 |---|---|---|
-| s | how far along a path, q(s) | m or rad |
-| m, c, g | torques that are needed per acceleration s'', per s'^2, and against gravity | N m per that |
+| s | distance along a path q(s) | m or rad |
+| m, c, g | required torques per acceleration s'', per s'^2, and against gravity | N m per that |
 | M, h | mass matrix; torques against those of the velocities, quadratic in them | kg m2, N m |
 
 M q'' + h + g with q' = dq/ds s' and q'' = dq/ds s'' + d2q/ds2 s'^2 is m s'' + c s'^2 + g, with m = M dq/ds and
@@ -16,15 +16,14 @@ import numpy as np
 
 from layflat.arrays import Array
 from layflat.machine import Machine, parameters
-from layflat.machine.single_acting import needed_at_rest
-from layflat.motion.limits import Ability
-from layflat.motion.path import Path
+from layflat.motion.limits import JointCapabilities, static_torques
+from layflat.motion.path import JointPath
 from layflat.motion.trajectory import States
 from layflat.physics.arms import dynamics
 
 
 class PathTorques(NamedTuple):
-    """Symbols m, c and g of the module's table, (points, joints) each, and the derivative of the angles, likewise."""
+    """Torques m, c and g of the module's table, and the derivative of the angles by s, (points, joints) each."""
 
     mass: Array
     centrifugal: Array
@@ -32,73 +31,104 @@ class PathTorques(NamedTuple):
     rate: Array
 
 
-def path_torques(machine: Machine, path: Path, s: Array, payload: float) -> PathTorques:
-    """Return what motions along a path ask of the joints at distances (points,), with a payload in kg."""
-    q, first, second = path.at(s)
-    mass, of_velocities, gravity = _rigid_body(machine, q, first, payload)
-    return PathTorques(_times(mass, first), _times(mass, second) + of_velocities, gravity, first)
+def path_torques(machine: Machine, path: JointPath, s: Array, payload: float) -> PathTorques:
+    """Return the torques that motions along a path require.
+
+    Args:
+        machine: machine whose arm moves.
+        path: path of its joints.
+        s: distances along the path, (points,), m or rad.
+        payload: kg.
+    """
+    q, first, second = path.evaluate(s)
+    mass, coriolis, gravity = _rigid_body_terms(machine, q, first, payload)
+    return PathTorques(_multiply_rows(mass, first), _multiply_rows(mass, second) + coriolis, gravity, first)
 
 
 def rigid_torques(machine: Machine, states: States, payload: float) -> Array:
-    """Return the torques that move the masses and hold them with the springs, (instants, joints), N m."""
-    mass, of_velocities, gravity = _rigid_body(machine, states.angles, states.velocities, payload)
-    return _times(mass, states.accelerations) + of_velocities + gravity
-
-
-def hose_torques(machine: Machine, able: Ability, states: States, payload: float) -> Array:
-    """Return the torques that the hoses have to give, friction and losses included, (instants, joints), N m."""
-    opposing = (able.friction + able.loss) * np.sign(states.velocities) + able.damping * states.velocities
-    return rigid_torques(machine, states, payload) + opposing
-
-
-def room_at_rest(machine: Machine, able: Ability, postures: Array, payload: float) -> tuple[Array, Array]:
-    """Return what is left to move an arm that its hoses hold, at the worst of some postures.
+    """Return the torques of the rigid arm, springs included, without friction and losses.
 
     Args:
-        machine: with the arm.
-        able: what its joints can do.
-        postures: rad, (postures, joints).
+        machine: machine whose arm moves.
+        states: states of its joints, (instants, joints) each.
         payload: kg.
 
     Returns:
-        Torque that every joint has left either way, (joints,), N m, below zero where it can't hold itself; and the
-        greatest inertias, (joints, joints), kg m2.
+        Torques (instants, joints), N m.
     """
-    mass, _, held = _rigid_body(machine, postures, np.zeros(postures.shape), payload)
-    opposing = able.friction + able.loss
-    left = np.minimum(able.torque - opposing - held, held - able.least_torque - opposing)
-    return left.min(axis=0), np.abs(mass).max(axis=0)
+    mass, coriolis, gravity = _rigid_body_terms(machine, states.angles, states.velocities, payload)
+    return _multiply_rows(mass, states.accelerations) + coriolis + gravity
 
 
-def least_inertias(machine: Machine, postures: Array, payload: float) -> Array:
-    """Return the inertia that a torque on one joint meets while all others are free, (joints,), kg m2.
+def hose_torques(machine: Machine, capabilities: JointCapabilities, states: States, payload: float) -> Array:
+    """Return the torques that the hoses have to exert, friction and losses included.
 
     Args:
-        machine: with the arm.
-        postures: rad, (postures, joints); the least of them counts.
+        machine: machine whose arm moves.
+        capabilities: capabilities of its joints.
+        states: states of its joints, (instants, joints) each.
+        payload: kg.
+
+    Returns:
+        Torques (instants, joints), N m.
+    """
+    dry_friction = (capabilities.friction + capabilities.loss) * np.sign(states.velocities)
+    opposing = dry_friction + capabilities.damping * states.velocities
+    return rigid_torques(machine, states, payload) + opposing
+
+
+def torque_margin_at_rest(
+    machine: Machine, capabilities: JointCapabilities, configurations: Array, payload: float
+) -> tuple[Array, Array]:
+    """Return the torque that joints have left to accelerate an arm that they hold, at its least over configurations.
+
+    Args:
+        machine: machine with the arm.
+        capabilities: capabilities of its joints.
+        configurations: joint angles, (configurations, joints), rad.
+        payload: kg.
+
+    Returns:
+        Margin of every joint in either direction, (joints,), N m, negative where it can't hold itself; and the
+        greatest absolute entries of the mass matrix, (joints, joints), kg m2.
+    """
+    mass, _, static = _rigid_body_terms(machine, configurations, np.zeros(configurations.shape), payload)
+    opposing = capabilities.friction + capabilities.loss
+    margin = np.minimum(capabilities.torque - opposing - static, static - capabilities.min_torque - opposing)
+    return margin.min(axis=0), np.abs(mass).max(axis=0)
+
+
+def min_inertias(machine: Machine, configurations: Array, payload: float) -> Array:
+    """Return each joint's least effective inertia over configurations, with all other joints free, (joints,), kg m2.
+
+    Args:
+        machine: machine with the arm.
+        configurations: joint angles, (configurations, joints), rad.
         payload: kg.
     """
-    mass, _, _ = _rigid_body(machine, postures, np.zeros(postures.shape), payload)
+    mass, _, _ = _rigid_body_terms(machine, configurations, np.zeros(configurations.shape), payload)
     each = 1.0 / np.diagonal(np.linalg.inv(mass), axis1=1, axis2=2)
     return np.asarray(each.min(axis=0), dtype=np.float64)
 
 
-def _rigid_body(machine: Machine, angles: Array, velocities: Array, payload: float) -> tuple[Array, Array, Array]:
-    """Return mass matrices (instants, joints, joints), torques against velocities and to stay, (instants, joints)."""
+def _rigid_body_terms(machine: Machine, angles: Array, velocities: Array, payload: float) -> tuple[Array, Array, Array]:
+    """Return mass matrices (instants, joints, joints), Coriolis and static torques to exert, (instants, joints)."""
     arm, (count, n) = parameters.arm(machine), angles.shape
-    if machine.kinds:  # laws from outside may not be ones for arrays
-        postures = zip(angles.tolist(), velocities.tolist(), strict=True)
-        rows = [dynamics(arm, payload, tuple(q), tuple(v)) for q, v in postures]
-        upper, of_velocities, pulls = (np.array(column) for column in zip(*rows, strict=True))
+    if machine.kinds:  # laws from outside may not accept arrays
+        instants = zip(angles.tolist(), velocities.tolist(), strict=True)
+        rows = [dynamics(arm, payload, tuple(q), tuple(v)) for q, v in instants]
+        upper, coriolis, gravity = (np.array(column) for column in zip(*rows, strict=True))
     else:
-        found = dynamics(arm, payload, tuple(angles.T), tuple(velocities.T))
-        upper, of_velocities, pulls = (np.stack([np.broadcast_to(one, count) for one in of], axis=1) for of in found)
+        terms = dynamics(arm, payload, tuple(angles.T), tuple(velocities.T))
+        upper, coriolis, gravity = (
+            np.stack([np.broadcast_to(entry, count) for entry in entries], axis=1) for entries in terms
+        )
     mass = np.zeros((count, n, n))
     across, down = np.triu_indices(n)
     mass[:, across, down] = mass[:, down, across] = upper
-    return mass, -of_velocities, needed_at_rest(machine, pulls, angles)
+    return mass, -coriolis, static_torques(machine, gravity, angles)
 
 
-def _times(mass: Array, of: Array) -> Array:
-    product: Array = np.einsum("tij,tj->ti", mass, of)
+def _multiply_rows(mass: Array, vectors: Array) -> Array:
+    product: Array = np.einsum("tij,tj->ti", mass, vectors)
     return product

@@ -1,30 +1,34 @@
-"""The motion file as it is written: a posture to begin with, and segments, each from rest to rest."""
+"""Data model of motion files: a start configuration, and segments, each from rest to rest."""
 
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Annotated, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
+import numpy as np
 from pydantic import Field, ValidationError, model_validator
 
-from layflat.description import Part
+from layflat.description import DescribedFile, Part
 from layflat.description import units as u
-from layflat.description.explain import explained
+from layflat.description.explain import explain_error
 from layflat.description.library import Library
-from layflat.description.part import Described
 from layflat.description.places import Steps
+from layflat.description.quantity import SI
 from layflat.errors import InputError
-from layflat.motion.limits import RESERVE, TipLimits
-from layflat.physics.arms.kind import MOST
+from layflat.machine import Machine
+from layflat.motion.limits import FEEDBACK_RESERVE, TipLimits
+from layflat.motion.signal_values import Angles, SignalKind, Value, read_number, read_row
+from layflat.physics.arms.kind import MAX_JOINTS
 
-MOTIONS = Library(
-    Path(__file__).parent / "builtin", "motion", "`layflat motions` lists them", 'speed = "0.5 m/s"', InputError
+MOTION_LIBRARY = Library(
+    Path(__file__).parent / "builtin", "motion", "`layflat motion list` lists them", 'speed = "0.5 m/s"', InputError
 )
 
 Point = Annotated[tuple[u.Coordinate, ...], Field(min_length=2, max_length=3)]
-Posture = Annotated[tuple[u.Angle, ...], Field(min_length=1, max_length=MOST)]
+JointAngles = Annotated[tuple[u.Angle, ...], Field(min_length=1, max_length=MAX_JOINTS)]
 
 
-class Timed(Part):
-    """How a way is gone through: with limited jerk, or as quickly as hoses and valves can."""
+class TimedPart(Part):
+    """Timing along a path: with limited jerk, or time-optimal within the capabilities of hoses and valves."""
 
     speed: u.LinearSpeed | None = Field(default=None, description="of the tip at most")
     acceleration: u.PositiveAcceleration | None = Field(default=None, description="of the tip at most")
@@ -32,7 +36,8 @@ class Timed(Part):
     time_optimal: bool = False
 
     @model_validator(mode="after")
-    def _no_jerk_in_least_time(self) -> Self:
+    def _check_jerk(self) -> Self:
+        """Raise ValueError if a time-optimal segment has a limit of jerk."""
         if self.time_optimal and self.jerk is not None:
             raise ValueError("has a jerk, and is time_optimal, which limits torques' rates instead; leave out one")
         return self
@@ -40,49 +45,51 @@ class Timed(Part):
     @property
     def tip(self) -> TipLimits:
         """Limits of the tip's motion."""
-        usual = TipLimits()
-        given = (self.speed, self.acceleration, self.jerk)
-        return TipLimits(*(limit if of is None else of for of, limit in zip(given, usual, strict=True)))
+        limits = (self.speed, self.acceleration, self.jerk)
+        return TipLimits(
+            *(default if limit is None else limit for limit, default in zip(limits, TipLimits(), strict=True))
+        )
 
 
-class LinePart(Timed):
-    """The tip goes straight to a point."""
+class LinePart(TimedPart):
+    """Straight line of the tip to a point."""
 
     kind: Literal["line"]
     to: Point
 
 
-class ArcPart(Timed):
-    """The tip goes on a circle, through a point, to another."""
+class ArcPart(TimedPart):
+    """Circular arc of the tip through a point to another."""
 
     kind: Literal["arc"]
     through: Point
     to: Point
 
 
-class ViaPart(Timed):
-    """A smooth way through points of the tip, or through postures, the last of which it ends in."""
+class ViaPart(TimedPart):
+    """Spline through points of the tip, or through configurations; it ends in the last."""
 
     kind: Literal["via"]
     points: Annotated[tuple[Point, ...], Field(min_length=1)] | None = None
-    angles: Annotated[tuple[Posture, ...], Field(min_length=1)] | None = None
+    angles: Annotated[tuple[JointAngles, ...], Field(min_length=1)] | None = None
 
     @model_validator(mode="after")
-    def _either(self) -> Self:
+    def _check_points_or_angles(self) -> Self:
+        """Raise ValueError unless points or angles are given, and not both."""
         if (self.points is None) == (self.angles is None):
             raise ValueError("needs points or angles; give one of them")
         return self
 
 
-class JointPart(Timed):
-    """The joints go straight to angles."""
+class JointPart(TimedPart):
+    """Straight line in joint space to angles."""
 
     kind: Literal["joint"]
-    to: Posture
+    to: JointAngles
 
 
 class BeltPart(Part):
-    """The tip follows a point on a belt."""
+    """Motion in which the tip follows a point on a belt."""
 
     kind: Literal["belt"]
     direction: u.Angle = Field(description="of the belt, from the x axis")
@@ -93,7 +100,7 @@ class BeltPart(Part):
 
 
 class WaitPart(Part):
-    """The arm stays where it is."""
+    """Pause at constant angles."""
 
     kind: Literal["wait"]
     duration: u.Time
@@ -102,31 +109,68 @@ class WaitPart(Part):
 SegmentPart = Annotated[LinePart | ArcPart | ViaPart | JointPart | BeltPart | WaitPart, Field(discriminator="kind")]
 
 
-class Motion(Described):
-    """A motion that an arm is asked for; postures have one angle a joint, from base to tip."""
+class MotionDescription(DescribedFile):
+    """Motion of an arm; configurations have one angle per joint, from base to tip."""
 
-    start: Posture
+    start: JointAngles
     payload: u.Mass | None = Field(default=None, description="default: that of the machine")
-    reserve: Annotated[float, Field(ge=0.0, le=0.9)] = RESERVE
+    reserve: Annotated[float, Field(ge=0.0, le=0.9)] = FEEDBACK_RESERVE
     segment: Annotated[tuple[SegmentPart, ...], Field(min_length=1)]
 
 
-def _place(steps: Steps, value: object) -> str:  # noqa: ARG001  (as of all who name places)
-    """Return how a place in a file is called: its segments count from one."""
-    named = [str(step + 1) if isinstance(step, int) else step for step in steps]
-    if named[:1] != ["segment"] or len(named) == 1:
-        return ".".join(named)
-    return ": ".join([f"segment {named[1]}", *([".".join(named[2:])] if named[2:] else [])])
+def _place_name(steps: Steps, value: object) -> str:  # noqa: ARG001  (signature of `explained`)
+    """Return the name of a location in a file for messages: its segments count from one."""
+    parts = [str(step + 1) if isinstance(step, int) else step for step in steps]
+    if parts[:1] != ["segment"] or len(parts) == 1:
+        return ".".join(parts)
+    return ": ".join([f"segment {parts[1]}", *([".".join(parts[2:])] if parts[2:] else [])])
 
 
-def read_motion(where: str | Path) -> Motion:
-    """Return a motion from a built-in name or a TOML file; raise InputError, in one line, for what is wrong in it."""
-    plain, sources = MOTIONS.tables(where)
-    try:
-        motion = Motion.model_validate(plain)
-    except ValidationError as error:
-        complete = "`layflat motions tour` shows a complete motion"
-        raise explained(error, str(where), Motion, complete=complete, written=_place) from None
+def read_motion(where: str | Path) -> MotionDescription:
+    """Return a motion by its built-in name or from a TOML file; raise InputError with one line for a wrong file."""
+    plain, sources = MOTION_LIBRARY.tables(where)
+    motion = _build_motion(plain, str(where))
     motion._provenance.update(sources)
-    motion._origin = str(where)
     return motion
+
+
+def _build_motion(plain: Mapping[str, Any], where: str, context: Mapping[str, bool] | None = None) -> MotionDescription:
+    """Return the validated motion of plain tables from `where`; in the context `SI`, numbers are in SI units."""
+    try:
+        motion = MotionDescription.model_validate(plain, context=context)
+    except ValidationError as error:
+        complete = "`layflat motion show tour` shows a complete motion"
+        raise explain_error(error, where, MotionDescription, complete=complete, written=_place_name) from None
+    motion._origin = where
+    return motion
+
+
+def make_motion(
+    machine: Machine,
+    motion: str | Path | MotionDescription | Sequence[Mapping[str, Any]],
+    start: Angles | None = None,
+    payload: Value | None = None,
+) -> MotionDescription:
+    """Return a motion of a machine's arm.
+
+    Args:
+        machine: machine with the arm.
+        motion: a built-in name, a file, a description, or segments with the keys of a file's.
+        start: angles at which segments begin, rad or texts; default: mid-stroke.
+        payload: kg or a text; default: that of the motion.
+
+    Raises:
+        InputError: the motion or an argument is wrong.
+    """
+    if isinstance(motion, (str, Path, MotionDescription)):
+        if start is not None:
+            raise InputError("goes with segments", where="start", right="leave it out: the motion has its own")
+        described = motion if isinstance(motion, MotionDescription) else read_motion(motion)
+    else:
+        kind = SignalKind("start", u.ANGLE, list(machine.joints))
+        rest = np.zeros(len(machine.joints))
+        angles = rest if start is None else read_row(start, kind, rest)
+        plain = {"name": "motion", "title": "", "start": angles.tolist(), "segment": motion}
+        described = _build_motion(plain, "motion", SI)
+    given = None if payload is None else read_number(payload, u.MASS, "payload")
+    return described if given is None else described.model_copy(update={"payload": given})

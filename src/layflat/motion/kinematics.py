@@ -1,4 +1,4 @@
-"""Where the tip of a machine's arm is, and how it moves.
+"""Position and velocity of the tip of a machine's arm.
 
 | symbol | meaning | unit |
 |---|---|---|
@@ -16,54 +16,63 @@ import numpy as np
 from layflat.arrays import Array
 from layflat.errors import MachineError
 from layflat.machine import Machine, parameters
-from layflat.physics.arms import joints_along, tips_along
+from layflat.motion.path import half_strokes
+from layflat.physics.arms import joint_positions_and_axes, tip_positions
 from layflat.physics.arms.planar import PlanarArmPart
 
 
 def tip_position(machine: Machine, q: Array) -> Array:
-    """Position of the tip, (..., axes) in m, in the plane or in space, for angles (..., joints) in rad within +-pi."""
+    """Return the tip's position (..., axes), m, in the plane or in space, at angles q (..., joints), rad, in +-pi."""
     rows = np.ascontiguousarray(q.reshape(-1, q.shape[-1]))
-    tips: Array = tips_along(parameters.arm(machine), (0.0,) * q.shape[-1], rows)
+    tips: Array = tip_positions(parameters.arm(machine), (0.0,) * q.shape[-1], rows)
     return tips.reshape(*q.shape[:-1], tips.shape[-1])
 
 
 class Kinematics:
-    """Where the joints and the tip of an arm of any kind are in space; the arm's parameters are found once."""
+    """Positions of joints and tip of an arm of any kind in space; the arm's parameters are computed once."""
 
     def __init__(self, machine: Machine) -> None:
-        """Take the arm of a machine."""
-        self._arm, self._like = parameters.arm(machine), (0.0,) * len(machine.joints)
+        """Compute the parameters of a machine's arm."""
+        self._arm, self._zero_angles = parameters.arm(machine), (0.0,) * len(machine.joints)
 
     def joints(self, q: Array) -> tuple[Array, Array]:
-        """Return where joints and tip are, (points, joints + 1, 3) in m, and the directions of the joints' axes.
+        """Return positions of joints and tip, (points, joints + 1, 3), m, and unit vectors of the joints' axes.
 
-        These are (points, joints, 3); angles are (points, joints), rad.
+        The unit vectors are (points, joints, 3); angles q are (points, joints), rad.
         """
-        found: tuple[Array, Array] = joints_along(self._arm, self._like, np.ascontiguousarray(q))
-        return found
+        positions_and_axes: tuple[Array, Array] = joint_positions_and_axes(
+            self._arm, self._zero_angles, np.ascontiguousarray(q)
+        )
+        return positions_and_axes
 
     def tip(self, q: Array) -> Array:
-        """Return where the tip is, (points, 3), m, at angles (points, joints), rad."""
+        """Return the tip's position, (points, 3), m, at angles (points, joints), rad."""
         return self.joints(q)[0][:, -1]
 
     def tip_and_jacobian(self, q: Array) -> tuple[Array, Array]:
-        """Return where the tip is, (points, 3), m, and by how much it moves with each joint, (points, 3, joints)."""
-        places, axes = self.joints(q)
-        tip = places[:, -1:]
-        return tip[:, 0], np.cross(axes, tip - places[:, :-1]).swapaxes(1, 2)
+        """Return the tip's position, (points, 3), m, and its Jacobian, (points, 3, joints), m/rad."""
+        positions, axes = self.joints(q)
+        tip = positions[:, -1:]
+        return tip[:, 0], np.cross(axes, tip - positions[:, :-1]).swapaxes(1, 2)
 
     def tip_motion(self, q: Array, first: Array, second: Array) -> tuple[Array, Array]:
-        """Return the first and second derivative of the tip's position, (points, 3) each, from those of the angles."""
-        # Each joint's own turn is carried along by those before it, and links are accelerated as by any rotation.
-        places, axes = self.joints(q)
-        links, own = np.diff(places, axis=1), axes * first[..., None]
-        rate = np.cumsum(own, axis=1)
-        change = np.cumsum(axes * second[..., None] + np.cross(rate, own), axis=1)
+        """Return the first and second derivative of the tip's position, (points, 3) each.
+
+        Args:
+            q: angles (points, joints), rad.
+            first: their derivatives by time, or by the length of a path.
+            second: their second derivatives.
+        """
+        # Angular velocities of the joints add up from the base; the links rotate about the joints' positions.
+        positions, axes = self.joints(q)
+        links, relative = np.diff(positions, axis=1), axes * first[..., None]
+        rate = np.cumsum(relative, axis=1)
+        change = np.cumsum(axes * second[..., None] + np.cross(rate, relative), axis=1)
         speed = np.cross(rate, links)
         return speed.sum(axis=1), (np.cross(change, links) + np.cross(rate, speed)).sum(axis=1)
 
 
-def links(machine: Machine) -> tuple[Array, Array]:
+def planar_links(machine: Machine) -> tuple[Array, Array]:
     """Return the lengths of the links (m) and the angles between them at mid-stroke (rad), (joints,) each.
 
     Raises:
@@ -76,7 +85,7 @@ def links(machine: Machine) -> tuple[Array, Array]:
     return lengths, np.array([0.0, machine.arm.elbow][: len(lengths)])
 
 
-def directions(angles: Array) -> tuple[Array, Array]:
+def unit_vectors(angles: Array) -> tuple[Array, Array]:
     """Return unit vectors along and across directions (...,) in rad, (..., 2) each."""
     c, s = np.cos(angles), np.sin(angles)
     return np.stack([c, s], axis=-1), np.stack([-s, c], axis=-1)
@@ -86,7 +95,7 @@ def tip_motion(machine: Machine, q: Array, first: Array, second: Array) -> tuple
     """Return the first and second derivative of the tip's position, (points, axes) each, from those of the angles.
 
     Args:
-        machine: with an arm of any kind.
+        machine: machine with an arm of any kind.
         q: angles (points, joints), rad.
         first: their derivatives by time, or by the length of a path.
         second: their second derivatives.
@@ -95,8 +104,28 @@ def tip_motion(machine: Machine, q: Array, first: Array, second: Array) -> tuple
         moved, accelerated = Kinematics(machine).tip_motion(q, first, second)
         axes = tip_position(machine, q[:1]).shape[-1]
         return moved[:, :axes], accelerated[:, :axes]
-    lengths, bends = links(machine)
-    along, across = directions(np.cumsum(q + bends, axis=-1))
-    rate, change = (np.cumsum(of, axis=-1)[..., None] for of in (first, second))
+    lengths, bends = planar_links(machine)
+    along, across = unit_vectors(np.cumsum(q + bends, axis=-1))
+    rate, change = (np.cumsum(derivative, axis=-1)[..., None] for derivative in (first, second))
     arms = lengths[:, None]
     return (arms * rate * across).sum(axis=-2), (arms * (change * across - rate**2 * along)).sum(axis=-2)
+
+
+LEVER_SAMPLES = 200  # random configurations at which lever arms are computed
+MIN_LEVER = 1e-3  # lever arm below which a joint does not move the tip, m
+
+
+def tip_levers(machine: Machine) -> Array:
+    """Return the greatest lever arm of each joint to the tip over random configurations, (joints,), m/rad."""
+    half = half_strokes(machine)
+    configurations = np.random.default_rng(0).uniform(-half, half, (LEVER_SAMPLES, len(half)))
+    _, jacobians = Kinematics(machine).tip_and_jacobian(configurations)
+    levers: Array = np.linalg.norm(jacobians, axis=1).max(axis=0)
+    return levers
+
+
+def joints_not_moving_tip(machine: Machine) -> list[str]:
+    """Return the names of the joints that do not move the tip, as their axes always pass through it."""
+    if isinstance(machine.arm, PlanarArmPart):  # its links have lengths, and no kernel need be compiled to say so
+        return []
+    return [name for name, lever in zip(machine.joints, tip_levers(machine), strict=True) if lever < MIN_LEVER]

@@ -1,12 +1,12 @@
-"""Meeting what moves past: the soonest time at which an arm can be where a point is, with its velocity.
+"""Interception of a moving point: the earliest time at which an arm can have its position and velocity.
 
 | symbol | meaning | unit |
 |---|---|---|
-| s | how far the point is along its line | m |
+| s | distance of the point along its line | m |
 | T | time until arm and point meet | s |
 
-The quickest motion from the arm's state into that of the point at T takes a time of its own; they meet at the first T
-that is not shorter. Motions between moving states: `travel.transfer`.
+They meet at the first T that is not shorter than the quickest motion from the arm's state to that of the point at T.
+Motions between moving states: `travel.plan_transfer`.
 """
 
 from dataclasses import dataclass
@@ -17,136 +17,155 @@ import numpy as np
 
 from layflat.arrays import Array
 from layflat.machine import Machine
-from layflat.motion.curve import Line
+from layflat.motion.curve import LineCurve
 from layflat.motion.limits import MotionLimits
-from layflat.motion.planar_path import PlanarPath
-from layflat.motion.reach import Reach
+from layflat.motion.planar import PlanarPath, PlanarReach
 from layflat.motion.trajectory import States
-from layflat.motion.travel import Travel, tip_peaks, transfer
+from layflat.motion.travel import PlannedMove, plan_transfer, tip_peaks
 
-GRID = 2e-3  # of the places that are tried along a line, m
-STEP = 0.02  # of the times that are tried, s
-LONGEST = 3.0  # until a meeting, s
-BRAKING = 2.0  # deceleration with which an arm that stops at the end of its reach comes to rest, m/s2
-ATTEMPTS = 4  # at a motion in which the tip keeps its speed
+LINE_GRID = 2e-3  # spacing of the points along a line at which reach is evaluated, m
+TIME_STEP = 0.02  # between tried meeting times, s
+MAX_MEETING_TIME = 3.0  # from now, s
+BRAKING_DECELERATION = 2.0  # of an arm that stops at the end of its reach, m/s2
+MAX_ATTEMPTS = 4  # with reduced limits, until the tip keeps its speed limit
 
 
-class Lane:
-    """A straight line of the tip, and the part of it that an arm reaches with one elbow, from `low` to `high`, m."""
+class TargetLine:
+    """Straight line of the tip, and its part from `low` to `high` (m) that an arm reaches with one elbow."""
 
-    def __init__(self, reach: Reach, start: tuple[float, float], direction: float, length: float) -> None:
-        """Take a line from a point (m) in a direction (rad), with its length (m).
+    def __init__(self, reach: PlanarReach, start: tuple[float, float], direction: float, length: float) -> None:
+        """Compute the reachable part of a line; `path` is None if there is none.
 
-        Where the arm reaches nothing of it, `path` is None; where it does so with both elbows, the first that it finds
-        is taken.
+        Where both elbows reach it, the one with the widest margin at the first reachable point is used.
+
+        Args:
+            reach: reach of the arm.
+            start: start of the line, m.
+            direction: direction of the line, from the x axis, rad.
+            length: length of the line, m.
         """
-        way = (cos(direction), sin(direction))
-        s = np.arange(0.0, length, GRID)
-        points = np.array(start) + s[:, None] * way
-        found = next((found for x, y in points.tolist() if (found := reach.postures(x, y))), None)
+        unit = (cos(direction), sin(direction))
+        s = np.arange(0.0, length, LINE_GRID)
+        points = np.array(start) + s[:, None] * unit
+        first_reached = next((options for x, y in points.tolist() if (options := reach.configurations(x, y))), None)
         self.path: PlanarPath | None = None
         self.low = self.high = 0.0
-        if found is not None:
-            line = Line(start, way, length)
-            self.path = PlanarPath(reach.machine, line, np.array(found[0].angles), "line")
+        if first_reached is not None:
+            line = LineCurve(start, unit, length)
+            self.path = PlanarPath(reach.machine, line, np.array(first_reached[0].angles), "line")
             within = self.path.reaches(s)
-            within[within] = (np.abs(self.path.at(s[within]).value) <= reach.limits).all(axis=1)
+            within[within] = (np.abs(self.path.evaluate(s[within]).value) <= reach.limits).all(axis=1)
             first = int(np.argmax(within))
             last = first + int(np.argmin(np.append(within[first:], False)))
             self.low, self.high = float(s[first]), float(s[max(last - 1, first)])
 
 
 @dataclass(frozen=True)
-class Course:
-    """A point that goes along a lane at a constant speed."""
+class MovingTarget:
+    """Point that moves along a target line at a constant speed."""
 
-    lane: Lane  # of which the arm reaches something
-    along: float  # where it is at a time, m
-    since: float  # that time, s
-    speed: float  # m/s, negative for back
+    line: TargetLine  # at least partly within reach
+    distance: float  # along the line at the time of reference, m
+    time: float  # of reference, s
+    speed: float  # m/s, negative for backwards
 
-    def place(self, time: float) -> float:
-        """Return how far along its lane the point is at a time (s), m."""
-        return self.along + self.speed * (time - self.since)
+    def distance_at(self, time: float) -> float:
+        """Return the distance of the point along its line at a time (s), m."""
+        return self.distance + self.speed * (time - self.time)
 
     def states(self, times: Array) -> States:
-        """Return what the joints do at times (instants,), s, at which the arm reaches the point."""
-        assert self.lane.path is not None
-        q, first, second = self.lane.path.at(self.along + self.speed * (times - self.since))
+        """Return the states of joints whose tip is at the point, at times (instants,), s, within reach."""
+        assert self.line.path is not None
+        q, first, second = self.line.path.evaluate(self.distance + self.speed * (times - self.time))
         return States(q, first * self.speed, second * self.speed**2)
 
     def state(self, time: float) -> States:
-        """Return what the joints do at one time (s), (joints,) each."""
-        return States(*(of[0] for of in self.states(np.array([time]))))
+        """Return the state of joints whose tip is at the point at one time (s), (joints,) each."""
+        return States(*(rows[0] for rows in self.states(np.array([time]))))
 
     @cached_property
-    def enters(self) -> float:
-        """When the point comes within reach, s."""
-        return self._passes(self.lane.low if self.speed > 0.0 else self.lane.high, outwards=False)
+    def entry_time(self) -> float:
+        """Time at which the point comes within reach, s."""
+        return self._passing_time(self.line.low if self.speed > 0.0 else self.line.high, outwards=False)
 
     @cached_property
-    def leaves(self) -> float:
-        """When an arm that follows has to brake to stop at the end of its reach, s."""
-        stopping = self.speed * abs(self.speed) / (2.0 * BRAKING)
-        return self._passes(self.end - stopping, outwards=True)
+    def braking_time(self) -> float:
+        """Last time at which an arm that follows can begin to stop within its reach, s."""
+        stopping = self.speed * abs(self.speed) / (2.0 * BRAKING_DECELERATION)
+        return self._passing_time(self.end - stopping, outwards=True)
 
     @property
     def end(self) -> float:
-        """Where along the lane the reach ends for the point, m."""
-        return self.lane.high if self.speed > 0.0 else self.lane.low
+        """Distance along the line at which the point leaves the reach, m."""
+        return self.line.high if self.speed > 0.0 else self.line.low
 
     @property
-    def stop(self) -> Array:
+    def end_angles(self) -> Array:
         """Angles (joints,), rad, at the end of the reach."""
-        assert self.lane.path is not None
-        angles: Array = self.lane.path.at(np.array([self.end])).value[0]
+        assert self.line.path is not None
+        angles: Array = self.line.path.evaluate(np.array([self.end])).value[0]
         return angles
 
-    def _passes(self, border: float, *, outwards: bool) -> float:
-        """Return when the point passes a place on its lane (m); a point at rest has or will at no time."""
+    def _passing_time(self, border: float, *, outwards: bool) -> float:
+        """Return the time (s) at which the point passes a distance (m); infinite for a stationary point."""
         if self.speed == 0.0:
-            inside = self.lane.low <= self.along <= self.lane.high
+            inside = self.line.low <= self.distance <= self.line.high
             return inf if inside == outwards else -inf
-        return self.since + (border - self.along) / self.speed
+        return self.time + (border - self.distance) / self.speed
 
 
 @dataclass(frozen=True)
 class Meeting:
-    """A motion into that of a point, and when it ends, s."""
+    """Motion of the joints into that of a point."""
 
-    way: Travel
-    time: float
+    motion: PlannedMove
+    time: float  # of its end, s
 
 
-def meet(
-    machine: Machine, start: States, now: float, course: Course, limits: MotionLimits, tip_speed: float = inf
+def plan_meeting(
+    machine: Machine, start: States, now: float, target: MovingTarget, limits: MotionLimits, tip_speed: float = inf
 ) -> Meeting | None:
-    """Return the soonest meeting of an arm, whose state is `start` at the time `now` (s), with a point on its course.
+    """Plan the earliest meeting of an arm with a moving target.
 
-    The motion keeps the limits of the joints and the speed of the tip (m/s). None where there is no such meeting within
-    the reach and three seconds. Raise MachineError if the arm is not a planar one.
+    Args:
+        machine: machine with a planar arm.
+        start: state of the joints now, (joints,) each.
+        now: time, s.
+        target: target to be met with its velocity.
+        limits: limits of the joints.
+        tip_speed: greatest speed of the tip, m/s.
+
+    Returns:
+        None without a meeting within reach and three seconds.
+
+    Raises:
+        MachineError: the arm is not planar.
     """
-    for _ in range(ATTEMPTS):
-        found = _soonest(start, now, course, limits)
-        if found is None:
+    for _ in range(MAX_ATTEMPTS):
+        meeting = _earliest_meeting(start, now, target, limits)
+        if meeting is None:
             return None
-        factor = tip_peaks(machine, found.way)[0] / tip_speed
+        factor = tip_peaks(machine, meeting.motion)[0] / tip_speed
         if factor <= 1.0:
-            return found
-        limits = limits.slower(1.05 * factor)
+            return meeting
+        limits = limits.slowed(1.05 * factor)
     return None
 
 
-def _soonest(start: States, now: float, course: Course, limits: MotionLimits) -> Meeting | None:
-    first, last = max(course.enters - now, STEP), min(course.leaves - now, LONGEST)
-    times = np.arange(first, last, STEP) if first < last else np.zeros(0)
+def _earliest_meeting(start: States, now: float, target: MovingTarget, limits: MotionLimits) -> Meeting | None:
+    """Return the earliest meeting on a grid of `TIME_STEP` within the limits, None if there is none.
+
+    `now` is the time of the start on the target's clock, s.
+    """
+    first, last = max(target.entry_time - now, TIME_STEP), min(target.braking_time - now, MAX_MEETING_TIME)
+    times = np.arange(first, last, TIME_STEP) if first < last else np.zeros(0)
     if len(times) == 0:
         return None
-    ends = course.states(now + times)
-    able = (np.abs(ends.velocities) <= limits.speed).all(axis=1)
-    able &= (np.abs(ends.accelerations) <= limits.acceleration).all(axis=1)
-    for k in np.flatnonzero(able).tolist():
-        way = transfer(start, States(*(of[k] for of in ends)), limits, duration=float(times[k]))
-        if way.duration <= times[k] + 1e-6:
-            return Meeting(way, now + float(times[k]))
+    ends = target.states(now + times)
+    feasible = (np.abs(ends.velocities) <= limits.speed).all(axis=1)
+    feasible &= (np.abs(ends.accelerations) <= limits.acceleration).all(axis=1)
+    for k in np.flatnonzero(feasible).tolist():
+        motion = plan_transfer(start, States(*(rows[k] for rows in ends)), limits, duration=float(times[k]))
+        if motion.duration <= times[k] + 1e-6:
+            return Meeting(motion, now + float(times[k]))
     return None

@@ -1,12 +1,12 @@
-"""Ways of an arm through its joints' angles, without time.
+"""Paths of an arm through joint space, without time.
 
 | symbol | meaning | unit |
 |---|---|---|
-| s | how far along a path, 0 to its length | m of the tip, or rad in joint space |
+| s | distance along a path, 0 to its length | m of the tip, or rad in joint space |
 | q(s) | angles | rad |
 
-A straight path in joint space has the Euclidean length of its angles. That of a spline, here and of the tip, is the sum
-of the distances between its points, which is nearly its own.
+A straight path in joint space has the Euclidean length of its angles. The length of a spline, in joint space or of the
+tip, is the sum of the distances between its points, which is close to its arc length.
 """
 
 from abc import ABC, abstractmethod
@@ -25,11 +25,13 @@ from layflat.machine import Machine
 if TYPE_CHECKING:
     from scipy.interpolate import CubicSpline
 
-LOOKS = 401  # points at which a path is checked
-CLOSE = 1e-9  # points that are closer, m or rad, are the same; an angle (rad) may be so much beyond its stroke
+__all__ = ["JointLine", "half_strokes"]
+
+PATH_SAMPLES = 401  # points at which a path is checked
+SAME_POINT_DISTANCE = 1e-9  # points that are closer count as one, m or rad; tolerance of strokes too, rad
 
 
-class Shape(NamedTuple):
+class CurveDerivatives(NamedTuple):
     """Values along a curve and their first and second derivatives by s, (points, values) each."""
 
     value: Array
@@ -37,55 +39,60 @@ class Shape(NamedTuple):
     second: Array
 
 
-class Path(ABC):
-    """A way through joint space, twice continuously differentiable."""
+class JointPath(ABC):
+    """Path through joint space, twice continuously differentiable."""
 
     length: float  # m or rad
 
     @abstractmethod
-    def at(self, s: Array) -> Shape:
+    def evaluate(self, s: Array) -> CurveDerivatives:
         """Return angles (points, joints), rad, and their derivatives at distances (points,) from the beginning."""
 
     @cached_property
     def end(self) -> Array:
         """Angles at the end, (joints,), rad."""
-        angles: Array = self.at(np.array([self.length])).value[0]
+        angles: Array = self.evaluate(np.array([self.length])).value[0]
         return angles
 
 
 @dataclass(frozen=True)
-class JointLine(Path):
-    """The straight way between two postures (joints,), rad."""
+class JointLine(JointPath):
+    """Straight path between two configurations (joints,), rad."""
 
     start: Array
     goal: Array
 
     @cached_property
     def length(self) -> float:  # type: ignore[override]
-        """Of the way in joint space, rad."""
+        """Length in joint space, rad."""
         return float(np.linalg.norm(self.goal - self.start))
 
-    def at(self, s: Array) -> Shape:
+    def evaluate(self, s: Array) -> CurveDerivatives:
         """Return angles and their derivatives."""
-        way = (self.goal - self.start) / max(self.length, CLOSE)
-        first = np.tile(way, (len(s), 1))
-        return Shape(self.start + s[:, None] * way, first, np.zeros_like(first))
+        direction = (self.goal - self.start) / max(self.length, SAME_POINT_DISTANCE)
+        first = np.tile(direction, (len(s), 1))
+        return CurveDerivatives(self.start + s[:, None] * direction, first, np.zeros_like(first))
 
 
-class JointSpline(Path):
-    """A smooth way through postures."""
+class JointSpline(JointPath):
+    """Natural cubic spline through configurations."""
 
-    def __init__(self, machine: Machine, postures: Sequence[Array], where: str = "via") -> None:
-        """Lay a spline through postures (joints,), rad.
+    def __init__(self, machine: Machine, configurations: Sequence[Array], where: str = "via") -> None:
+        """Fit a spline to configurations.
+
+        Args:
+            machine: machine whose strokes are checked.
+            configurations: angles (joints,), rad, each.
+            where: source of the configurations, for messages.
 
         Raises:
-            InputError: naming `where`: two of them are the same, or the way between them leaves a working stroke.
+            InputError: naming `where`: two in a row are the same, or the path between them leaves a working stroke.
         """
-        self._spline = smooth(np.array(postures), where)
+        self._spline = fit_spline(np.array(configurations), where)
         self.length = float(self._spline.x[-1])
-        s = np.linspace(0.0, self.length, LOOKS)
+        s = np.linspace(0.0, self.length, PATH_SAMPLES)
         angles, half = self._spline(s), half_strokes(machine)
-        outside = np.argwhere(np.abs(angles) > half + CLOSE)
+        outside = np.argwhere(np.abs(angles) > half + SAME_POINT_DISTANCE)
         if len(outside):
             point, joint = outside[0]
             raise InputError(
@@ -95,26 +102,26 @@ class JointSpline(Path):
                 right=f"stay within +-{degrees(half[joint]):.6g} deg: give points with less of a turn between them",
             )
 
-    def at(self, s: Array) -> Shape:
+    def evaluate(self, s: Array) -> CurveDerivatives:
         """Return angles and their derivatives."""
-        return Shape(self._spline(s), self._spline(s, 1), self._spline(s, 2))
+        return CurveDerivatives(self._spline(s), self._spline(s, 1), self._spline(s, 2))
 
 
 def half_strokes(machine: Machine) -> Array:
-    """Return the greatest angle of each joint, (joints,), rad."""
+    """Return the greatest angle of each joint, half its working stroke, (joints,), rad."""
     return np.array([joint.stops.working_stroke / 2 for joint in machine.joints.values()])
 
 
-def smooth(points: Array, where: str) -> "CubicSpline":
-    """Lay a natural cubic spline through points (points, values), over the distances between them added up.
+def fit_spline(points: Array, where: str) -> "CubicSpline":
+    """Return a natural cubic spline through points (points, values), over the cumulated distances between them.
 
     Raises:
         InputError: naming `where`: two points that follow each other are the same.
     """
     from scipy.interpolate import CubicSpline  # noqa: PLC0415  # takes long to import
 
-    # Not over its own length: where it turns back on itself, it would have a corner there.
+    # Not over its arc length: a spline that reverses would have a corner there.
     steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
-    if steps.min() < CLOSE:
+    if steps.min() < SAME_POINT_DISTANCE:
         raise InputError("gives the same point twice in a row", where=where, right="give points that differ")
     return CubicSpline(np.append(0.0, np.cumsum(steps)), points, bc_type="natural")

@@ -1,5 +1,6 @@
-"""A planned motion as a picture."""
+"""Figure of a planned motion."""
 
+from collections.abc import Sequence
 from itertools import pairwise
 from math import pi
 from typing import TYPE_CHECKING
@@ -9,82 +10,106 @@ from scipy.spatial import ConvexHull
 
 from layflat.arrays import Array
 from layflat.machine import Machine
-from layflat.motion.inverse import Inverse
+from layflat.motion.dynamics import hose_torques
+from layflat.motion.inverse import InverseKinematics
 from layflat.motion.kinematics import Kinematics, tip_position
+from layflat.motion.limits import joint_capabilities
 from layflat.motion.path import half_strokes
-from layflat.motion.plan import Plan
+from layflat.motion.trajectory import MotionSequence
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from layflat.plot.motions import View
+    from layflat.plot.motions import MotionView
 
-INSTANTS = 2001  # that are drawn
-POINTS = 61  # on a side of an outline
+DRAWN_INSTANTS = 2001  # at which curves are drawn
+OUTLINE_POINTS = 61  # on each side of an outline
 
 
-def picture(plan: Plan) -> "Figure":
-    """Draw a planned motion: the tip's way, angles, velocities and torques with their limits."""
-    from layflat.plot.motions import Curve, Joint, motion_figure  # noqa: PLC0415  # matplotlib loads slowly
+def draw_motion(machine: Machine, motion: MotionSequence, payload: float, exits: Sequence[Array] = ()) -> "Figure":
+    """Draw a motion of an arm: the tip's path, angles, velocities and torques with their limits.
 
-    machine, able, motion = plan.machine, plan.able, plan.trajectory
-    time = np.linspace(0.0, max(motion.duration, machine.cycle), INSTANTS)
-    states, torques, half = motion.states(time), plan.torques(motion, time), np.degrees(half_strokes(machine))
-    angles, velocities, speeds = np.degrees(states.angles), np.degrees(states.velocities), np.degrees(able.speed)
+    Args:
+        machine: machine with the arm.
+        motion: a part for each segment.
+        payload: kg.
+        exits: positions at which targets leave the arm's reach, (axes,) each, m.
+    """
+    from layflat.plot.motions import JointCurves, LimitedCurve, motion_figure  # noqa: PLC0415  # matplotlib loads slowly
+
+    capabilities = joint_capabilities(machine)
+    time = np.linspace(0.0, max(motion.duration, machine.cycle), DRAWN_INSTANTS)
+    states, half = motion.states(time), np.degrees(half_strokes(machine))
+    torques = hose_torques(machine, capabilities, states, payload)
+    angles, velocities, speeds = (
+        np.degrees(states.angles),
+        np.degrees(states.velocities),
+        np.degrees(capabilities.speed),
+    )
     joints = {
-        name: Joint(
-            Curve(angles[:, j], -half[j], half[j]),
-            Curve(velocities[:, j], -speeds[j], speeds[j]),
-            Curve(torques[:, j], able.least_torque[j], able.torque[j]),
+        name: JointCurves(
+            LimitedCurve(angles[:, j], -half[j], half[j]),
+            LimitedCurve(velocities[:, j], -speeds[j], speeds[j]),
+            LimitedCurve(torques[:, j], capabilities.min_torque[j], capabilities.torque[j]),
         )
         for j, name in enumerate(machine.joints)
     }
-    return motion_figure(time, motion.begins, _views(plan, states.angles), joints)
+    return motion_figure(time, motion.start_times, _motion_views(machine, states.angles, exits), joints)
 
 
-def _views(plan: Plan, angles: Array) -> "list[View]":
-    """Return what is seen of a motion: in the plane, or from above and from the side."""
-    from layflat.plot.motions import View  # noqa: PLC0415
+def _motion_views(machine: Machine, angles: Array, exits: Sequence[Array]) -> "list[MotionView]":
+    """Return the views of a motion: of the plane, or from above and from the side."""
+    from layflat.plot.motions import MotionView  # noqa: PLC0415
 
-    machine, ends, tip = plan.machine, angles[[0, -1]], tip_position(plan.machine, angles)
-    left = [np.array(segment.left.place) for segment in plan.segments if segment.left is not None]
+    ends, tip = angles[[0, -1]], tip_position(machine, angles)
     arms = Kinematics(machine).joints(ends)[0]
     if tip.shape[1] == 2:
-        return [View("xy", tip, outlines(machine), list(arms[:, :, :2]), left)]
+        return [MotionView("xy", tip, reach_outlines(machine), list(arms[:, :, :2]), exits)]
     base = np.zeros((len(arms), 1, 3))
     arms = np.concatenate([base, arms], axis=1)
-    known = Inverse(machine).tips
+    workspace = InverseKinematics(machine).tips
     return [
-        View(
+        MotionView(
             "xyz"[a] + "xyz"[b],
             tip[:, [a, b]],
-            [hull(known[:, [a, b]])],
+            [convex_hull(workspace[:, [a, b]])],
             list(arms[:, :, [a, b]]),
-            [at[[a, b]] for at in left],
+            [position[[a, b]] for position in exits],
         )
         for a, b in ((0, 1), (0, 2))
     ]
 
 
-def hull(points: Array) -> Array:
+def convex_hull(points: Array) -> Array:
     """Return the convex hull of points (points, 2) as a closed line."""
     corners = points[ConvexHull(points).vertices]
     return np.vstack([corners, corners[:1]])
 
 
-def outlines(machine: Machine) -> list[Array]:
-    """Return lines around what the tip can reach, (points, 2), m, one for each side of the elbow."""
+def reach_outlines(machine: Machine) -> list[Array]:
+    """Return outlines of the tip's reach, (points, 2), m, one for each side of the elbow."""
     half = half_strokes(machine)
     if len(half) == 1:
-        return [tip_position(machine, np.linspace(-half, half, POINTS))]
+        return [tip_position(machine, np.linspace(-half, half, OUTLINE_POINTS))]
     elbow = machine.arm.elbow
     ends = np.clip(np.array([-pi, 0.0, pi]) - elbow, -half[1], half[1])
-    return [_outline(machine, half[0], low, high) for low, high in pairwise(ends) if low < high]
+    return [_reach_outline(machine, half[0], low, high) for low, high in pairwise(ends) if low < high]
 
 
-def _outline(machine: Machine, half: float, low: float, high: float) -> Array:
-    """Return the image of the border of a rectangle of joint angles."""
-    corners = np.array([[-half, low], [half, low], [half, high], [-half, high], [-half, low]])
-    share = np.linspace(0.0, 1.0, POINTS)[:, None]
-    sides = [a + share * (b - a) for a, b in pairwise(corners)]
+def _reach_outline(machine: Machine, half_stroke: float, elbow_min: float, elbow_max: float) -> Array:
+    """Return the tip positions, (points, 2), m, along the border of a rectangle of joint angles.
+
+    Joint 1 is within +-half_stroke, joint 2 from elbow_min to elbow_max, rad.
+    """
+    corners = np.array(
+        [
+            [-half_stroke, elbow_min],
+            [half_stroke, elbow_min],
+            [half_stroke, elbow_max],
+            [-half_stroke, elbow_max],
+            [-half_stroke, elbow_min],
+        ]
+    )
+    fraction = np.linspace(0.0, 1.0, OUTLINE_POINTS)[:, None]
+    sides = [a + fraction * (b - a) for a, b in pairwise(corners)]
     return tip_position(machine, np.concatenate(sides))

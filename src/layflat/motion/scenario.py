@@ -1,8 +1,9 @@
-"""All that happens to a machine during a run: demands and disturbances, as signals over time.
+"""Scenario of a simulation run: demands and disturbances over time, with the ranges of their plausible values.
 
 The fields of `Scenario` are the one table of signals. Arrays of the time loop, checks, options, keys of studies, names
-and units of records and logs, and the table in docs/conventions.md are made of it: a further signal is a field here
-and its place in the physics. `layflat simulate --help` reads the table, so nothing heavy is loaded for it.
+and units of records and logs, and the table in docs/conventions.md follow from it: a further signal is a field here
+and its use in the physics. `layflat simulate --help` reads the table, so this module imports nothing heavy. A value
+that is not plausible is a mistake in a unit, a sign or a meaning.
 """
 
 from __future__ import annotations
@@ -10,12 +11,11 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields
 from math import inf, nan
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple
 
 from annotated_types import Ge
 
 from layflat.errors import InputError
-from layflat.motion.plausible import SHARE, Range, at_most, centre_voltage, drift_range, supply_range, voltage_range
 
 if TYPE_CHECKING:
     from layflat.arrays import Array
@@ -23,6 +23,87 @@ if TYPE_CHECKING:
     from layflat.machine import Machine
     from layflat.motion.signal_rows import Signal
     from layflat.motion.signal_values import Angles, Pair, SignalKind, Value
+
+
+MAX_PRESSURE = 100e5  # gauge or absolute: no layflat hose bears more, Pa
+MIN_PRESSURE = 1e3  # absolute, of a hose, Pa: less is nearly a vacuum, or was meant in bar
+MIN_SUPPLY = 1e3  # gauge, Pa: a supply that is always less, and not zero, was meant in another unit
+VOLTAGE_ROUNDING = 0.05  # excess of a logged voltage over its range, as a fraction of the span
+
+
+class SignalRange(NamedTuple):
+    """Range of a signal's plausible values, in SI units."""
+
+    lower: float
+    upper: float
+    unit: str  # "" for a fraction
+    right: str  # such values in words, for messages
+    lower_included: bool = True
+    min_magnitude: float = 0.0  # of the greatest value, unless all are zero
+
+    def check(self, values: Any, where: str) -> Array:
+        """Return values (any shape; NaN: default) if all are in range; raise InputError naming `where`."""
+        import numpy as np  # noqa: PLC0415  # the table of signals is read for help alone, too
+
+        array = np.asarray(values, dtype=float)
+        low = array >= self.lower if self.lower_included else array > self.lower
+        good = np.isnan(array) | (low & (array <= self.upper))
+        if not good.all():
+            unit = f" {self.unit}" if self.unit else ""
+            raise InputError(f"{array[~good][0]:g}{unit} is out of range", where=where, right=f"give {self.right}")
+        if 0.0 < np.nanmax(np.abs(array), initial=0.0) < self.min_magnitude:
+            what = f"{array[array != 0.0][0]:g} {self.unit} is hardly any pressure"
+            raise InputError(what, where=where, right='give a gauge pressure such as "4 bar"; numbers are in Pa')
+        return array
+
+
+def symmetric_range(limit: float, unit: str, right: str) -> SignalRange:
+    """Return the range of a signal of either sign.
+
+    Args:
+        limit: greatest magnitude, in `unit`.
+        unit: SI unit.
+        right: such values in words, for messages.
+    """
+    return SignalRange(-limit, limit, unit, right)
+
+
+FRACTION_RANGE = SignalRange(0.0, 1.0, "", "a share from 0 to 1")
+HOSE_PRESSURE = SignalRange(
+    MIN_PRESSURE, 2.0 * MAX_PRESSURE, "Pa", 'absolute pressures such as "3.5 bar"; numbers are in Pa'
+)  # fmt: skip
+
+
+def supply_range(machine: Machine) -> SignalRange:
+    """Return the range of a supply's gauge pressure."""
+    right = f'a gauge pressure above vacuum, up to {MAX_PRESSURE / 1e5:g} bar, such as "4 bar"'
+    return SignalRange(
+        -machine.supply.ambient_pressure, MAX_PRESSURE, "Pa", right, lower_included=False, min_magnitude=MIN_SUPPLY
+    )
+
+
+def drift_range(machine: Machine) -> SignalRange:
+    """Return the range of the shift of a valve's centre voltage."""
+    if machine.valve is None:
+        return SignalRange(-inf, inf, "V", "a voltage")
+    span = machine.valve.volts_to_full
+    return symmetric_range(span, "V", f'a shift of up to {span:g} V, which opens the valve fully, such as "0.2 V"')
+
+
+def voltage_range(machine: Machine) -> SignalRange:
+    """Return the range of a valve's control voltage."""
+    if machine.valve is None:
+        return SignalRange(-inf, inf, "V", "a voltage")
+    span, centre = machine.valve.volts_to_full, machine.valve.centre_voltage
+    spare = VOLTAGE_ROUNDING * span
+    right = f"{centre - span:g} to {centre + span:g} V, the range of the valve"
+    return SignalRange(centre - span - spare, centre + span + spare, "V", right)
+
+
+def centre_voltage(machine: Machine) -> float:
+    """Return the voltage at which a valve is closed, 0 without a valve."""
+    return 0.0 if machine.valve is None else machine.valve.centre_voltage
+
 
 MAX_SEED = 2**32 - 1  # of all random numbers
 MAX_DURATION = 1e5  # s
@@ -36,24 +117,24 @@ MAX_PAYLOAD = 500.0  # kg
 
 @dataclass(frozen=True, kw_only=True)
 class SignalRow:
-    """A row of the table of signals: all that is known of a signal besides its name and its default."""
+    """Row of the table of signals: all properties of a signal besides its name and its default."""
 
-    written: str  # name in description/units.py of the kind of its values; empty: a share
+    written: str  # name in description/units.py of the kind of its values; empty: a fraction
     meaning: str
     usual: float | Callable[[Machine], float] = nan
-    """Value before the first step, and of joints that are not named; not a number: as the machine has it."""
+    """Value before the first step, and of joints that are not named; NaN: the machine's."""
     path: str = ""  # of the machine's number that it replaces
     by_joint: bool = True  # False: all joints share it
-    range: Range | Callable[[Machine], Range] | None = None  # of plausible values
+    range: SignalRange | Callable[[Machine], SignalRange] | None = None  # of plausible values
     varies: Literal["", "factor", "adds", "replaces"] = ""
-    """How values that differ from run to run come to those of a scenario; empty: they don't."""
+    """Combination of values that differ from run to run with those of the scenario; empty: they can't differ."""
     option: str = ""  # help of the option of `layflat simulate`, with an example; empty: it has none
-    logged: Literal["", "held", "measured"] = ""  # how logs have it: as commanded, which holds, or as measured
-    gauge: bool = False  # a pressure above the ambient one; in records and logs it is absolute
+    logged: Literal["", "held", "measured"] = ""  # in logs: a command, held until the next, or a measurement
+    gauge: bool = False  # whether it is a gauge pressure; in records and logs it is absolute
 
     @property
     def annotation(self) -> Any:
-        """Type of its values in a file: a float, with its quantity and its bounds."""
+        """Type of its values in a file: a float with its quantity and its bounds."""
         if not self.written:
             return Annotated[float, Ge(0)]
         from layflat.description import units  # noqa: PLC0415  # takes long to import
@@ -63,7 +144,7 @@ class SignalRow:
 
     @property
     def quantity(self) -> u.Quantity | None:
-        """None of a share."""
+        """Quantity of its values; None for a fraction."""
         from layflat.description.change import quantity_of  # noqa: PLC0415  # takes long to import
 
         return quantity_of(self.annotation)
@@ -82,101 +163,120 @@ class SignalRow:
         return SignalKind(name, self.quantity, joints) if self.by_joint else single_kind(name, self.quantity)
 
     def usual_of(self, machine: Machine) -> float:
-        """Return its value where nothing is said."""
+        """Return its default value for a machine."""
         return self.usual(machine) if callable(self.usual) else self.usual
 
     def check(self, machine: Machine, values: Any, where: str) -> Array:
-        """Return values (SI, any shape; nan: as usual) if they are plausible; raise InputError naming `where`."""
-        limits = self.range(machine) if callable(self.range) else self.range or Range(-inf, inf, "", "")
+        """Return values if they are plausible.
+
+        Args:
+            machine: machine whose range counts.
+            values: SI units, any shape; NaN: default.
+            where: source of the values, for messages.
+
+        Raises:
+            InputError: naming `where`: a value is out of range.
+        """
+        limits = self.range(machine) if callable(self.range) else self.range or SignalRange(-inf, inf, "", "")
         return limits.check(values, where)
 
 
-def row(written: str, meaning: str, **rest: Any) -> dict[str, SignalRow]:
+def signal_row(written: str, meaning: str, **rest: Any) -> dict[str, SignalRow]:
     """Return a row of the table, as a field of `Scenario` carries it."""
     return {"row": SignalRow(written=written, meaning=meaning, **rest)}
 
 
 @dataclass(frozen=True)
 class Scenario:
-    """All that acts on a machine during a run. Text carries units; numbers are SI.
+    """Signals that act on a machine during a run. Text carries units; numbers are SI.
 
     A signal is a constant, steps [("0 s", ...), ("1 s", ...)], a function of time, an array with a row for each control
-    cycle, or a table of pandas or xarray with times and the names of joints. Where a joint is not named it keeps what
-    it had: the value of the step before, and before the first step a disturbance its usual value, a demand the start.
-    An opening or a voltage acts in place of the controller: a run in open loop, or one that follows a log.
+    cycle, or a table of pandas or xarray with times and the names of joints. A joint that is not named keeps its value
+    of the step before; before the first step, disturbances have their default and demands the start.
+    An opening or a voltage replaces the controller: a run in open loop, or one that replays a log.
 
-    Signals stand below, and in docs/conventions.md; besides them there are:
+    The table in docs/conventions.md lists the signals; the other fields are:
 
     Args:
-        tip: places asked for of the tip instead of a demand (m), as {"x": "0.5 m", "y": "0 m"}, in space with "z", or a
-            list of these; each is taken with the posture that is near to the one before.
+        tip: demanded positions of the tip instead of a demand (m), as {"x": "0.5 m", "y": "0 m"}, in space with "z", or
+            a list of these; each configuration is near to the one before.
         duration: s.
         start: angles at which the arm rests at first; default: the first demand.
-        pressures: absolute pressures of the hoses A and B at the start, Pa, of all joints or by joint; those that hold
-            where not given.
+        pressures: absolute pressures of the hoses A and B at the start, Pa, of all joints or by joint; default: those
+            that hold the arm.
         noise: whether the sensors are noisy.
-        seed: of the noise.
+        seed: seed of the noise.
+
+    Example:
+        >>> import layflat as lf
+        >>> lift = lf.Scenario(demand=[("0.2 s", {"large": "20 deg"})], payload="2 kg", duration="1.5 s")
+        >>> lf.rollout("paper-arm", scenario=lift).sizes["time"]
+        301
     """
 
-    demand: Signal = field(default=0.0, metadata=row("Angle", "angle asked for", usual=0.0, logged="held"))
+    demand: Signal = field(default=0.0, metadata=signal_row("Angle", "demanded angle", usual=0.0, logged="held"))
     tip: Signal | None = None
-    demand_velocity: Signal | None = field(default=None, metadata=row(
+    demand_velocity: Signal | None = field(default=None, metadata=signal_row(
         "ANGULAR_SPEED", "velocity of the demand; by default as it moves on", usual=0.0,
-        range=at_most(MAX_SPEED, "rad/s", f'at most {MAX_SPEED:g} rad/s, such as "60 deg/s"; numbers are in rad/s'),
+        range=symmetric_range(
+            MAX_SPEED, "rad/s", f'at most {MAX_SPEED:g} rad/s, such as "60 deg/s"; numbers are in rad/s'
+        ),
     ))  # fmt: skip
-    demand_acceleration: Signal | None = field(default=None, metadata=row(
+    demand_acceleration: Signal | None = field(default=None, metadata=signal_row(
         "ANGULAR_ACCELERATION", "acceleration of the demand; by default as it moves on", usual=0.0,
-        range=at_most(
+        range=symmetric_range(
             MAX_ACCELERATION, "rad/s2",
             f'at most {MAX_ACCELERATION:g} rad/s2, such as "30 rad/s^2"; numbers are in rad/s2',
         ),
     ))  # fmt: skip
-    demand_stiffness: Signal = field(default=0.0, metadata=row(
-        "Stiffness", "stiffness of joints at rest, for laws and machines that can; 0: as it comes", usual=0.0,
-        range=Range(
+    demand_stiffness: Signal = field(default=0.0, metadata=signal_row(
+        "Stiffness", "stiffness of stationary joints, for laws and machines with it; 0: any", usual=0.0,
+        range=SignalRange(
             0.0, MAX_STIFFNESS, "N m/rad", f'a stiffness of zero or more, up to {MAX_STIFFNESS:g}, such as "20 N m/rad"'
         ),
     ))  # fmt: skip
     duration: Value = 2.0
     start: Angles | None = None
-    opening: Signal | None = field(default=None, metadata=row(
+    opening: Signal | None = field(default=None, metadata=signal_row(
         "", "opening of the valve, -1 to 1", usual=0.0,
-        range=Range(-1.0, 1.0, "", "a share from -1 to 1"),
+        range=SignalRange(-1.0, 1.0, "", "a share from -1 to 1"),
     ))  # fmt: skip
-    voltage: Signal | None = field(default=None, metadata=row(
+    voltage: Signal | None = field(default=None, metadata=signal_row(
         "Voltage", "control voltage",
         usual=centre_voltage, range=voltage_range, logged="held",
     ))  # fmt: skip
-    brake: Signal = field(default=1.0, metadata=row(
-        "", "share of the brake's torque", usual=1.0, range=SHARE, varies="factor", logged="held",
-        option='share of the brake\'s torque, such as "0.5 @ 1 s"',
+    brake: Signal = field(default=1.0, metadata=signal_row(
+        "", "fraction of the brake's torque", usual=1.0, range=FRACTION_RANGE, varies="factor", logged="held",
+        option='fraction of the brake\'s torque, such as "0.5 @ 1 s"',
     ))  # fmt: skip
-    dither: Signal = field(default=1.0, metadata=row(
-        "", "share of the valve's dither", usual=1.0, range=SHARE, logged="held",
-        option='share of the valve\'s dither, such as "0 @ 1 s"',
+    dither: Signal = field(default=1.0, metadata=signal_row(
+        "", "fraction of the valve's dither", usual=1.0, range=FRACTION_RANGE, logged="held",
+        option='fraction of the valve\'s dither, such as "0 @ 1 s"',
     ))  # fmt: skip
-    load: Signal = field(default=0.0, metadata=row(
+    load: Signal = field(default=0.0, metadata=signal_row(
         "TORQUE", "external torque on a joint", usual=0.0, varies="adds",
-        range=at_most(MAX_LOAD, "N m", f'at most {MAX_LOAD:g} N m, such as "2 N m"'),
+        range=symmetric_range(MAX_LOAD, "N m", f'at most {MAX_LOAD:g} N m, such as "2 N m"'),
         option='on the joints, such as "2 N m @ 1 s"',
     ))  # fmt: skip
-    drift: Signal = field(default=0.0, metadata=row(
+    drift: Signal = field(default=0.0, metadata=signal_row(
         "Voltage", "shift of the valve's centre", usual=0.0, range=drift_range, varies="adds",
         option='of the valve\'s neutral, such as "0.2 V @ 1 s"',
     ))  # fmt: skip
-    supply: Signal | None = field(default=None, metadata=row(
+    supply: Signal | None = field(default=None, metadata=signal_row(
         "Gauge", "supply pressure", path="supply.pressure_gauge", by_joint=False, range=supply_range,
         varies="replaces", option='gauge, such as "0 bar @ 1 s"; repeatable', logged="measured", gauge=True,
     ))  # fmt: skip
-    payload: Signal | None = field(default=None, metadata=row(
+    payload: Signal | None = field(default=None, metadata=signal_row(
         "Mass", "payload", path="arm.payload", by_joint=False, varies="replaces", logged="held",
-        range=Range(0.0, MAX_PAYLOAD, "kg", f'a mass of zero or more, up to {MAX_PAYLOAD:g} kg, such as "1.5 kg"'),
+        range=SignalRange(
+            0.0, MAX_PAYLOAD, "kg", f'a mass of zero or more, up to {MAX_PAYLOAD:g} kg, such as "1.5 kg"'
+        ),
         option='such as "2 kg @ 1 s"; repeatable',
     ))  # fmt: skip
-    ambient: Signal | None = field(default=None, metadata=row(
+    ambient: Signal | None = field(default=None, metadata=signal_row(
         "AmbientPressure", "absolute ambient pressure", path="supply.ambient_pressure", by_joint=False,
         varies="replaces", option='such as "0.9 bar @ 1 s"; repeatable', logged="measured",
-        range=Range(2e4, 1e6, "Pa", 'an absolute pressure from 0.2 to 10 bar, such as "0.9 bar"'),
+        range=SignalRange(2e4, 1e6, "Pa", 'an absolute pressure from 0.2 to 10 bar, such as "0.9 bar"'),
     ))  # fmt: skip
     pressures: Pair | Mapping[str, Pair] | None = None
     noise: bool = True
@@ -184,27 +284,27 @@ class Scenario:
 
     @property
     def closed_loop(self) -> bool:
-        """True where the controller drives the valves."""
+        """True if the controller drives the valves."""
         return self.opening is None and self.voltage is None
 
     @property
-    def asks_for_angles(self) -> bool:
-        """True where a demand is given, not the default or a table that names no joint."""
+    def has_demand(self) -> bool:
+        """True for a demand other than the default or a table that names no joint."""
         none = isinstance(self.demand, (int, float)) and self.demand == 0
         return not (none or (isinstance(self.demand, Mapping) and not self.demand))
 
     def __post_init__(self) -> None:
-        """Refuse what is wrong whatever the machine; raise InputError naming the field."""
-        from layflat.motion.signal_values import check_truth, check_whole  # noqa: PLC0415  # takes long to import
+        """Refuse fields that are wrong for any machine; raise InputError naming the field."""
+        from layflat.motion.signal_values import check_bool, check_integer  # noqa: PLC0415  # takes long to import
 
-        check_truth(self.noise, "noise")
-        check_whole(self.seed, "seed", 0, MAX_SEED)
-        if self.tip is not None and self.asks_for_angles:
+        check_bool(self.noise, "noise")
+        check_integer(self.seed, "seed", 0, MAX_SEED)
+        if self.tip is not None and self.has_demand:
             raise InputError("stands beside a demand", where="tip", right="give one or the other")
         if self.opening is not None and self.voltage is not None:
             raise InputError("stands beside a voltage", where="opening", right="give one or the other")
         beside = [name for name in ("tip", "demand_velocity", "demand_acceleration") if getattr(self, name) is not None]
-        beside += ["demand"] * self.asks_for_angles
+        beside += ["demand"] * self.has_demand
         if self.opening is not None and beside:
             what = f"stands beside {beside[-1]}: a run in open loop follows none"
             raise InputError(what, where="opening", right="give one or the other")
@@ -220,16 +320,16 @@ class Scenario:
         return round(duration / cycle)
 
 
-SIGNALS: dict[str, SignalRow] = {one.name: one.metadata["row"] for one in fields(Scenario) if one.metadata}
+SIGNALS: dict[str, SignalRow] = {item.name: item.metadata["row"] for item in fields(Scenario) if item.metadata}
 
 
-def varying(way: str) -> list[str]:
-    """Return the signals whose values may differ from run to run in a way."""
-    return [name for name, one in SIGNALS.items() if one.varies == way]
+def signals_varied_by(combination: str) -> list[str]:
+    """Return the signals whose values can differ from run to run, by `SignalRow.varies`."""
+    return [name for name, properties in SIGNALS.items() if properties.varies == combination]
 
 
 def check_scenario(scenario: object) -> Scenario:
-    """Return a scenario; raise InputError if something else was given."""
+    """Return a scenario; raise InputError for any other object."""
     from layflat.description.wrong import shown  # noqa: PLC0415  # takes long to import
 
     if not isinstance(scenario, Scenario):

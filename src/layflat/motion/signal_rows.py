@@ -1,7 +1,11 @@
-"""Signals over time as people write them, turned into a row of numbers for each control cycle.
+"""Expansion of signals over time, as people write them, into a row of numbers for each control cycle.
 
-Steps mean the same in every signal: a value holds from its time on, a joint that a step does not name keeps the value
-that it had, and before the first step all have the value that they start with.
+Steps mean the same in every signal: a value holds from its time on, a joint that a step does not name keeps its value,
+and before the first step all joints have their initial value.
+
+A signal that changes faster than the control cycles sample it is refused, as values between two samples would be lost
+silently. Between two samples, a signal that is sampled often enough lies between their values, or little beyond them; a
+signal with a period of less than two samples does not.
 """
 
 from collections.abc import Callable, Sequence
@@ -15,25 +19,88 @@ from layflat.arrays import Array
 from layflat.description import units as u
 from layflat.errors import InputError
 from layflat.jit.outside import NO_FAILURES
-from layflat.motion.aliasing import check_function_rate, check_table_rate
-from layflat.motion.labelled import is_labelled, labelled_row, labelled_steps
+from layflat.motion.labelled import is_labelled, read_labelled_row, read_labelled_steps
 from layflat.motion.signal_values import Angles, Sampling, SignalKind, Value, check_real, read_number, read_row
 
+MAX_TRIED = 2000  # control cycles in which a function is evaluated between samples
+GOLDEN_RATIO = 0.6180339887498949  # its multiples give fractions of cycles that never repeat
+MAX_EXCESS = 0.4
+"""Rms excess beyond the neighbouring samples over the standard deviation: 0.42 or more for sines and square waves of
+less than two samples per period, 0.39 or less for others."""
+MAX_EXCESS_OF_CHANGE = 0.23  # rms excess over the rms change from sample to sample: for a ripple on a slow motion
+RELATIVE_ROUNDING = 1e-9  # excess over the largest value
 
-class Labelled(Protocol):
-    """A table of pandas or xarray."""
+
+def check_function_rate(function: Callable[[Array], Array], rows: Array, sampling: Sampling, where: str) -> None:
+    """Refuse a function of time that changes too fast for the control cycles.
+
+    Args:
+        function: function from times (s) to values, (times, names).
+        rows: its values in the control cycles, (cycles, names).
+        sampling: the control cycles.
+        where: the argument in messages.
+
+    Raises:
+        InputError: naming `where`: what happens between the control cycles would be lost.
+    """
+    if sampling.cycles < 3:
+        return
+    first = np.unique(np.linspace(0, sampling.cycles - 2, min(MAX_TRIED, sampling.cycles - 1)).astype(int))
+    fraction = np.modf(GOLDEN_RATIO * (first + 1))[0]
+    between = function(sampling.cycle * (first + fraction))
+    _check_rate(between, rows[first], rows[first + 1], sampling, where)
+
+
+def check_table_rate(times: Array, values: Array, rows: Array, sampling: Sampling, where: str) -> None:
+    """Refuse a table whose rows between the control cycles go elsewhere than those in them.
+
+    Args:
+        times: times of the rows, s.
+        values: (rows, names).
+        rows: those that hold in the control cycles, (cycles, names).
+        sampling: the control cycles.
+        where: the argument in messages.
+
+    Raises:
+        InputError: naming `where`: rows between the control cycles would be lost.
+    """
+    inside = (times > 0.0) & (times < sampling.cycle * (sampling.cycles - 1))
+    if sampling.cycles < 3 or inside.sum() <= sampling.cycles:
+        return
+    first = np.floor(times[inside] / sampling.cycle).astype(int)
+    _check_rate(values[inside], rows[first], rows[first + 1], sampling, where)
+
+
+def _check_rate(between: Array, before: Array, after: Array, sampling: Sampling, where: str) -> None:
+    """Raise InputError if a signal changes faster than its control cycles can sample.
+
+    `between` are values between cycles, `before` and `after` those in the cycles around them, each (values, names).
+    """
+    low, high = np.minimum(before, after), np.maximum(before, after)
+    excess = np.sqrt(np.mean(np.maximum(0.0, np.maximum(between - high, low - between)) ** 2, axis=0))
+    deviation = np.std(np.concatenate([between, before]), axis=0)
+    change = np.sqrt(np.mean((after - before) ** 2, axis=0))
+    large = excess > RELATIVE_ROUNDING * np.abs(between).max()
+    if np.any(large & ((excess > MAX_EXCESS * deviation) | (excess > MAX_EXCESS_OF_CHANGE * change))):
+        what = f"changes faster than control cycles of {1e3 * sampling.cycle:g} ms can follow"
+        right = f"give periods of {2e3 * sampling.cycle:g} ms or more, or an array with a row for each cycle"
+        raise InputError(what, where=where, right=right)
+
+
+class LabelledTable(Protocol):
+    """Table of pandas or xarray."""
 
     @property
     def attrs(self) -> Any:
-        """Notes that the table carries, such as its units, by name."""
+        """Attributes of the table, such as its units, by name."""
 
 
 Steps = Sequence[tuple[Value, Angles]]
-Signal = Angles | Steps | Callable[[float], Angles] | Array | Labelled
+Signal = Angles | Steps | Callable[[float], Angles] | Array | LabelledTable
 """A constant, steps of (time, values), a function of time, an array of one row per control cycle, or a labelled table
 (a DataFrame or Series of pandas, a DataArray of xarray) with times in its index and joints as names."""
 
-TIME_ROUNDING = 1e-9  # by which a time may miss a control cycle, s
+TIME_ROUNDING = 1e-9  # deviation of a time from a control cycle, s
 
 
 def expand_signal(signal: Any, kind: SignalKind, before: Array, sampling: Sampling) -> Array:
@@ -41,29 +108,29 @@ def expand_signal(signal: Any, kind: SignalKind, before: Array, sampling: Sampli
 
     Args:
         signal: see `Signal`; of arrays every row is a control cycle.
-        kind: of the signal, with the names of its columns.
+        kind: kind of the signal, with the names of its columns.
         before: values (names,) before the first step, and of names that are left out.
         sampling: the control cycles.
 
     Raises:
-        InputError: naming the argument: what is given is no such signal, holds a value that is wrong, goes on after
-            the end, or changes faster than the control cycles can follow.
+        InputError: naming the argument: it is no such signal, holds a wrong value, continues after the end, or changes
+            faster than the control cycles can follow.
     """
     if is_labelled(signal):
-        row = labelled_row(signal, kind)
+        row = read_labelled_row(signal, kind)
         if row is None:
-            return _table(signal, kind, before, sampling)
+            return _expand_table(signal, kind, before, sampling)
         signal = row
     if isinstance(signal, np.ndarray) and signal.ndim > 0:
         return read_rows(signal, kind, sampling.cycles)
     if callable(signal):
-        rows = _function(signal, kind, before, sampling.times)
-        check_function_rate(lambda times: _function(signal, kind, before, times), rows, sampling, kind.where)
+        rows = _evaluate_function(signal, kind, before, sampling.times)
+        check_function_rate(lambda times: _evaluate_function(signal, kind, before, times), rows, sampling, kind.where)
         return rows
     if is_steps(signal):
         times, values = read_steps(signal, kind, before)
         _check_ends(times, kind.where, sampling)
-        return _held(times, values, before, sampling.times)
+        return _hold_values(times, values, before, sampling.times)
     return np.tile(read_row(signal, kind, before), (sampling.cycles, 1))
 
 
@@ -75,10 +142,15 @@ def is_steps(signal: object) -> TypeGuard[Steps]:
 
 
 def read_steps(steps: Steps, kind: SignalKind, before: Array) -> tuple[Array, Array]:
-    """Return the times (s) of steps and the values from then on, (steps, names); names left out keep what they had.
+    """Return the times (s) of steps and the values from these on, (steps, names).
+
+    Args:
+        steps: pairs of time and values.
+        kind: kind of the signal, with the names of its columns.
+        before: values (names,) before the first step; a name that a step leaves out keeps its value.
 
     Raises:
-        InputError: a time or value is wrong, a time is before the start, or they do not grow.
+        InputError: a time or value is wrong, a time is before the start, or times do not increase.
     """
     times = [read_number(time, u.TIME, kind.where) for time, _ in steps]
     if times[0] < 0.0:
@@ -95,7 +167,7 @@ def read_steps(steps: Steps, kind: SignalKind, before: Array) -> tuple[Array, Ar
 
 
 def _check_ends(times: Array, where: str, sampling: Sampling) -> None:
-    """Refuse a step that no control cycle takes."""
+    """Refuse a step that takes effect in no control cycle."""
     if times[-1] > sampling.times[-1] + TIME_ROUNDING:
         right = f"the run ends at {sampling.end:g} s: give an earlier time, or a longer duration"
         raise InputError(f"{times[-1]:g} s is after the end", where=where, right=right)
@@ -107,26 +179,31 @@ def _check_ends(times: Array, where: str, sampling: Sampling) -> None:
         raise InputError(what, where=where, right="the first would not act: leave one out")
 
 
-def _held(times: Array, values: Array, before: Array, instants: Array) -> Array:
+def _hold_values(times: Array, values: Array, before: Array, instants: Array) -> Array:
     """Return the values that hold at instants: each from its time on."""
     which = np.searchsorted(times - TIME_ROUNDING, instants, side="right")
     rows: Array = np.concatenate([before[None], values])[which]
     return rows
 
 
-def _table(signal: Any, kind: SignalKind, before: Array, sampling: Sampling) -> Array:
+def _expand_table(signal: Any, kind: SignalKind, before: Array, sampling: Sampling) -> Array:
     """Return the values of a labelled table: each row from its time on."""
-    times, values = labelled_steps(signal, kind)
+    times, values = read_labelled_steps(signal, kind)
     if times[-1] > sampling.end + TIME_ROUNDING:
         right = f"the run ends at {sampling.end:g} s: give a longer duration, or leave out later rows"
         raise InputError(f"its last row, at {times[-1]:g} s, is after the end", where=kind.where, right=right)
     values = np.where(np.isnan(values), before, values)
-    rows = _held(times, values, before, sampling.times)
+    rows = _hold_values(times, values, before, sampling.times)
     check_table_rate(times, values, rows, sampling, kind.where)
     return rows
 
 
-def _function(signal: Callable[[float], Any], kind: SignalKind, before: Array, times: Array) -> Array:
+def _evaluate_function(signal: Callable[[float], Any], kind: SignalKind, before: Array, times: Array) -> Array:
+    """Return the values of a user's function at times (s), (times, names); items that it leaves out keep their values.
+
+    Raises:
+        InputError: the function fails.
+    """
     rows = np.empty((len(times), len(kind.names)))
     last = before
     for k, time in enumerate(times.tolist()):
@@ -146,8 +223,8 @@ def read_rows(array: Any, kind: SignalKind, count: int) -> Array:
 
     Args:
         array: (count, names), or (count,) where all names share a value.
-        kind: of the signal.
-        count: of the rows, one a control cycle.
+        kind: kind of the signal.
+        count: number of the rows, one a control cycle.
 
     Raises:
         InputError: the shape does not fit, or a value is no finite real number.
@@ -164,7 +241,7 @@ def read_rows(array: Any, kind: SignalKind, count: int) -> Array:
     if array.ndim == 1 and kind.noun != "axis":
         wide = np.repeat(wide[:, None], width, axis=1)
     if wide.shape != (count, width):
-        right = _shape_wanted(array, count, width)
+        right = _shape_advice(array, count, width)
         raise InputError(f"an array of shape {array.shape} does not fit", where=kind.where, right=right)
     if wide.dtype.kind in "UO":
         wide = np.array([read_number(value, kind.quantity, kind.where) for value in wide.ravel()]).reshape(wide.shape)
@@ -173,8 +250,8 @@ def read_rows(array: Any, kind: SignalKind, count: int) -> Array:
     return np.ascontiguousarray(wide, dtype=np.float64)
 
 
-def _shape_wanted(array: NDArray[Any], count: int, width: int) -> str:
-    """Return words for the shape that an array should have, and for the likely mistake."""
+def _shape_advice(array: NDArray[Any], count: int, width: int) -> str:
+    """Return advice: the shape that an array should have, and the likely mistake."""
     right = f"give shape {(count, width)}: a row for each control cycle, a column for each value in it"
     if array.shape == (width,):
         return f"{right}; or a list for one value each"

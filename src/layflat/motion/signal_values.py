@@ -10,22 +10,21 @@ import numpy as np
 
 from layflat.arrays import Array
 from layflat.description import units as u
-from layflat.description.hints import did_you_mean
-from layflat.description.wrong import shown
+from layflat.description.wrong import did_you_mean, shown
 from layflat.errors import InputError
 
 Value = str | float
 Pair = tuple[Value, Value]  # of the hoses A and B
 Angles = Value | Mapping[str, Value] | Sequence[Value]
-"""Of all joints: one value, a table by joint, or one value a joint from base to tip."""
+"""Values of all joints: a single value, a table by joint, or one value per joint from base to tip."""
 
 K = TypeVar("K")
 
-PLURALS = {"joint": "joints", "axis": "axes"}
+NOUN_PLURALS = {"joint": "joints", "axis": "axes"}
 
 
 class SignalKind(NamedTuple):
-    """Kind of a signal: its values, and what each of them belongs to."""
+    """Kind of a signal: the quantity of its values, and the names of their columns."""
 
     where: str  # the argument in messages
     quantity: u.Quantity | None  # None: numbers without unit
@@ -43,12 +42,12 @@ class SignalKind(NamedTuple):
     def listed(self) -> str:
         """Names in words."""
         return f"give one value: {self.where} is the same for all joints" if not self.noun else (
-            f"{PLURALS[self.noun]} are {', '.join(self.names)}"
+            f"{NOUN_PLURALS[self.noun]} are {', '.join(self.names)}"
         )  # fmt: skip
 
 
 class Sampling(NamedTuple):
-    """Instants at which a signal is read: the beginnings of control cycles."""
+    """Sampling instants of a signal: the beginnings of control cycles."""
 
     cycle: float  # s
     cycles: int
@@ -106,7 +105,7 @@ def read_row(values: object, kind: SignalKind, before: Array) -> Array:
 
     Args:
         values: one for all names, one for each in order, or a table by name.
-        kind: of the signal.
+        kind: kind of the signal.
         before: values (names,) of names that a table leaves out: they keep what they had.
 
     Raises:
@@ -135,9 +134,9 @@ def read_row(values: object, kind: SignalKind, before: Array) -> Array:
     return np.array([read_number(value, kind.quantity, where) for value in each])
 
 
-def check_names(given: Iterable[object], kind: SignalKind) -> None:
-    """Raise InputError if there is another name among those given than there may be."""
-    for name in given:
+def check_names(names: Iterable[object], kind: SignalKind) -> None:
+    """Raise InputError for a name that is none of the signal's."""
+    for name in names:
         if not (isinstance(name, str) and name in kind.names):
             near = did_you_mean(name, kind.names, "")
             right = f"{kind.listed}; {near}" if kind.noun and near else kind.listed
@@ -145,7 +144,7 @@ def check_names(given: Iterable[object], kind: SignalKind) -> None:
 
 
 def check_real(array: Any, kind: SignalKind) -> None:
-    """Raise InputError if an array holds other things than real numbers or texts, or has gaps."""
+    """Raise InputError if an array holds masked values, or others than real numbers or texts."""
     if isinstance(array, np.ma.MaskedArray) and np.ma.is_masked(array):
         raise InputError("holds masked values", where=kind.where, right="give an array without a mask")
     if array.dtype.kind not in "iufUO":
@@ -157,20 +156,20 @@ def read_duration(value: object) -> float:
     return read_number(value, u.TIME, "duration")
 
 
-def check_truth(value: object, where: str) -> None:
-    """Refuse what is neither True nor False; raise InputError naming the argument `where`."""
+def check_bool(value: object, where: str) -> None:
+    """Raise InputError, naming the argument `where`, for a value that is neither True nor False."""
     if not isinstance(value, (bool, np.bool_)):
         raise InputError(f"{shown(value)} is neither True nor False", where=where, right="give one of them")
 
 
-def check_whole(value: object, where: str, lower: int, upper: int | None = None) -> int:
+def check_integer(value: object, where: str, lower: int, upper: int | None = None) -> int:
     """Return a whole number within bounds.
 
     Args:
-        value: that is given.
+        value: value to check.
         where: the argument in messages.
-        lower: the smallest that is allowed.
-        upper: the largest; default: any.
+        lower: smallest allowed number.
+        upper: largest allowed number; default: none.
 
     Raises:
         InputError: naming `where`: it is no whole number, or out of bounds.
@@ -183,14 +182,20 @@ def check_whole(value: object, where: str, lower: int, upper: int | None = None)
     return int(value)
 
 
-def checked_options(kind: type[K], given: Mapping[str, Any], where: str, over: K | None = None) -> K:
-    """Return a dataclass of options with those that were given, over its defaults or another one.
+def build_options(kind: type[K], options: Mapping[str, Any], where: str, base: K | None = None) -> K:
+    """Return a dataclass of options, with defaults for those that are not given.
+
+    Args:
+        kind: the dataclass.
+        options: values by name.
+        where: the argument in messages.
+        base: instance that supplies the defaults; default: those of the dataclass.
 
     Raises:
         InputError: an option is unknown.
     """
-    known = [field.name for field in fields(kind)]  # type: ignore[arg-type]
-    unknown = sorted(set(given) - set(known))
+    names = [field.name for field in fields(kind)]  # type: ignore[arg-type]
+    unknown = sorted(set(options) - set(names))
     if unknown:
-        raise InputError(f"unknown option {unknown[0]!r}", where=where, right=did_you_mean(unknown[0], known, "use {}"))
-    return replace(over or kind(), **given)  # type: ignore[type-var]
+        raise InputError(f"unknown option {unknown[0]!r}", where=where, right=did_you_mean(unknown[0], names, "use {}"))
+    return replace(base or kind(), **options)  # type: ignore[type-var]

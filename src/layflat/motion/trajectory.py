@@ -1,4 +1,13 @@
-"""Motions through time: angles, velocities and accelerations of all joints at any instant."""
+"""Motions through time: angles, velocities and accelerations of all joints at any instant.
+
+The rates of a demand that consists of angles alone are their differences. A jump of the demand is a change of position,
+not a motion: a difference counts as a rate only if it lasts for more than a cycle.
+
+| symbol | meaning | unit |
+|---|---|---|
+| f_k | (x_(k+1) - x_k) / T, the rate from sample k to the next | |
+| T | control cycle | s |
+"""
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
@@ -11,12 +20,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from layflat.arrays import Array
-from layflat.motion.path import Path
+from layflat.motion.path import JointPath
 
-QUINTIC_PEAKS = 15.0 / 8.0, 10.0 / 3.0**0.5  # of `quintic`: velocity over L/T, acceleration over L/T2
+QUINTIC_PEAKS = 15.0 / 8.0, 10.0 / 3.0**0.5  # of `quintic`: velocity over L/T, acceleration over L/T^2
 
 Timing = Callable[[Array], tuple[Array, Array, Array]]
-"""From times (s) to how far along a path, how fast, and with which acceleration, one of each a time."""
+"""Function from times (s) to distances along a path, speeds and accelerations, (instants,) each."""
 
 
 class States(NamedTuple):
@@ -27,67 +36,67 @@ class States(NamedTuple):
     accelerations: Array  # rad/s2
 
 
-def quintic(share: Array) -> tuple[Array, Array, Array]:
-    """Return how much of its way the motion with the least jerk has gone at shares of its time, and two derivatives.
+def quintic(time_fraction: Array) -> tuple[Array, Array, Array]:
+    """Return the minimum-jerk profile 10 u^3 - 15 u^4 + 6 u^5 from rest to rest, and its two derivatives by u.
 
-    It goes from rest to rest: 10 u^3 - 15 u^4 + 6 u^5. Source: flash1985.
+    u is the fraction of the duration, 1 after it; the profile is the fraction of the distance. Source: flash1985.
     """
-    u = np.minimum(share, 1.0)
+    u = np.minimum(time_fraction, 1.0)
     return u**3 * (10.0 - 15.0 * u + 6.0 * u**2), 30.0 * (u - u**2) ** 2, 60.0 * u * (1.0 - u) * (1.0 - 2.0 * u)
 
 
-def at_rest(angles: Array) -> States:
-    """Return joints that stand still at angles, rad."""
+def rest_states(angles: Array) -> States:
+    """Return states of rest at angles, rad."""
     return States(angles, np.zeros_like(angles), np.zeros_like(angles))
 
 
 @dataclass(frozen=True)
 class Trajectory(ABC):
-    """A motion of an arm's joints."""
+    """Motion of an arm's joints over time."""
 
     duration: float  # s
 
     def states(self, times: ArrayLike) -> States:
-        """Return what the joints do at times (instants,) from the beginning on, s; before and after it, at its ends."""
+        """Return the states of the joints at times (instants,), s; before and after the motion, those at its ends."""
         return self._states(np.clip(np.asarray(times, dtype=np.float64), 0.0, self.duration))
 
-    def at(self, times: ArrayLike) -> Array:
+    def angles_at(self, times: ArrayLike) -> Array:
         """Return angles (instants, joints), rad, at times (s)."""
         return self.states(times).angles
 
     def cycles(self, cycle: float) -> int:
-        """Return how many control cycles (s) the motion takes: one at least."""
+        """Return the number of control cycles (s) of the motion, at least one."""
         return max(ceil(self.duration / cycle - 1e-9), 1)
 
     def times(self, cycle: float) -> Array:
-        """Return the instants of control cycles (s) from the beginning until the motion has ended."""
+        """Return the instants (s) of control cycles (s) from the beginning to the first at or after the end."""
         return cycle * np.arange(self.cycles(cycle) + 1, dtype=np.float64)
 
     def rows(self, cycle: float) -> States:
-        """Return one row a control cycle (s): what a scenario takes as demand, with its velocity and acceleration."""
+        """Return the states at every control cycle (s), as a scenario's demand with velocity and acceleration."""
         return self.states(self.times(cycle))
 
     @abstractmethod
     def _states(self, times: Array) -> States:
-        """Return what the joints do at times within the duration."""
+        """Return the states of the joints at times (s) within the duration."""
 
 
 @dataclass(frozen=True)
-class Along(Trajectory):
-    """A motion along a path, by a law of how far it is along it."""
+class PathMotion(Trajectory):
+    """Motion along a path, with the distance along it as a function of time."""
 
-    path: Path
+    path: JointPath
     timing: Timing
 
     def _states(self, times: Array) -> States:
         s, speed, acceleration = (column[:, None] for column in self.timing(times))
-        q, first, second = self.path.at(s[:, 0])
+        q, first, second = self.path.evaluate(s[:, 0])
         return States(q, first * speed, second * speed**2 + first * acceleration)
 
 
 @dataclass(frozen=True)
-class Rest(Trajectory):
-    """A pause at the same angles (joints,), rad."""
+class RestMotion(Trajectory):
+    """Pause at constant angles (joints,), rad."""
 
     angles: Array
 
@@ -97,22 +106,53 @@ class Rest(Trajectory):
 
 
 @dataclass(frozen=True)
-class Chain(Trajectory):
-    """Motions one after another."""
+class MotionSequence(Trajectory):
+    """Sequence of motions."""
 
     parts: tuple[Trajectory, ...]
 
     @classmethod
-    def of(cls, *parts: Trajectory) -> "Chain":
-        """Return a chain of one or more motions."""
+    def join(cls, *parts: Trajectory) -> "MotionSequence":
+        """Return one or more motions, one after another."""
         return cls(sum(part.duration for part in parts), parts)
 
     @cached_property
-    def begins(self) -> Array:
-        """When each of the motions begins, s."""
+    def start_times(self) -> Array:
+        """Start time of each motion, s."""
         return np.cumsum([0.0, *(part.duration for part in self.parts[:-1])])
 
     def _states(self, times: Array) -> States:
-        which = np.searchsorted(self.begins, times, side="right") - 1
-        made = [part.states(times[which == i] - self.begins[i]) for i, part in enumerate(self.parts)]
-        return States(*map(np.concatenate, zip(*made, strict=True)))
+        which = np.searchsorted(self.start_times, times, side="right") - 1
+        states = [part.states(times[which == i] - self.start_times[i]) for i, part in enumerate(self.parts)]
+        return States(*map(np.concatenate, zip(*states, strict=True)))
+
+
+JUMP_ACCELERATION = 100.0  # greatest change of velocity per time of a motion, rad/s2; more is a jump
+JUMP_JERK = 5e3  # greatest change of acceleration per time of a motion, rad/s3; more is a jump
+
+
+def lasting_rate(x: Array, cycle: float, limit: float = JUMP_JERK) -> Array:
+    """Return the rate of change of rows to the next cycle, where it lasts for more than a cycle; zero elsewhere.
+
+    Args:
+        x: values, (cycles, joints).
+        cycle: control cycle, s.
+        limit: greatest change of a lasting rate from cycle to cycle, over the cycle.
+
+    Returns:
+        Rates (cycles, joints).
+    """
+    f = np.diff(x, axis=0, append=x[-1:]) / cycle
+    if len(x) > 1:
+        f[-1] = f[-2]
+    close = np.abs(np.diff(f, axis=0)) <= limit * cycle
+    never = np.zeros_like(x, dtype=bool)
+    after, before = never.copy(), never.copy()
+    after[:-1], before[1:] = close, close
+    return np.where(after | before, f, 0.0)
+
+
+def derived_rates(angles: Array, cycle: float) -> tuple[Array, Array]:
+    """Return velocity (rad/s) and acceleration (rad/s2), (cycles, joints) each, of angles (rad) at cycles (s)."""
+    velocity = lasting_rate(angles, cycle, JUMP_ACCELERATION)
+    return velocity, lasting_rate(velocity, cycle)

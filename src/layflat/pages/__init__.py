@@ -1,1 +1,1 @@
-"""Pages in the browser: the operator panel of a rig, the design studio, and how they are served."""
+"""Pages in the browser: operator panel of a rig, design studio, packing cell at work, and their server."""

@@ -1,1 +1,1 @@
-"""How air, hose, valve, brake and arm move: scalar laws, compiled."""
+"""Laws of the plant (air, hose, valve, brake, arm): scalar functions that are compiled."""

@@ -1,12 +1,12 @@
-"""What a controller can adjust of a joint besides its valve's opening: brake, dither and supply, as shares of all.
+"""Brake, dither and supply of a joint as fractions of their full values, which a controller commands beside its valve.
 
-A pneumatic calliper and a pressure regulator are filled through a throat, so that what they give moves towards what is
-asked at a steady rate, within limits; so does the dither of a driver, only faster.
+A pneumatic calliper and a pressure regulator are filled through a throat, so that their fraction moves towards the
+demanded one at a constant rate, within limits; so does the dither of a driver, only faster.
 
 | symbol | meaning | unit |
 |---|---|---|
-| s | share that is given, 0 to 1 | 1 |
-| T | time for which a share is asked | s |
+| s | present fraction, 0 to 1 | 1 |
+| T | time for which a demand holds | s |
 """
 
 from typing import NamedTuple
@@ -14,57 +14,57 @@ from typing import NamedTuple
 from layflat.jit import law
 
 
-class Adjustable(NamedTuple):
-    """Limits of a share."""
+class FractionLimits(NamedTuple):
+    """Lower limit and rate limit of a fraction."""
 
-    least: float  # below which it does not go; 1: nothing to adjust
-    rate: float  # at which it changes, 1/s
-
-
-class Adjustables(NamedTuple):
-    """What of a joint can be adjusted."""
-
-    brake: Adjustable
-    dither: Adjustable
-    supply: Adjustable
+    least: float  # lower limit; 1: not adjustable
+    rate: float  # rate of change, 1/s
 
 
-class Shares(NamedTuple):
-    """Shares of the greatest torque of a joint's brake, of its valve's dither, of its supply's gauge pressure."""
+class JointFractionLimits(NamedTuple):
+    """Limits of the three fractions of a joint."""
+
+    brake: FractionLimits
+    dither: FractionLimits
+    supply: FractionLimits
+
+
+class DriveFractions(NamedTuple):
+    """Fractions of a joint's maximum brake torque, of its valve's dither and of its supply's gauge pressure, 0 to 1."""
 
     brake: float
     dither: float
     supply: float
 
 
-FIXED = Adjustable(1.0, 1.0)
-"""A brake on a spring, a driver that always dithers, a supply without a regulator."""
+NOT_ADJUSTABLE = FractionLimits(1.0, 1.0)
+"""Limits of a brake on a spring, of a driver that always dithers, of a supply without a regulator."""
 
-ALL_FIXED = Adjustables(FIXED, FIXED, FIXED)
+NONE_ADJUSTABLE = JointFractionLimits(NOT_ADJUSTABLE, NOT_ADJUSTABLE, NOT_ADJUSTABLE)
 
-FULL = Shares(1.0, 1.0, 1.0)
-"""Of a joint that nobody adjusts, and of any joint at first."""
+FULL_FRACTIONS = DriveFractions(1.0, 1.0, 1.0)
+"""Fractions of a joint that no controller adjusts, and of any joint at the start."""
 
 
 @law
-def _adjusted(limits, s, asked, T):
-    # Mean share in the next T seconds, and the share after them.
-    most = limits.rate * T
-    change = min(max(min(max(asked, limits.least), 1.0) - s, -most), most)
+def _adjust_fraction(limits, s, demand, T):
+    """Return the mean fraction in the next T seconds, and the fraction after them, towards a demanded one."""
+    max_change = limits.rate * T
+    change = min(max(min(max(demand, limits.least), 1.0) - s, -max_change), max_change)
     after = s + change
-    return after - 0.5 * change * abs(change) / most, after
+    return after - 0.5 * change * abs(change) / max_change, after
 
 
 @law
-def adjusted(adjustables, shares, asked, T):
-    """Return the mean `Shares` of a joint in the T seconds for which shares are asked, and those after them."""
-    brake, brake_after = _adjusted(adjustables.brake, shares.brake, asked.brake, T)
-    dither, dither_after = _adjusted(adjustables.dither, shares.dither, asked.dither, T)
-    supply, supply_after = _adjusted(adjustables.supply, shares.supply, asked.supply, T)
-    return Shares(brake, dither, supply), Shares(brake_after, dither_after, supply_after)
+def adjust_fractions(adjustables, fractions, demand, T):
+    """Return the mean `DriveFractions` of a joint in the T seconds for which a demand holds, and those after them."""
+    brake, brake_after = _adjust_fraction(adjustables.brake, fractions.brake, demand.brake, T)
+    dither, dither_after = _adjust_fraction(adjustables.dither, fractions.dither, demand.dither, T)
+    supply, supply_after = _adjust_fraction(adjustables.supply, fractions.supply, demand.supply, T)
+    return DriveFractions(brake, dither, supply), DriveFractions(brake_after, dither_after, supply_after)
 
 
 @law
-def regulated(share, p_s, p_a):
-    """Return the absolute pressure behind a regulator that gives a share of its supply's gauge pressure, Pa."""
-    return p_s - (1.0 - share) * (p_s - p_a)
+def regulated_pressure(fraction, p_s, p_a):
+    """Return the absolute pressure (Pa) behind a regulator at a fraction of the gauge pressure of its supply p_s."""
+    return p_s - (1.0 - fraction) * (p_s - p_a)

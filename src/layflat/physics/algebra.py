@@ -1,4 +1,4 @@
-"""Vectors and symmetric matrices of any size as tuples, a matrix as its upper triangle, row by row.
+"""Vectors and symmetric matrices of any size as tuples; a symmetric matrix is its upper triangle, row by row.
 
 Slots take the place of lists, so that all of it is compiled without a heap, for numbers and for lanes.
 """
@@ -6,12 +6,12 @@ Slots take the place of lists, so that all of it is compiled without a heap, for
 from layflat.jit import composition, law
 from layflat.lanes import each, gather, slots, total
 
-GREAT = 1e12  # beside any inertia, kg m2: what has so much does not move
+IMMOVABLE_INERTIA = 1e12  # kg m2, far above any inertia of an arm: a coordinate that has it does not move
 
 
 @law
-def place(i, j, n):
-    """Where the item of a row i and a column j of an upper triangle stands."""
+def triangle_index(i, j, n):
+    """Return the index of row i and column j of an n x n symmetric matrix in its upper triangle."""
     first, last = min(i, j), max(i, j)
     return first * n - first * (first - 1) // 2 + last - first
 
@@ -28,54 +28,54 @@ def dot(x, y):
 
 
 @law
-def _greater(a, b):
+def _max_of_two(a, b):
     return max(a, b)
 
 
 @composition
-def greatest(values):
-    """Return the greatest of a tuple's values."""
+def max_item(values):
+    """Return the maximum of a tuple's values."""
     items = slots(values)
-    found = items[0]
+    maximum = items[0]
     for i in range(1, len(values)):
-        found = _greater(found, items[i])
-    return found
+        maximum = _max_of_two(maximum, items[i])
+    return maximum
 
 
 @law
-def _size(x):
+def _magnitude(x):
     return abs(x)
 
 
 @composition
-def largest(values):
-    """Return the greatest of a tuple's absolute values."""
-    return greatest(each(_size, values))
+def max_magnitude(values):
+    """Return the maximum of a tuple's absolute values."""
+    return max_item(each(_magnitude, values))
 
 
 @law
-def minus(x):
-    """Return -x, of lanes too where a law is called with them."""
+def negate(x):
+    """Return -x, of a number or of lanes."""
     return -x
 
 
 @composition
-def least(values):
-    """Return the least of a tuple's values."""
-    return -greatest(each(minus, values))
+def min_item(values):
+    """Return the minimum of a tuple's values."""
+    return -max_item(each(negate, values))
 
 
 @composition
 def diagonal(upper, like):
     """Return the diagonal of a symmetric matrix, a tuple with as many items as `like`."""
-    M, found, n = slots(upper), slots(like), len(like)
+    M, items, n = slots(upper), slots(like), len(like)
     for i in range(n):
-        found[i] = M[place(i, i, n)]
-    return gather(like, found)
+        items[i] = M[triangle_index(i, i, n)]
+    return gather(like, items)
 
 
 @composition
-def times(upper, vector):
+def multiply_symmetric(upper, vector):
     """Return the product of a symmetric matrix and a vector."""
     M, x, n = slots(upper), slots(vector), len(vector)
     y, at = slots(vector, 0.0 * x[0]), 0
@@ -89,18 +89,19 @@ def times(upper, vector):
 
 
 @composition
-def inverse(upper, fixed, like):
-    """Return the inverse of a positive definite matrix, row by row, as many items as `like`; zero in fixed rows.
+def invert_symmetric(upper, fixed, like):
+    """Return the inverse of a positive definite matrix as a tuple of n^2 items, row by row.
 
-    Args: `fixed`: 1.0 for rows that are, else 0.0.
+    Args: `upper`: the matrix; `fixed`: n items, 1.0 for a coordinate that does not move, whose row and column of the
+    inverse are zero, else 0.0; `like`: a tuple of n^2 items.
     """
     M, held, n = slots(upper), slots(fixed), len(fixed)
     zero = 0.0 * held[0]
     A = slots(like, zero)
     for i in range(n):
         for j in range(n):
-            A[i * n + j] = M[place(i, j, n)] + zero
-        A[i * n + i] = A[i * n + i] + GREAT * held[i]
+            A[i * n + j] = M[triangle_index(i, j, n)] + zero
+        A[i * n + i] = A[i * n + i] + IMMOVABLE_INERTIA * held[i]
     # In place, by Gauss and Jordan: a positive definite matrix needs no pivots.
     for k in range(n):
         per = 1.0 / A[k * n + k]

@@ -5,9 +5,11 @@ from typing import Any
 
 import numpy as np
 
+__all__ = ["itemwise"]
+
 
 def itemwise(law: Callable[..., float], *args: Any) -> float:
-    """A law of numbers, or of arrays item by item."""
+    """Return a law of numbers, applied item by item where an argument is an array."""
     if any(isinstance(arg, np.ndarray) for arg in args):
         return np.vectorize(law, otypes=[float])(*args)  # type: ignore[no-any-return]
     return float(law(*args))

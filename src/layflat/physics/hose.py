@@ -28,12 +28,12 @@ STROKE_NODES = 41  # contact angles at which a roller's stroke is fitted, closes
 
 
 class ConstantStroke(NamedTuple):
-    """K that is the same over the whole travel (m3/rad): what a cam makes of it."""
+    """K that is constant over the travel (m3/rad), as with a cam."""
 
     k0: float
 
 
-class Stroke(NamedTuple):
+class PolynomialStroke(NamedTuple):
     """K over the travel s as a polynomial, K = k0 + k1 s + ... + k4 s^4 (m3/rad^n)."""
 
     k0: float
@@ -45,30 +45,30 @@ class Stroke(NamedTuple):
 
 @law
 def roller_torque(P, R, r, R_h, gamma, alpha):
-    """Torque on a round inner roller, N m. Source: the paper's Eq. (1)."""
+    """Return the torque on a round inner roller, N m. Source: the paper's Eq. (1)."""
     return P * R * r / (2.0 * cos((pi - gamma) / 2.0)) * (pi * R_h - R * (gamma - alpha) / 2.0) * (1.0 - cos(alpha))
 
 
 @law
 def roller_travel(R, r, gamma, alpha, c):
-    """Output angle of a round roller when the hose has peeled from gamma to alpha, rad. Source: section 2.2."""
+    """Return the output angle of a roller once the hose has peeled from gamma to alpha, rad. Source: section 2.2."""
     return (gamma - alpha) * c * R / r
 
 
 @law
-def _peeled(R, R_h, gamma, alpha):
+def _peeled_integral(R, R_h, gamma, alpha):
     offset = pi * R_h - R * gamma / 2.0
     return offset * (alpha - sin(alpha)) + R / 2.0 * (alpha * alpha / 2.0 - alpha * sin(alpha) - cos(alpha))
 
 
 @law
 def peeled_volume(R, R_h, gamma, alpha, c):
-    """Volume swept while the hose peels from gamma to alpha, m3: the integral of Eq. (1) over roller travel.
+    """Return the volume swept while the hose peels from gamma to alpha, m3: the integral of Eq. (1) over roller travel.
 
     Derived in docs/derivations.md; the roller's radius cancels.
     """
     lever = c * R * R / (2.0 * cos((pi - gamma) / 2.0))
-    return lever * (_peeled(R, R_h, gamma, gamma) - _peeled(R, R_h, gamma, alpha))
+    return lever * (_peeled_integral(R, R_h, gamma, gamma) - _peeled_integral(R, R_h, gamma, alpha))
 
 
 @law
@@ -88,16 +88,19 @@ def _constant_volume(stroke, s):
 
 @law
 def _volume(stroke, s):
-    # In pairs (Estrin's scheme): a step waits for this sum, which is half as deep as Horner's.
+    """Return the swept volume at travel s, m3: the integral of the stroke's polynomial K(s).
+
+    Summed in pairs (Estrin's scheme): a step waits for this sum, which is half as deep as Horner's.
+    """
     low = stroke.k0 + s * (stroke.k1 / 2.0)
     high = (stroke.k2 / 3.0 + s * (stroke.k3 / 4.0)) + s * s * (stroke.k4 / 5.0)
     return s * (low + s * s * high)
 
 
-torque_per_pressure = by_kind({ConstantStroke: _constant_torque, Stroke: _torque})
+torque_per_pressure = by_kind({ConstantStroke: _constant_torque, PolynomialStroke: _torque})
 """K at travel s, m3/rad: `torque_per_pressure(stroke, s)`."""
 
-swept_volume = by_kind({ConstantStroke: _constant_volume, Stroke: _volume})
+swept_volume = by_kind({ConstantStroke: _constant_volume, PolynomialStroke: _volume})
 """Volume swept from travel 0 to s, m3, the exact integral of K: `swept_volume(stroke, s)`."""
 
 
@@ -107,7 +110,7 @@ def inflated_radius(width: float) -> float:
 
 
 class HoseGeometry(NamedTuple):
-    """Sizes of a wrapped hose, and all that Eq. (1) makes of them; a size may be an array, an item a run."""
+    """Sizes of a wrapped hose, with torque, travel and volume by Eq. (1); a size may be an array, an item a run."""
 
     width: float  # of the flat hose, m
     cylinder_radius: float  # R, m
@@ -123,21 +126,21 @@ class HoseGeometry(NamedTuple):
         return self.torque_factor * itemwise(peeled_volume, R, R_h, gamma, self.contact_end, self.peel_ratio)
 
     def full_travel(self, r: float = 1.0) -> float:
-        """Return the output angle of a roller of radius r (m) at full travel, rad; by default the strap's way, m."""
+        """Return the output angle of a roller of radius r (m) at full travel, rad; at r = 1 the strap's travel, m."""
         return itemwise(roller_travel, self.cylinder_radius, r, self.wrap, self.contact_end, self.peel_ratio)
 
     def torque(self, alpha: Any, r: float = 1.0) -> Any:
-        """Return torque per pressure on a roller of radius r (m) at contact angles, m3; by default the force's, m2."""
+        """Return torque per pressure on a roller of radius r (m) at contact angles (rad), m3; at r = 1 of force, m2."""
         law = itemwise(roller_torque, 1.0, self.cylinder_radius, r, inflated_radius(self.width), self.wrap, alpha)
         return self.torque_factor * law
 
-    def stroke(self, r: float) -> Stroke:
+    def stroke(self, r: float) -> PolynomialStroke:
         """Return K over the travel of a roller of radius r (m), fitted to Eq. (1)."""
         S = self.full_travel(r)
         t = 0.5 - 0.5 * np.cos(np.linspace(0.0, pi, STROKE_NODES))
         alphas = [self.wrap - share * S * r / (self.peel_ratio * self.cylinder_radius) for share in t]
         K = np.array([self.torque(alpha, r) for alpha in alphas])
-        return Stroke(*(k / S**i for i, k in enumerate(polyfit(t, K, 4))))
+        return PolynomialStroke(*(k / S**i for i, k in enumerate(polyfit(t, K, 4))))
 
     def even_stroke(self, r: float) -> ConstantStroke:
         """Return K of a cam with travel and mean torque of a roller of radius r (m)."""

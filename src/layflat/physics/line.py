@@ -1,4 +1,4 @@
-"""The tube between a valve and its hose: an air space at the valve, and a resistance to the hose behind it.
+"""Tube between a valve and its hose: an air space at the valve, and a flow resistance to the hose.
 
 | symbol | meaning | unit |
 |---|---|---|
@@ -6,18 +6,18 @@
 | V | its volume | m3 |
 | p, p_h | absolute pressures of this air and in the hose | Pa |
 | T, T_h | temperatures | K |
-| x | p at the end of a step, as far as it is known | Pa |
+| x | p at the end of a step | Pa |
 | H | enthalpy flow: from the supply, to the exhaust, to the hose | W |
 | G | enthalpy flow per pressure of choked flow | W/Pa |
 | C, b, s | sonic conductance, critical pressure ratio, laminar slope (see flow.py) | m3/(s Pa), 1, 1 |
-| k, k_h | rise of pressure per energy, of this air and of the hose's | Pa/J |
-| D | drop of pressure over 1 - b | Pa |
+| k, k_h | pressure rise per energy, of this air and of the hose's | Pa/J |
+| D | pressure drop over 1 - b | Pa |
 
-Short tubes are stiff: their air answers within microseconds. A stage is an implicit Euler step, in which the valve's
-paths have the flow per difference of pressure that they begin with, and the tube's own flow solves its law exactly; a
-step is twice the result of two half stages less that of a whole one, which is of second order and keeps nothing of what
-dies out within a step. Every flow is booked where it comes from and where it goes, so that no air and no energy is
-lost. Derived in docs/derivations.md.
+Short tubes are stiff: their air settles within microseconds. A stage is an implicit Euler step, in which the valve's
+paths keep their initial flow per pressure difference, and the tube's own flow solves its law exactly; a step is twice
+the result of two half stages minus that of a whole one (Richardson extrapolation), which is of second order and
+L-stable. Every flow is subtracted at its source and added at its sink, so that air and energy are conserved. Derived in
+docs/derivations.md.
 """
 
 from math import pi, sqrt
@@ -27,21 +27,21 @@ from layflat.jit import by_kind, law
 from layflat.lanes import select
 from layflat.physics.air import CP, CV, GAMMA, GAS_CONSTANT, REFERENCE_DENSITY, REFERENCE_TEMPERATURE
 from layflat.physics.flow import root_temperature
-from layflat.physics.ramp import TINY
+from layflat.physics.ramp import QUOTIENT_FLOOR
 from layflat.physics.valves import chamber_flow
 
 SPEED_OF_SOUND = sqrt(GAMMA * GAS_CONSTANT * REFERENCE_TEMPERATURE)
-"""How fast a change of pressure comes through a tube, m/s."""
+"""Speed of sound at the reference temperature, m/s."""
 
-CHOKED = REFERENCE_DENSITY * CP * REFERENCE_TEMPERATURE
+CHOKED_ENTHALPY_FLOW = REFERENCE_DENSITY * CP * REFERENCE_TEMPERATURE
 """Enthalpy flow per sonic conductance and pressure, at the reference temperature, J/m3."""
 
 
 class NoLine(NamedTuple):
-    """A valve that sits on its hose."""
+    """No tube: a valve directly on its hose."""
 
 
-class Line(NamedTuple):
+class LineParameters(NamedTuple):
     """Parameters of a tube (units as in the module's table), with the heat flow from its wall per kelvin (W/K)."""
 
     volume: float
@@ -52,7 +52,7 @@ class Line(NamedTuple):
 
 
 class NoAir(NamedTuple):
-    """The air in a line that is not there."""
+    """State of no line."""
 
 
 class LineAir(NamedTuple):
@@ -62,12 +62,12 @@ class LineAir(NamedTuple):
     mass: float
 
 
-class Flows(NamedTuple):
-    """Flows into the hose (J, kg) and out of the supply (kg)."""
+class LineFlows(NamedTuple):
+    """Energy (J) and mass (kg) into the hose, and mass out of the supply (kg), in a stage."""
 
     energy: float
     mass: float
-    taken: float
+    supplied: float
 
 
 def tube_conductance(length: float, bore: float) -> float:
@@ -81,7 +81,7 @@ def tube_critical_ratio(conductance: float, bore: float) -> float:
 
 
 def tube_volume(length: float, bore: float) -> float:
-    """Return the volume of a tube, m3."""
+    """Return the volume of a tube of a length and bore (m), m3."""
     return 0.25 * pi * bore * bore * length
 
 
@@ -91,61 +91,67 @@ def _no_air(line, p, T):  # noqa: ARG001
 
 
 @law
-def _air(line, p, T):
+def _tube_air(line, p, T):
     return LineAir(p * line.volume / (GAMMA - 1.0), p * line.volume / (GAS_CONSTANT * T))
 
 
-air_at = by_kind({NoLine: _no_air, Line: _air})
-"""Air of a line at a pressure (Pa) and a temperature (K): `air_at(line, p, T)`."""
+line_air = by_kind({NoLine: _no_air, LineParameters: _tube_air})
+"""State of a line at a pressure (Pa) and a temperature (K): `line_air(line, p, T)`."""
 
 
 @law
 def _ellipse(b, p_1, p_2):
-    # p_1 phi(p_2/p_1) of flow.py before its chord, with the pressures in either order, and their difference.
+    """Return p_1 phi(p_2/p_1) of flow.py without its chord, and the pressure difference, both Pa, in either order."""
     high, low = max(p_1, p_2), min(p_1, p_2)
     z = max(low - b * high, 0.0) * (1.0 / (1.0 - b))
-    return sqrt(max(high * high - z * z, 0.0)), high - low + TINY
+    return sqrt(max(high * high - z * z, 0.0)), high - low + QUOTIENT_FLOOR
 
 
 @law
-def _through(G, b, s, p, falls, drop, answers):
-    # Enthalpy flow through a tube where both ends answer to it: upstream p falls by `falls` per flow, the drop of
-    # pressure by `answers`. The ellipse of flow.py is then a quadratic; the choked flow and the chord are lines.
+def _tube_flow(G, b, s, p, falls, drop, answers):
+    """Return the enthalpy flow (W) through a tube whose end pressures depend on it.
+
+    Upstream p falls by `falls` per flow, the pressure drop by `answers`, both Pa/W. The ellipse of flow.py is then a
+    quadratic; the choked flow and the chord are lines.
+    """
     a, c = drop * (1.0 / (1.0 - b)), answers * (1.0 / (1.0 - b))
-    one, other = 1.0 + G * falls, 1.0 + G * s * answers
-    per = 1.0 / (one * other)
-    choked, chord = G * p * other * per, G * s * drop * one * per
+    choked_divisor, chord_divisor = 1.0 + G * falls, 1.0 + G * s * answers
+    per = 1.0 / (choked_divisor * chord_divisor)
+    choked, chord = G * p * chord_divisor * per, G * s * drop * choked_divisor * per
     square, half, rest = 1.0 + G * G * c * (c - 2.0 * falls), G * (c * (p - a) + falls * a), a * (2.0 * p - a)
     root = sqrt(max(half * half + square * rest, 0.0))
-    # Whichever form does not cancel.
-    quotient = select(half > 0.0, rest, root - half) / (select(half > 0.0, half + root, square) + TINY)
+    # The form without cancellation.
+    quotient = select(half > 0.0, rest, root - half) / (select(half > 0.0, half + root, square) + QUOTIENT_FLOOR)
     ellipse = select(a - c * choked >= p - falls * choked, choked, G * quotient)
     return min(ellipse, chord)
 
 
 @law
-def _stage(line, air, valve, C_in, C_out, p_h, k_h, T_h, wall_h, around, h):
-    # State of the line and pressure of the hose after h seconds, and what flowed.
+def _euler_stage(line, air, valve, C_in, C_out, p_h, k_h, T_h, wall_h, around, h):
+    """Return the air of the line, the pressure in the hose (Pa) and the flows of a stage of h seconds.
+
+    C_in and C_out are the conductances of the valve's paths, wall_h the heat flow from the hose's wall, W.
+    """
     p_s, p_a, T_s = around.supply_pressure, around.ambient_pressure, around.supply_temperature
     k = (GAMMA - 1.0) / line.volume
     p, T = k * air.energy, air.energy / (CV * air.mass)
     supply, hose = sqrt(T_s * (1.0 / REFERENCE_TEMPERATURE)), sqrt(T_h * (1.0 / REFERENCE_TEMPERATURE))
     inside = sqrt(T * (1.0 / REFERENCE_TEMPERATURE))
     b, s = valve.critical_ratio, valve.laminar_slope
-    # What the valve's paths let through per difference of pressure.
+    # Flow of the valve's paths per pressure difference.
     (fed, fall), (vented, rise) = _ellipse(b, p_s, p), _ellipse(b, p, p_a)
     per = 1.0 / (fall * rise)
-    feeds = CHOKED * C_in * select(p_s >= p, supply, inside) * min(fed * rise * per, s)
-    relieves = CHOKED * C_out * select(p >= p_a, inside, supply) * min(vented * fall * per, s)
+    feeds = CHOKED_ENTHALPY_FLOW * C_in * select(p_s >= p, supply, inside) * min(fed * rise * per, s)
+    relieves = CHOKED_ENTHALPY_FLOW * C_out * select(p >= p_a, inside, supply) * min(vented * fall * per, s)
     held = CV * air.mass
     warmed = line.wall_conductance * (around.ambient_temperature * held - air.energy)
     warmed = warmed / (held + h * line.wall_conductance)
-    # Both ends as they would be without flow between them, and how they answer to it.
+    # Pressures at both ends without flow between them, and their change per flow.
     falls = h * k / (1.0 + h * k * (feeds + relieves))
     alone, beyond = p + falls * (feeds * (p_s - p) - relieves * (p - p_a) + warmed), p_h + h * k_h * wall_h
     forward = alone >= beyond
-    G = CHOKED * line.conductance * select(forward, inside, hose)
-    flow = _through(
+    G = CHOKED_ENTHALPY_FLOW * line.conductance * select(forward, inside, hose)
+    flow = _tube_flow(
         G,
         line.critical_ratio,
         line.laminar_slope,
@@ -158,7 +164,7 @@ def _stage(line, air, valve, C_in, C_out, p_h, k_h, T_h, wall_h, around, h):
     x = alone - falls * flow
     fed, vented = feeds * (p_s - x), relieves * (x - p_a)
     energy = air.energy + h * (fed - vented - flow + warmed)
-    # Air that leaves is as warm as what is left: implicit too, or a tube that is flushed many times a step ran dry.
+    # Leaving air has the temperature of the remaining air: implicit, or a tube flushed many times a step would run dry.
     per_h, per_s = 1.0 / (CP * T_h), 1.0 / (CP * T_s)
     comes = (max(fed, 0.0) + max(-vented, 0.0)) * per_s + max(-flow, 0.0) * per_h
     goes = max(-fed, 0.0) + max(vented, 0.0) + max(flow, 0.0)
@@ -166,29 +172,33 @@ def _stage(line, air, valve, C_in, C_out, p_h, k_h, T_h, wall_h, around, h):
     mass = GAMMA * energy * per_l
     passed = select(flow > 0.0, per_l, per_h) * flow
     taken = select(fed > 0.0, per_s, per_l) * fed
-    return LineAir(energy, mass), beyond + h * k_h * flow, Flows(h * flow, h * passed, h * taken)
+    return LineAir(energy, mass), beyond + h * k_h * flow, LineFlows(h * flow, h * passed, h * taken)
 
 
 @law
-def _through_line(line, air, valve, paths, p, p_0, stiffness, T, roots, wall, around, h):  # noqa: ARG001
-    # A whole stage, then two half ones: a loop, or the stage would be compiled three times.
-    (C_in, C_out), begun, p_h, step, flows_count, air_counts = paths, air, p_0, h, -1.0, -1.0
+def _exchange_through_line(line, air, valve, paths, p, p_0, stiffness, T, roots, wall, around, h):  # noqa: ARG001
+    """Return the mean flows of `exchange_air` through a tube, and its air after h.
+
+    A whole stage, then two half ones: a loop, or the stage would be compiled three times.
+    """
+    (C_in, C_out), stage_air, p_h, step, flow_weight, air_weight = paths, air, p_0, h, -1.0, -1.0
     zero = 0.0 * p_0
-    energy, mass, taken, left, kept = zero, zero, zero, zero, zero
+    energy, mass, taken, end_energy, end_mass = zero, zero, zero, zero, zero
     for i in range(3):
-        begun, p_h, flows = _stage(line, begun, valve, C_in, C_out, p_h, stiffness, T, wall, around, step)
-        energy, mass = energy + flows_count * flows.energy, mass + flows_count * flows.mass
-        taken = taken + flows_count * flows.taken
-        left, kept = left + air_counts * begun.energy, kept + air_counts * begun.mass
-        air_counts = 2.0 * i
+        stage_air, p_h, flows = _euler_stage(line, stage_air, valve, C_in, C_out, p_h, stiffness, T, wall, around, step)
+        energy, mass = energy + flow_weight * flows.energy, mass + flow_weight * flows.mass
+        taken = taken + flow_weight * flows.supplied
+        end_energy, end_mass = end_energy + air_weight * stage_air.energy, end_mass + air_weight * stage_air.mass
+        air_weight = 2.0 * i
         if i == 0:
-            begun, p_h, step, flows_count = air, p_0, 0.5 * h, 2.0
+            stage_air, p_h, step, flow_weight = air, p_0, 0.5 * h, 2.0
     per = 1.0 / h
-    return per * mass, per * energy, per * taken, LineAir(left, kept)
+    return per * mass, per * energy, per * taken, LineAir(end_energy, end_mass)
 
 
 @law
-def _straight(line, air, valve, paths, p, p_0, stiffness, T, roots, wall, around, h):  # noqa: ARG001
+def _exchange_without_line(line, air, valve, paths, p, p_0, stiffness, T, roots, wall, around, h):  # noqa: ARG001
+    """Return the mean flows of `exchange_air` where valve and hose are one, and the air of no line."""
     supply = root_temperature(around.supply_temperature)
     flow, heat, taken = chamber_flow(
         valve, paths[0], paths[1], p, roots, around.supply_pressure, supply, around.ambient_pressure
@@ -196,12 +206,12 @@ def _straight(line, air, valve, paths, p, p_0, stiffness, T, roots, wall, around
     return flow, heat, taken, air
 
 
-exchange: Any = by_kind({NoLine: _straight, Line: _through_line})
-"""Air between a valve and a hose in a step of h seconds.
+exchange_air: Any = by_kind({NoLine: _exchange_without_line, LineParameters: _exchange_through_line})
+"""Flow of air between a valve and a hose in a step of h seconds.
 
-`exchange(line, air, valve, paths, p, p_0, stiffness, T, roots, wall, around, h)` takes the line and its air; the valve
-with the conductances of its paths, to supply and to exhaust; of the hose, its pressure in the middle of the step and
-at its beginning (Pa), the rise of pressure per energy (Pa/J), temperature and its roots, heat flow from the wall (W).
-It yields the mean mass flow (kg/s) and enthalpy flow (W) into the hose, the mean mass flow taken from the supply
-(kg/s), and the air of the line after the step.
+`exchange_air(line, air, valve, paths, p, p_0, stiffness, T, roots, wall, around, h)` takes the line and its air; the
+valve with the conductances of its paths, to supply and to exhaust; of the hose, its pressure in the middle of the step
+and at its beginning (Pa), the pressure rise per energy (Pa/J), temperature and its roots, heat flow from the wall
+(W). It yields the mean mass flow (kg/s) and enthalpy flow (W) into the hose, the mean mass flow taken from the supply
+(kg/s), and the state of the line after the step.
 """

@@ -1,4 +1,4 @@
-"""A quantity that changes evenly during a step, of which only the part above zero counts.
+"""Means of the positive and of the negative part of a quantity that changes linearly during a step.
 
 | symbol | meaning |
 |---|---|
@@ -7,21 +7,21 @@
 
 from layflat.jit import law
 
-TINY = 1e-30  # keeps a quotient of two zeros at zero
+QUOTIENT_FLOOR = 1e-30  # keeps a quotient of two zeros at zero
 
 
 @law
 def mean_above_zero(a, b):
-    """Mean of max(y, 0) while y goes evenly from a to b, exactly: (a+ + b+)^2 / (2 (|a| + |b|)), a+ = max(a, 0).
+    """Return the mean of max(y, 0) while y goes linearly from a to b: (a+ + b+)^2 / (2 (|a| + |b|)), a+ = max(a, 0).
 
-    A step in which y passes zero so costs no accuracy.
+    It is exact where y passes zero, too.
     """
     above = max(a, 0.0) + max(b, 0.0)
-    return above * above / (2.0 * (abs(a) + abs(b)) + TINY)
+    return above * above / (2.0 * (abs(a) + abs(b)) + QUOTIENT_FLOOR)
 
 
 @law
 def mean_below_zero(a, b):
-    """Mean of max(-y, 0) while y goes evenly from a to b, exactly."""
+    """Return the mean of max(-y, 0) while y goes linearly from a to b, exactly."""
     below = min(a, 0.0) + min(b, 0.0)
-    return below * below / (2.0 * (abs(a) + abs(b)) + TINY)
+    return below * below / (2.0 * (abs(a) + abs(b)) + QUOTIENT_FLOOR)

@@ -1,8 +1,8 @@
-"""A joint's half of a step: what its valve, air, losses and stops do, before and after the arm finds its velocities.
+"""A joint's part of a time step: valve, air, losses and stops, before and after the arm computes the velocities.
 
-A step of h seconds goes drift (h/2) - kick (h) - drift (h/2). In the middle the angle stands still: air flows, and all
-torques are gathered; then the arm (see plant.py) finds the new velocities, its brakes included, and the joint drifts
-on. The first drift does the air's work implicitly, the second explicitly: together they are symmetric in time, hence of
+A step of h seconds goes drift (h/2) - kick (h) - drift (h/2). In the middle the angle is constant: air flows, and all
+torques are summed; then the arm (see plant.py) computes the new velocities, brakes included, and the joint drifts on.
+The first drift does the air's work implicitly, the second explicitly: together they are symmetric in time, hence of
 second order. Air flow, damping and Coriolis terms are evaluated once, at pressures and velocities extrapolated by
 half of their last change.
 
@@ -18,29 +18,29 @@ from typing import Any, NamedTuple
 
 from layflat.jit import by_kind, composition, law
 from layflat.lanes import halves, join, total
-from layflat.physics.chamber import pressure_after_swelling, temperature_and_roots, wall_heat
+from layflat.physics.chamber import pressure_after_expansion, temperature_and_roots, wall_heat
 from layflat.physics.hose import swept_volume, torque_per_pressure
 from layflat.physics.hysteresis import torques, turned
-from layflat.physics.joint import AirTaken, HoseState, JointState, Ledger, Motion, has_second
-from layflat.physics.line import exchange
+from layflat.physics.joint import AirLedger, EnergyLedger, HoseState, JointMotion, JointState, has_second
+from layflat.physics.line import exchange_air
 from layflat.physics.stops_and_springs import spring_torque, stop_damping, stop_torque
 from layflat.physics.valves import move
 
 STEP = 0.5e-3  # default step, s: docs/speed.md says why
-COARSE = 2.0 * STEP  # where many machines are compared, s: it ranks them as well
+COARSE_STEP = 2.0 * STEP  # step for comparing many machines, s: it ranks them alike
 
 
-class Running(NamedTuple):
-    """State of a joint between the steps of a run, its hoses joined."""
+class PackedState(NamedTuple):
+    """State of a joint between the steps of a simulation run, its hoses joined into lanes."""
 
-    motion: Motion
+    motion: JointMotion
     valve: Any
     hoses: HoseState
-    ledger: Ledger
+    ledger: EnergyLedger
 
 
-class Middle(NamedTuple):
-    """A joint in the middle of a step: angle held, air and valve already moved on, torques (N m) gathered."""
+class MidpointState(NamedTuple):
+    """A joint in the middle of a step: air and valve already advanced, torques (N m) summed."""
 
     angle: float
     velocity: float
@@ -50,36 +50,38 @@ class Middle(NamedTuple):
     loss_torque: float
     torque: float
     damping: float
-    pull: float  # torques of both hoses, added up: the load on the bearings where it is positive
+    pull: float  # sum of the torques of both hoses: the load on the bearings where it is positive
     air_taken: float
 
 
 @composition
-def pack(state):
-    """Join the hoses of a state."""
-    return Running(state.motion, state.valve, join(state.hose_a, state.hose_b), state.ledger)
+def pack_hoses(state):
+    """Join the hoses of a joint's state into lanes."""
+    return PackedState(state.motion, state.valve, join(state.hose_a, state.hose_b), state.ledger)
 
 
 @composition
-def unpack(running):
-    """Part the hoses of a state: undoes `pack`."""
+def unpack_hoses(running):
+    """Separate the hoses of a joint's state: the inverse of `pack_hoses`."""
     a, b = halves(running.hoses)
     return JointState(running.motion, running.valve, a, b, running.ledger)
 
 
 @law
 def _exchange_gas(hose, state, travel, turn, valve, C_in, C_out, around, h):
-    # Swell to the middle's volume, then let air and heat flow for h: new state, torques of gas and losses, damping of
-    # these, air taken.
+    """Return a hose's state after a step, torques of gas and losses (N m), damping (N m s/rad) and supplied air (kg).
+
+    The hose expands to its volume in the middle of the step, then air and heat flow for h; `turn` is the rotation, rad.
+    """
     p_a = around.ambient_pressure
     volume = hose.chamber.dead_volume + swept_volume(hose.stroke, travel)
     swell = volume - state.volume
-    p_0, stiffness = pressure_after_swelling(hose.chamber, state.energy, volume, swell, state.pressure, p_a)
+    p_0, stiffness = pressure_after_expansion(hose.chamber, state.energy, volume, swell, state.pressure, p_a)
     p = p_0 + 0.5 * state.pressure_change
     m = state.mass + 0.5 * state.mass_change
     T, roots = temperature_and_roots(hose.chamber, p, m, volume, p_a)
     wall = wall_heat(hose.chamber, T, around.ambient_temperature)
-    flow, heat, taken, line = exchange(
+    flow, heat, taken, line = exchange_air(
         hose.line, state.line, valve, (C_in, C_out), p, p_0, stiffness, T, roots, wall, around, h
     )
     heat = heat + wall
@@ -94,8 +96,8 @@ def _exchange_gas(hose, state, travel, turn, valve, C_in, C_out, around, h):
 
 
 @law
-def _swell(hose, state, travel):
-    # Second drift of a hose: its air works at the pressure of the middle.
+def _finish_hose(hose, state, travel):
+    """Return the hose's state after its second drift, in which its air does work at the pressure in the middle."""
     volume = hose.chamber.dead_volume + swept_volume(hose.stroke, travel)
     return HoseState(
         state.energy - state.pressure * (volume - state.volume),
@@ -110,15 +112,15 @@ def _swell(hose, state, travel):
 
 
 @composition
-def midpoint(joint, running, command, wave, around, h):
-    """First half of a step: drift to the middle, move the valve, let the air flow, gather the torques."""
+def advance_to_midpoint(joint, running, command, wave, around, h):
+    """Do the first half of a step: drift to the middle, move the valve, exchange air, sum the torques."""
     motion = running.motion
     q = motion.angle + 0.5 * h * motion.velocity
     v = motion.velocity + 0.5 * motion.velocity_change
-    # What fills hose A vents hose B, where that is not missing and its port plugged.
+    # The path that fills hose A vents hose B, where that is not missing and its port plugged.
     valve, fills, vents = move(joint.valve, running.valve, command, wave, h)
     second = has_second(joint.second)
-    # The elements follow the angle from middle to middle: their last turn ended half a step before this one began.
+    # The losses follow the angle from middle to middle: their last rotation ended half a step before this one begins.
     turn = h * motion.velocity
     hoses, gas, loss, damped, taken = _exchange_gas(
         join(joint.hose_a, joint.hose_b),
@@ -137,41 +139,45 @@ def midpoint(joint, running, command, wave, around, h):
     elastic = stop_torque(joint.stops, q) + spring_torque(joint.spring, q)
     torque = (gas_a - gas_b) - (loss_a + loss_b) + (elastic - damping * v)
     gas, pull = gas_a - gas_b, gas_a + gas_b
-    return Middle(q, v, valve, hoses, gas, loss_a + loss_b, torque, damping, pull, taken_a + taken_b)
+    return MidpointState(q, v, valve, hoses, gas, loss_a + loss_b, torque, damping, pull, taken_a + taken_b)
 
 
 @composition
-def _book_all(ledger, mid, impulse, load_torque, mean, h):
-    turn = h * mean
-    return Ledger(
-        ledger.gas_work + mid.gas_torque * turn,
-        ledger.load_work + load_torque * turn,
-        ledger.hose_work + mid.loss_torque * turn,
-        ledger.brake_heat - impulse * mean,
-        ledger.damping_heat + mid.damping * mid.velocity * turn,
+def _book_energy(ledger, mid, brake_impulse, load_torque, mean_velocity, h):
+    """Return the ledger with the works of one step (J) added, at the rotation h * mean_velocity.
+
+    Units: brake_impulse N m s, load_torque N m, mean_velocity rad/s, h s.
+    """
+    rotation = h * mean_velocity
+    return EnergyLedger(
+        ledger.gas_work + mid.gas_torque * rotation,
+        ledger.load_work + load_torque * rotation,
+        ledger.hose_work + mid.loss_torque * rotation,
+        ledger.brake_heat - brake_impulse * mean_velocity,
+        ledger.damping_heat + mid.damping * mid.velocity * rotation,
         ledger.air_taken + mid.air_taken,
     )
 
 
 @composition
-def _book_air(ledger, mid, impulse, load_torque, mean, h):  # noqa: ARG001  (as all ways to book)
-    return AirTaken(ledger.air_taken + mid.air_taken)
+def _book_air(ledger, mid, brake_impulse, load_torque, mean_velocity, h):  # noqa: ARG001  (signature of `_book_energy`)
+    return AirLedger(ledger.air_taken + mid.air_taken)
 
 
-book = by_kind({Ledger: _book_all, AirTaken: _book_air})
-"""Book the works of a step: `book(ledger, mid, impulse, load_torque, mean, h)`."""
+book_step = by_kind({EnergyLedger: _book_energy, AirLedger: _book_air})
+"""Add the works of a step to a ledger: `book_step(ledger, mid, brake_impulse, load_torque, mean_velocity, h)`."""
 
 
 @composition
-def finish(joint, running, mid, v, impulse, load_torque, h):
-    """Second half of a step: drift on with the new velocity v, and book the works of this step."""
+def finish_step(joint, running, mid, v, impulse, load_torque, h):
+    """Do the second half of a step: drift on with the new velocity v (rad/s), and book the works of this step."""
     motion = running.motion
     q = mid.angle + 0.5 * h * v
     mean = 0.5 * (motion.velocity + v)
     travels = join(joint.hose_a.neutral + q, joint.hose_b.neutral - q)
-    return Running(
-        Motion(q, v, v - motion.velocity),
+    return PackedState(
+        JointMotion(q, v, v - motion.velocity),
         mid.valve,
-        _swell(join(joint.hose_a, joint.hose_b), mid.hoses, travels),
-        book(running.ledger, mid, impulse, load_torque, mean, h),
+        _finish_hose(join(joint.hose_a, joint.hose_b), mid.hoses, travels),
+        book_step(running.ledger, mid, impulse, load_torque, mean, h),
     )

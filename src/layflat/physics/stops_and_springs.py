@@ -1,7 +1,7 @@
 """End stops and springs of a joint's shaft.
 
-At an end the collapsed hose is squeezed first, then the arm meets the mechanical stop. A spring brings back a joint
-that has a single hose, or bears part of what an arm weighs.
+At an end the collapsed hose is squeezed first, then the arm meets the mechanical stop. A spring returns a joint that
+has a single hose, or bears part of the weight of an arm.
 
 | symbol | meaning | unit |
 |---|---|---|
@@ -15,10 +15,10 @@ from typing import NamedTuple
 
 from layflat.jit import by_kind, law
 from layflat.lanes import select
-from layflat.physics.arms.kind import NONE
+from layflat.physics.arms.kind import NO_TORQUE
 
 
-class Stops(NamedTuple):
+class StopParameters(NamedTuple):
     """Parameters of the end stops on both sides (units as in the module's table)."""
 
     squeeze_angle: float
@@ -29,43 +29,45 @@ class Stops(NamedTuple):
 
 
 @law
-def _past(q, limit):
+def _overtravel(q, limit):
     return max(q - limit, 0.0) + min(q + limit, 0.0)
 
 
 @law
 def stop_torque(stops, q):
-    """Torque of the stops on the joint, N m."""
-    return -stops.squeeze_stiffness * _past(q, stops.squeeze_angle) - stops.stop_stiffness * _past(q, stops.stop_angle)
+    """Return the torque of the stops on the joint at q, N m."""
+    return -stops.squeeze_stiffness * _overtravel(q, stops.squeeze_angle) - stops.stop_stiffness * _overtravel(
+        q, stops.stop_angle
+    )
 
 
 @law
 def stop_damping(stops, q):
-    """Damping of the mechanical stop at q, N m s/rad."""
+    """Return the damping of the mechanical stop at q, N m s/rad."""
     return select(abs(q) > stops.stop_angle, stops.stop_damping, 0.0)
 
 
 @law
 def stop_energy(stops, q):
-    """Energy stored in squeezed hose and stop, J."""
-    squeezed, past = _past(q, stops.squeeze_angle), _past(q, stops.stop_angle)
+    """Return the energy stored in squeezed hose and stop, J."""
+    squeezed, past = _overtravel(q, stops.squeeze_angle), _overtravel(q, stops.stop_angle)
     return 0.5 * (stops.squeeze_stiffness * squeezed * squeezed + stops.stop_stiffness * past * past)
 
 
 class NoSpring(NamedTuple):
-    """A joint without one."""
+    """Parameters of a joint without a spring."""
 
 
-class Spring(NamedTuple):
-    """Torque at q = 0 (N m; positive turns the joint forward), and stiffness (N m/rad)."""
+class SpringParameters(NamedTuple):
+    """Parameters of a spring: torque at q = 0 (N m; positive turns the joint forward), and stiffness (N m/rad)."""
 
     torque: float
     stiffness: float
 
 
 @law
-def _nothing(spring, q):  # noqa: ARG001
-    return NONE
+def _no_torque(spring, q):  # noqa: ARG001
+    return NO_TORQUE
 
 
 @law
@@ -73,10 +75,10 @@ def _torque(spring, q):
     return spring.torque - spring.stiffness * q
 
 
-spring_torque = by_kind({NoSpring: _nothing, Spring: _torque})
-"""Torque of a spring on the joint, N m: `spring_torque(spring, q)`."""
+spring_torque = by_kind({NoSpring: _no_torque, SpringParameters: _torque})
+"""Torque of a spring on the joint at q, N m: `spring_torque(spring, q)`."""
 
 
-def spring_energy(spring: Spring, q: float) -> float:
-    """Return the energy that is stored in a spring beyond that at q = 0, J."""
+def spring_energy(spring: SpringParameters, q: float) -> float:
+    """Return the energy of a spring at q relative to that at q = 0, J."""
     return q * (0.5 * spring.stiffness * q - spring.torque)

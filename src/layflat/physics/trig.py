@@ -1,28 +1,32 @@
-"""Sine and cosine as polynomials: the same bits on every machine, and usable in vector lanes."""
+"""Sine and cosine as polynomials: the same bits on every computer, and usable in SIMD lanes."""
 
 from math import pi
 
 from layflat.jit import law
 from layflat.lanes import epsilon
 
+__all__ = ["sincos"]
+
 S_3, S_5, S_7, S_9, S_11, S_13 = -1 / 6, 1 / 120, -1 / 5040, 1 / 362880, -1 / 39916800, 1 / 6227020800
 C_4, C_6, C_8, C_10, C_12, C_14 = -1 / 24, 1 / 720, -1 / 40320, 1 / 3628800, -1 / 479001600, 1 / 87178291200
 
 
-TURN = 2.0 * pi
-NEAREST = 1.5  # over the last place of 1: numbers beyond that are whole; added and taken off again, it rounds
+FULL_TURN = 2.0 * pi
+ROUNDING_SCALE = (
+    1.5  # over epsilon: so large a number is whole; adding and subtracting it rounds to the nearest integer
+)
 
 
 @law
-def within_half_a_turn(x):
-    """Return the same angle within +-pi, rad: not another bit where it is."""
-    nearest = NEAREST / epsilon(x)
-    return x - TURN * ((x / TURN + nearest) - nearest)
+def wrap_angle(x):
+    """Return an angle wrapped into +-pi, rad; one inside keeps its bits."""
+    nearest = ROUNDING_SCALE / epsilon(x)
+    return x - FULL_TURN * ((x / FULL_TURN + nearest) - nearest)
 
 
 @law
 def sincos(x):
-    """sin(x) and cos(x) to 1e-12 for |x| <= pi (rad), by Taylor series at x/4 and two doublings."""
+    """Return sin(x) and cos(x) to 1e-12 for |x| <= pi (rad), by Taylor series at x/4 and two doublings."""
     y = 0.25 * x
     z = y * y
     w = z * z

@@ -1,6 +1,6 @@
-"""Sized arms: how one looks from the side and from above, and what others for the same task weigh."""
+"""Figures of sized arms: views from the side and from above, and masses of the arms for one task."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -9,37 +9,46 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Polygon
 
 from layflat.arrays import Array
-from layflat.plot.style import HEAD, LINES, figure
+from layflat.plot.style import HEAD_ROOM, SERIES_STYLES, styled_figure
 
-HIGH = 4.3  # of the arm's views, inches
-BODY, TUBE = "#c9d3da", "#eceff1"
+VIEW_HEIGHT = 4.3  # of the arm's views, inches
+BODY_COLOUR, TUBE_COLOUR = "#c9d3da", "#eceff1"
 
 
-class Body(NamedTuple):
-    """A cylinder."""
+class DrawnCylinder(NamedTuple):
+    """Cylinder to draw."""
 
-    begin: Array  # middles of its ends, (3,), m
+    begin: Array  # centre of the first end, (3,), m
     end: Array
     diameter: float  # m
 
 
-class Arm(NamedTuple):
-    """An arm in one posture, and where its tip goes."""
+class DrawnArm(NamedTuple):
+    """Arm in one configuration, and target positions of its tip."""
 
-    joints: Sequence[Body]
-    tubes: Sequence[Body]
+    joints: Sequence[DrawnCylinder]
+    tubes: Sequence[DrawnCylinder]
     tips: Array  # (points, 3), m
 
 
-def arm_figure(arm: Arm, title: str) -> Figure:
-    """Draw an arm from the side and from above, with where the tip is to go."""
-    with figure(1, 2, width=9.0, height=HIGH, above=HEAD) as (made, (side, above)):
+def arm_figure(arm: DrawnArm, title: str) -> Figure:
+    """Draw an arm from the side and from above, with the target positions of its tip."""
+    with styled_figure(1, 2, width=9.0, height=VIEW_HEIGHT, above=HEAD_ROOM) as (fig, (side, above)):
         for axes, across, upward in ((side, 0, 2), (above, 0, 1)):
             axes.plot(
-                arm.tips[:, across], arm.tips[:, upward], ls="", marker="x", ms=4, color=LINES[1]["color"], zorder=0.9
+                arm.tips[:, across],
+                arm.tips[:, upward],
+                ls="",
+                marker="x",
+                ms=4,
+                color=SERIES_STYLES[1]["color"],
+                zorder=0.9,
             )
-            for body, colour in [*((tube, TUBE) for tube in arm.tubes), *((joint, BODY) for joint in arm.joints)]:
-                _draw(axes, body, (across, upward), colour)
+            for body, colour in [
+                *((tube, TUBE_COLOUR) for tube in arm.tubes),
+                *((joint, BODY_COLOUR) for joint in arm.joints),
+            ]:
+                _draw_cylinder(axes, body, (across, upward), colour)
             axes.set_aspect("equal", adjustable="datalim")
             axes.margins(0.08)
             axes.set_xlabel("x (m)")
@@ -47,38 +56,60 @@ def arm_figure(arm: Arm, title: str) -> Figure:
         above.set_ylabel("y (m)")
         side.set_title(f"{title}, from the side", fontsize=9.5, loc="left")
         above.set_title("from above; crosses: ends of moves", fontsize=9.5, loc="left")
-    return made
+    return fig
 
 
-def _draw(axes: Axes, body: Body, plane: tuple[int, int], colour: str) -> None:
-    """Draw a cylinder as it is seen along a third axis: a rectangle, and circles where it is seen from its ends."""
-    begin, end = (np.asarray(at)[list(plane)] for at in (body.begin, body.end))
-    way, radius = end - begin, 0.5 * body.diameter
-    length = float(np.hypot(*way))
+def _draw_cylinder(axes: Axes, body: DrawnCylinder, plane: tuple[int, int], colour: str) -> None:
+    """Draw the projection of a cylinder on a plane of two axes: a rectangle, and circles unless it is parallel."""
+    begin, end = (np.asarray(centre)[list(plane)] for centre in (body.begin, body.end))
+    axis, radius = end - begin, 0.5 * body.diameter
+    length = float(np.hypot(*axis))
     along = float(np.linalg.norm(np.asarray(body.end) - np.asarray(body.begin)))
-    look = {"facecolor": colour, "edgecolor": LINES[0]["color"], "lw": 1.0}
+    look = {"facecolor": colour, "edgecolor": SERIES_STYLES[0]["color"], "lw": 1.0}
     if length < 0.99 * along:
         for at in (begin, end):
             axes.add_patch(Circle((float(at[0]), float(at[1])), radius, **look))
     if length > 0.01 * along:
-        side = radius * np.array([-way[1], way[0]]) / length
+        side = radius * np.array([-axis[1], axis[0]]) / length
         axes.add_patch(Polygon(np.array([begin + side, end + side, end - side, begin - side]), closed=True, **look))
 
 
-class Sizes(NamedTuple):
-    """Arms that were sized at one pressure, the quickest first."""
+def workspace_figure(arms: Mapping[str, Array], tips: Array, views: Sequence[str]) -> Figure:
+    """Draw an arm in several configurations, with positions of its tip all over its workspace.
+
+    Args:
+        arms: positions of joints and tip, (points, 3), m, by the name of the configuration.
+        tips: positions of the tip, (positions, 3), m.
+        views: horizontal and vertical axis of each view, such as "xy".
+    """
+    size = {"width": 0.9 + 4.3 * len(views), "height": 4.6}
+    with styled_figure(1, len(views), **size) as (fig, all_axes):
+        for axes, view in zip(all_axes, views, strict=True):
+            across, upward = ("xyz".index(axis) for axis in view)
+            axes.plot(tips[:, across], tips[:, upward], ls="", marker=".", ms=1.5, color="#b0bec5", label="tip")
+            for (name, points), style in zip(arms.items(), SERIES_STYLES, strict=False):
+                axes.plot(points[:, across], points[:, upward], **style, marker="o", ms=4, label=name)
+            axes.set_aspect("equal", adjustable="datalim")
+            axes.set_xlabel(f"{view[0]} (m)")
+            axes.set_ylabel(f"{view[1]} (m)")
+        all_axes[0].legend(fontsize=8)
+    return fig
+
+
+class SizedArms(NamedTuple):
+    """Arms sized at one pressure, the quickest first."""
 
     pressure: float  # gauge, bar
     time: Array  # of a move, s
-    mass: Array  # kg; infinite where no arm can do it
-    best: Array  # whether no other is as quick and as light, at whatever pressure; 1 or 0
+    mass: Array  # kg; infinite if no arm is feasible
+    best: Array  # 1 for Pareto-optimal arms: none at any pressure is both quicker and lighter; else 0
 
 
-def sizes_figure(sizes: Sequence[Sizes], task: tuple[float, float]) -> Figure:
-    """Draw mass over the time of a move, a curve a pressure, and those of the arm itself (s, kg)."""
-    with figure(width=6.4, height=4.0) as (made, (axes,)):
+def sizes_figure(sizes: Sequence[SizedArms], task: tuple[float, float]) -> Figure:
+    """Draw mass over the time of a move, one curve per pressure, and the task's arm (s, kg) as a star."""
+    with styled_figure(width=6.4, height=4.0) as (fig, (axes,)):
         for order, one in enumerate(sizes):
-            style, known = LINES[order % len(LINES)], np.isfinite(one.mass)
+            style, known = SERIES_STYLES[order % len(SERIES_STYLES)], np.isfinite(one.mass)
             axes.plot(one.time[known], one.mass[known], **style, label=f"{one.pressure:g} bar")
             for best, face in ((True, style["color"]), (False, "white")):
                 at = known & (one.best.astype(bool) == best)
@@ -89,4 +120,4 @@ def sizes_figure(sizes: Sequence[Sizes], task: tuple[float, float]) -> Figure:
         axes.set_xlabel("Time of a move (s)")
         axes.set_ylabel("Mass of the arm (kg)")
         axes.legend()
-    return made
+    return fig

@@ -1,4 +1,4 @@
-"""Bars with names, maps of a result over two things that vary, and figures of a study made of these."""
+"""Bars with names, maps of a result over two parameters, and figures of studies."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -9,30 +9,37 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from layflat.arrays import Array
-from layflat.plot.style import HEAD, LINES, QUIET, figure
+from layflat.plot.style import GUIDE_STYLE, HEAD_ROOM, SERIES_STYLES, styled_figure
 
-HATCHES = ("", "///", "...", "xxx")  # kinds of bars, told apart without colour
-COLOURS = "cividis_r"  # light is little, dark is much: also in black and white
-NOTHING = {"facecolor": "#ffffff", "edgecolor": "#bbbbbb", "hatch": "///"}  # where there is no number
+BAR_HATCHES = ("", "///", "...", "xxx")  # by kind of bar, distinct without colour
+LETTER_WIDTH = 0.075  # of a name beside the axes, inches
+COLOUR_MAP = "cividis_r"  # from light for low to dark for high values, in black and white too
+NO_VALUE_STYLE = {"facecolor": "#ffffff", "edgecolor": "#bbbbbb", "hatch": "///"}  # of fields without a finite value
 
 
 def draw_bars(
     axes: Axes, names: Sequence[str], values: Sequence[float], *,
     ends: Sequence[tuple[float, float]] | None = None, kinds: Sequence[int] | None = None, form: str = "{:.2g}",
 ) -> None:  # fmt: skip
-    """Draw bars to the right, the first on top, each with its value in a format.
+    """Draw horizontal bars, the first on top, each labelled with its value.
 
-    No names are written where `names` is empty; `ends` are those of an interval about each, `kinds` numbers of looks.
+    Args:
+        axes: axes to draw on.
+        names: names of the bars; empty: none are written.
+        values: lengths of the bars.
+        ends: lower and upper end of an interval about each value.
+        kinds: index of each bar's style in `BAR_HATCHES`; default: 0.
+        form: format of the values.
     """
     place = np.arange(len(values))
     for i, value in enumerate(values):
         look = 0 if kinds is None else kinds[i]
-        colour = LINES[look]["color"]
-        axes.barh(i, value, 0.62, facecolor="white" if look else colour, edgecolor=colour, hatch=HATCHES[look])
+        colour = SERIES_STYLES[look]["color"]
+        axes.barh(i, value, 0.62, facecolor="white" if look else colour, edgecolor=colour, hatch=BAR_HATCHES[look])
         far = value
         if ends is not None:
             low, high = ends[i]
-            axes.plot([low, high], [i, i], **QUIET, marker="|")
+            axes.plot([low, high], [i, i], **GUIDE_STYLE, marker="|")
             far = max(value, high)
         axes.annotate(form.format(value), (far, i), xytext=(3, 0), textcoords="offset points", va="center", fontsize=8)
     axes.set_yticks(place, list(names) if names else [""] * len(place))
@@ -42,15 +49,39 @@ def draw_bars(
     axes.tick_params(axis="y", length=0)
 
 
-def draw_map(axes: Axes, x: Array, y: Array, z: Array, label: str, *, low: float, high: float) -> None:
-    """Draw colours for z (y, x) over points x and y, with a scale above; hatched where z is not a number or infinite.
+def move_figure(moves: Sequence[str], metrics: Mapping[str, Array]) -> Figure:
+    """Draw metrics of moves as bars, a column for each metric; a value that is not finite has no bar.
 
-    Points are evenly spaced on their axis's scale, or nearly. The scale, with its label and unit, goes from `low` to
-    `high`; more is drawn alike.
+    Args:
+        moves: names of the moves.
+        metrics: values, (moves,), by label with unit.
     """
-    axes.patch.set(**NOTHING)
+    names = LETTER_WIDTH * max(map(len, moves))
+    size = {"width": 1.0 + names + 2.2 * len(metrics), "height": 0.7 + 0.35 * len(moves)}
+    with styled_figure(1, len(metrics), **size, beside=names - 0.5, between=0.35) as (fig, all_axes):
+        for place, (axes, (label, values)) in enumerate(zip(all_axes, metrics.items(), strict=True)):
+            draw_bars(axes, moves if place == 0 else (), np.nan_to_num(values, posinf=0.0).tolist())
+            axes.set_xlabel(label)
+            for row in np.flatnonzero(~np.isfinite(values)).tolist():
+                axes.texts[row].set_text("never")
+    return fig
+
+
+def draw_map(axes: Axes, x: Array, y: Array, z: Array, label: str, *, low: float, high: float) -> None:
+    """Draw a colour map of z over x and y, with a colour bar above; fields without a finite value are hatched.
+
+    Args:
+        axes: axes to draw on.
+        x: points, (x,), about evenly spaced on the axis's scale.
+        y: points, (y,), likewise.
+        z: values, (y, x).
+        label: label of the colour bar, with the unit.
+        low: lower end of the colour bar.
+        high: upper end of the colour bar; greater values have its colour.
+    """
+    axes.patch.set(**NO_VALUE_STYLE)
     shown = np.ma.masked_invalid(z)
-    mesh = axes.pcolormesh(x, y, shown, cmap=COLOURS, vmin=low, vmax=high, shading="nearest", rasterized=True)
+    mesh = axes.pcolormesh(x, y, shown, cmap=COLOUR_MAP, vmin=low, vmax=high, shading="nearest", rasterized=True)
     axes.grid(visible=False)
     place = axes.inset_axes((0.0, 1.03, 1.0, 0.04))
     ticks = np.linspace(low, high, 5)
@@ -60,56 +91,60 @@ def draw_map(axes: Axes, x: Array, y: Array, z: Array, label: str, *, low: float
     bar.set_label(label)
 
 
-def edges(points: Array, *, log: bool = False) -> tuple[float, float]:
-    """Return where the fields of the first and the last point end."""
-    own = np.log(points) if log else points
-    ends = own[0] - 0.5 * (own[1] - own[0]), own[-1] + 0.5 * (own[-1] - own[-2])
+def cell_edges(points: Array, *, log: bool = False) -> tuple[float, float]:
+    """Return the outer edges of the fields of the first and the last point, on a linear or logarithmic scale."""
+    scaled = np.log(points) if log else points
+    ends = scaled[0] - 0.5 * (scaled[1] - scaled[0]), scaled[-1] + 0.5 * (scaled[-1] - scaled[-2])
     low, high = np.exp(ends) if log else ends
     return float(low), float(high)
 
 
-BINS, IN_BIN = 12, 8  # bins of values that differ from run to run, at most, and runs in each at least
+MAX_BINS, MIN_RUNS_PER_BIN = 12, 8  # for medians over values that differ from run to run
 
 
 def study_figure(
     varied: Mapping[str, Array], results: Mapping[str, Array], cases: Mapping[str, NDArray[np.bool_]]
 ) -> Figure:
-    """Draw every result over everything that varies, a dot a run, with a line through the medians of each case.
+    """Draw every result over every varied parameter, a dot per run, with a line through the medians of each case.
 
     A result that is not finite, as that of a run which does not settle, is a cross at the top, and counts as infinite.
-    Values and results, one a run, go by their labels with units; cases are variants, scenarios, or both, and tell which
-    runs are theirs.
+
+    Args:
+        varied: values of the parameters, (runs,), by label with unit.
+        results: values, (runs,), by label with unit.
+        cases: masks of runs, (runs,), by the name of the variant, the scenario, or both.
     """
     rows, columns = len(results), len(varied)
-    width, height, above = 0.9 + 2.9 * columns, 0.7 + 2.1 * rows, HEAD if len(cases) > 1 else 0.0
-    with figure(rows, columns, width=width, height=height, between=0.3, above=above) as (made, all_axes):
+    width, height, above = 0.9 + 2.9 * columns, 0.7 + 2.1 * rows, HEAD_ROOM if len(cases) > 1 else 0.0
+    with styled_figure(rows, columns, width=width, height=height, between=0.3, above=above) as (fig, all_axes):
         for place, axes in enumerate(all_axes):
             (label, x), (result, y) = list(varied.items())[place % columns], list(results.items())[place // columns]
-            for order, (case, own) in enumerate(cases.items()):
-                _draw(axes, x[own], y[own], case, order)
+            for order, (case, mask) in enumerate(cases.items()):
+                _draw_case(axes, x[mask], y[mask], case, order)
             axes.set_xmargin(0.05)
             axes.tick_params(labelleft=place % columns == 0, labelbottom=place // columns == rows - 1)
             axes.set_xlabel(label if place // columns == rows - 1 else "")
             axes.set_ylabel(result if place % columns == 0 else "")
         if len(cases) > 1:
-            made.legend(*all_axes[0].get_legend_handles_labels(), loc="upper left", ncols=len(cases), fontsize=8)
-    return made
+            fig.legend(*all_axes[0].get_legend_handles_labels(), loc="upper left", ncols=len(cases), fontsize=8)
+    return fig
 
 
-def _draw(axes: Axes, x: Array, y: Array, case: str, order: int) -> None:
-    style = LINES[order % len(LINES)]
+def _draw_case(axes: Axes, x: Array, y: Array, case: str, order: int) -> None:
+    """Draw results y over x as dots, with medians of bins; those that are not finite are crosses at the top."""
+    style = SERIES_STYLES[order % len(SERIES_STYLES)]
     dots: dict[str, Any] = {"linestyle": "", "color": style["color"], "alpha": 0.4}
     lost = ~np.isfinite(y)
     axes.plot(x, np.where(lost, np.nan, y), marker="o", ms=2.5, **dots)
     axes.plot(x[lost], np.full(lost.sum(), 0.97), marker="x", ms=4, transform=axes.get_xaxis_transform(), **dots)
-    axes.plot(*medians(x, y), **style, label=case)
+    axes.plot(*binned_medians(x, y), **style, label=case)
 
 
-def medians(x: Array, y: Array) -> tuple[Array, Array]:
-    """Return the median of y over x: at each value of x, or in bins of many; without infinite ones."""
-    known = np.unique(x)
-    bins = max(1, min(BINS, len(x) // IN_BIN))
-    edges = known if len(known) <= BINS else np.quantile(x, np.linspace(0.0, 1.0, bins + 1)[:-1])
+def binned_medians(x: Array, y: Array) -> tuple[Array, Array]:
+    """Return finite medians of y over x: at each value of x if there are few, else in bins."""
+    distinct = np.unique(x)
+    bins = max(1, min(MAX_BINS, len(x) // MIN_RUNS_PER_BIN))
+    edges = distinct if len(distinct) <= MAX_BINS else np.quantile(x, np.linspace(0.0, 1.0, bins + 1)[:-1])
     which = np.searchsorted(edges, x, side="right")
     worst = np.where(np.isfinite(y), y, np.inf)
     each = np.unique(which)

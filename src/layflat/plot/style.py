@@ -1,9 +1,10 @@
-"""One look for all figures: colours that can be told apart in black and white, units on every axis, no pyplot."""
+"""Style of all figures: line styles that are distinct in black and white, units on every axis, no pyplot."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from io import StringIO
+from io import BytesIO, StringIO
 from pathlib import Path
+from textwrap import wrap
 from typing import Any
 
 import matplotlib as mpl
@@ -12,7 +13,7 @@ from matplotlib.figure import Figure
 
 from layflat.files import whole_file
 
-LINES: tuple[dict[str, Any], ...] = (
+SERIES_STYLES: tuple[dict[str, Any], ...] = (
     {"color": "#0b3c5d", "linestyle": "-"},
     {"color": "#c23b4e", "linestyle": "--"},
     {"color": "#4c9a3c", "linestyle": "-."},
@@ -23,9 +24,9 @@ LINES: tuple[dict[str, Any], ...] = (
 )
 """Line styles in order of use: dark to light, and of different dashes; one for each joint of an arm."""
 
-# For demands, limits and other things that only help to read.
-QUIET: dict[str, Any] = {"color": "#8a8a8a", "linestyle": "-", "linewidth": 1.0}
-SHADE = "#eeeeee"  # for bands, and the ground behind what counts otherwise
+# Of demands, limits and other guide lines.
+GUIDE_STYLE: dict[str, Any] = {"color": "#8a8a8a", "linestyle": "-", "linewidth": 1.0}
+SHADE_COLOUR = "#eeeeee"  # of bands and shaded backgrounds
 
 RC: Any = {
     "font.size": 9.5,
@@ -41,60 +42,114 @@ RC: Any = {
     "svg.hashsalt": "layflat",
 }
 
-LEFT, RIGHT, BOTTOM, TOP = 0.72, 0.14, 0.52, 0.12  # margins of a figure, inches
-HEAD = 0.30  # room above the axes for a title or a legend, inches
-BETWEEN = (0.78, 0.16)  # space between axes, beside and above each other, inches
+LEFT_MARGIN, RIGHT_MARGIN, BOTTOM_MARGIN, TOP_MARGIN = 0.72, 0.14, 0.52, 0.12  # margins of a figure, inches
+HEAD_ROOM = 0.30  # above the axes for a title or a legend, inches
+AXES_GAPS = (0.78, 0.16)  # horizontal and vertical space between axes, inches
+
+
+CAPTION_HEIGHT, CAPTION_MARGIN = 0.2, 0.1  # of a line of a caption, and around it, inches
+CAPTION_LETTERS = 13.0  # of a caption per inch
+
+
+class ShownFigure(Figure):
+    """Figure that a notebook shows, without pyplot."""
+
+    def _repr_png_(self) -> bytes:
+        out = BytesIO()
+        self.savefig(out, format="png", dpi=100)
+        return out.getvalue()
+
+
+def add_caption(figure: Figure, text: str) -> Figure:
+    """Write a caption below a figure, which grows by it, and return the figure."""
+    width, height = figure.get_size_inches()
+    lines = wrap(text, int(CAPTION_LETTERS * width))
+    more = CAPTION_HEIGHT * len(lines) + CAPTION_MARGIN
+    places = [axes.get_position() for axes in figure.axes]
+    figure.set_size_inches(width, height + more)
+
+    def lifted(y: float) -> float:
+        return float((y * height + more) / (height + more))
+
+    for axes, box in zip(figure.axes, places, strict=True):
+        axes.set_position((box.x0, lifted(box.y0), box.width, box.height * height / (height + more)))
+    for note in figure.texts:
+        note.set_y(lifted(note.get_position()[1]))
+    for number, line in enumerate(reversed(lines)):
+        y = (0.5 * CAPTION_MARGIN + CAPTION_HEIGHT * number) / (height + more)
+        figure.text(CAPTION_MARGIN / width, y, line, fontsize=9, va="bottom")
+    return figure
 
 
 @contextmanager
-def figure(
+def styled_figure(
     rows: int = 1, columns: int = 1, *, width: float = 6.4, height: float = 3.6,
     above: float = 0.0, below: float = 0.0, beside: float = 0.0,
-    between: float | tuple[float, float] = BETWEEN,
+    between: float | tuple[float, float] = AXES_GAPS,
 ) -> Iterator[tuple[Figure, list[Axes]]]:  # fmt: skip
-    """Give a figure in the house style, with its axes in reading order; sizes in inches.
+    """Yield a figure in the common style with its axes in reading order; all sizes in inches.
 
-    Where asked there is more room `above` the axes, for a scale of colours, `below` them, for notes, and on the left
-    `beside` them, for names; `between` says how far they are beside, or beside and above each other. What is across is
-    shared by axes above each other. The margins are fixed: a layout that is solved for would draw everything twice.
+    Axes of a column share their x axis. The margins are fixed: an automatic layout would draw everything twice.
+
+    Args:
+        rows: number of rows of axes.
+        columns: number of columns of axes.
+        width: width of the figure.
+        height: height of the figure.
+        above: additional margin above the axes, as for a colour bar.
+        below: additional margin below the axes, as for notes.
+        beside: additional margin on the left, as for names.
+        between: horizontal space between axes, or horizontal and vertical.
     """
-    aside, over = between if isinstance(between, tuple) else (between, BETWEEN[1])
-    top, left = TOP + above, LEFT + beside
-    wide = (width - left - RIGHT - (columns - 1) * aside) / columns
-    high = (height - BOTTOM - below - top - (rows - 1) * over) / rows
+    horizontal, vertical = between if isinstance(between, tuple) else (between, AXES_GAPS[1])
+    top, left = TOP_MARGIN + above, LEFT_MARGIN + beside
+    wide = (width - left - RIGHT_MARGIN - (columns - 1) * horizontal) / columns
+    high = (height - BOTTOM_MARGIN - below - top - (rows - 1) * vertical) / rows
     with mpl.rc_context(RC):
-        made = Figure(figsize=(width, height))
-        made.subplots_adjust(
-            left=left / width, right=1.0 - RIGHT / width, wspace=aside / wide,
-            bottom=(BOTTOM + below) / height, top=1.0 - top / height, hspace=over / high,
+        drawn = ShownFigure(figsize=(width, height))
+        drawn.subplots_adjust(
+            left=left / width, right=1.0 - RIGHT_MARGIN / width, wspace=horizontal / wide,
+            bottom=(BOTTOM_MARGIN + below) / height, top=1.0 - top / height, hspace=vertical / high,
         )  # fmt: skip
-        axes = made.subplots(rows, columns, sharex="col", squeeze=False)
-        yield made, list(axes.ravel())
+        axes = drawn.subplots(rows, columns, sharex="col", squeeze=False)
+        yield drawn, list(axes.ravel())
 
 
-def mark(axes: Axes, at: float, text: str, *, upright: bool = False, ha: str = "left") -> None:
-    """Draw a quiet line across the axes at a value, and write at its left or right end what it stands for."""
+def draw_mark(axes: Axes, value: float, text: str, *, upright: bool = False, ha: str = "left") -> None:
+    """Draw a labelled guide line across the axes at a value.
+
+    Args:
+        axes: axes to draw on.
+        value: value on the y axis; on the x axis if `upright`.
+        text: label.
+        upright: whether the line is vertical.
+        ha: end of a horizontal line with the label, "left" or "right".
+    """
     if upright:
-        axes.axvline(at, **QUIET)
-        place: dict[str, Any] = {"xy": (at, 0.02), "xycoords": axes.get_xaxis_transform(), "xytext": (4, 0)}
+        axes.axvline(value, **GUIDE_STYLE)
+        place: dict[str, Any] = {"xy": (value, 0.02), "xycoords": axes.get_xaxis_transform(), "xytext": (4, 0)}
     else:
-        axes.axhline(at, **QUIET)
+        axes.axhline(value, **GUIDE_STYLE)
         end, inside = (1.0, -4) if ha == "right" else (0.0, 4)
-        place = {"xy": (end, at), "xycoords": axes.get_yaxis_transform(), "xytext": (inside, 2)}
+        place = {"xy": (end, value), "xycoords": axes.get_yaxis_transform(), "xytext": (inside, 2)}
     axes.annotate(text, **place, textcoords="offset points", va="bottom", ha=ha, fontsize=8, color="#555555")
 
 
-def to_svg(made: Figure) -> str:
+def to_svg(figure: Figure) -> str:
     """Return a figure as SVG text, the same for the same data."""
     out = StringIO()
     with mpl.rc_context(RC):
-        made.savefig(out, format="svg", metadata={"Date": None})
+        figure.savefig(out, format="svg", metadata={"Date": None})
     text = out.getvalue()
     return text[text.index("<svg") :]
 
 
-def save(made: Figure, path: Path) -> Path:
-    """Write a figure; the suffix says how (.png, .svg, .pdf). Raise OutputError if it can't be written there."""
-    with whole_file(path) as temporary:
-        made.savefig(temporary, dpi=150)
-    return path
+def save_figure(figure: Figure, path: str | Path) -> Path:
+    """Write a figure in the format of the path's suffix (.png, .svg, .pdf); raise OutputError if it can't be written.
+
+    Returns:
+        The path.
+    """
+    with whole_file(Path(path)) as temporary:
+        figure.savefig(temporary, dpi=150)
+    return Path(path)

@@ -1,4 +1,4 @@
-"""How fast the joints of a rig can be, from the description of the machine: what demands may ask for.
+"""Limits of the joints of a rig, from the description of the machine: speeds and accelerations that demands may have.
 
 | symbol | meaning | unit |
 |---|---|---|
@@ -17,128 +17,182 @@ from numpy.typing import NDArray
 
 from layflat.arrays import Array
 from layflat.machine import Machine, parameters
-from layflat.motion.limits import Ability, abilities
+from layflat.motion.limits import joint_capabilities
+from layflat.motion.trajectory import QUINTIC_PEAKS, States, quintic
 
-POSTURES, MOST = 5, 4096  # looked at of each joint, and in all: of many joints fewer each
-LEAST = 0.1  # share of its torque that a joint is taken to have at least, against gravity
-MOVE = np.radians(40.0)  # L: the paper's moves
-GIVES_WAY = 2.0  # times the torque of gravity over the stiffness of a stop: how far a joint may be pressed in
-SLOWLY = 5.0  # times as long hoses take to empty through valves that are centred and dither, than through open ones
-EVEN = sqrt(3.0)  # half the width of an even spread, in standard deviations
+CONFIGURATIONS_PER_JOINT, MAX_CONFIGURATIONS = 5, 4096  # sampled of each joint, and in all: of many joints fewer each
+MIN_TORQUE_FRACTION = 0.1  # fraction of its torque that a joint is assumed to have left at least, against gravity
+REFERENCE_MOVE = np.radians(40.0)  # L: the paper's moves
+STOP_COMPRESSION_FACTOR = 2.0  # greatest compression of a stop over the torque of gravity by its stiffness
+CENTRED_VENT_FACTOR = 5.0  # time in which hoses empty through centred, dithering valves over that through open ones
+UNIFORM_HALF_WIDTH = sqrt(3.0)  # half the width of a uniform distribution, in standard deviations
 
 
 class DemandLimits(NamedTuple):
-    """Of each joint, (joints,)."""
+    """Limits of the demands of each joint, (joints,)."""
 
     speed: Array  # rad/s
-    acceleration: Array  # that no posture exceeds, all joints helping, rad/s2
-    braking: Array  # that every posture has, all joints braking at once, rad/s2
-    pace: Array  # mean speed of a move in the worst posture, rad/s
-    resting: Array  # deceleration by friction alone, where the arm is lightest to a joint, rad/s2
+    acceleration: Array  # greatest in any configuration, all joints helping, rad/s2
+    braking: Array  # deceleration available in every configuration, all joints braking at once, rad/s2
+    pace: Array  # mean speed of a move in the worst configuration, rad/s
+    resting: Array  # greatest deceleration by friction alone in any configuration, rad/s2
 
 
-def payloads(machine: Machine) -> tuple[float, float]:
-    """Return the least and the greatest payload, kg, that the machine's control law may meet.
+def payload_range(machine: Machine) -> tuple[float, float]:
+    """Return the smallest and the greatest payload, kg, that the machine's control law may meet.
 
-    One that is told how far the payload may differ from the described meets all from none on, up to the end of an even
-    spread of that deviation; one that is told that it is known only this. Any other goes by errors.
+    A law with a `payload_std` above 0 meets all payloads from none up to the upper end of a uniform distribution of
+    that standard deviation around the described one; with a spread of 0 it meets the described one alone. A law without
+    that setting meets all from none to the described one.
     """
     described = machine.arm.payload
-    spread = getattr(machine.controller, "payload_spread", None)
+    spread = getattr(machine.controller, "payload_std", None)
     if spread is None:
         return 0.0, described
-    return (0.0, described + EVEN * spread) if spread > 0.0 else (described, described)
+    return (0.0, described + UNIFORM_HALF_WIDTH * spread) if spread > 0.0 else (described, described)
 
 
-def postures(machine: Machine) -> Array:
-    """Return a grid of postures within the working strokes, (postures, joints), rad."""
+def sample_configurations(machine: Machine) -> Array:
+    """Return a grid of configurations within the working strokes, (configurations, joints), rad."""
     halves = [0.5 * joint.stops.working_stroke for joint in machine.joints.values()]
     n = len(halves)
-    each = next((count for count in range(POSTURES, 2, -1) if count**n <= MOST), 2)
+    each = next((count for count in range(CONFIGURATIONS_PER_JOINT, 2, -1) if count**n <= MAX_CONFIGURATIONS), 2)
     return np.array(list(product(*(np.linspace(-half, half, each) for half in halves))))
 
 
-def demand_limits(machine: Machine, able: Ability | None = None) -> DemandLimits:
-    """Return how fast demands may be, whatever the payload; raise MachineError if the machine has no valves.
+def demand_limits(machine: Machine) -> DemandLimits:
+    """Return the limits of speed and acceleration of demands that hold for every payload.
 
-    No posture exceeds sum_i |(M^-1)_ji| T_i. A move by L accelerates half of its way, and brakes the other half; before
-    each the torque builds up. `able`: what the joints can do, where that is known.
+    No configuration exceeds sum_i |(M^-1)_ji| T_i. A move by L accelerates over half of its path and brakes over the
+    other half; before each the torque builds up.
+
+    Raises:
+        MachineError: the machine has no valves.
     """
-    able, arm, places = able or abilities(machine), parameters.arm(machine), postures(machine)
-    opposes, most, least, rests = able.friction + able.loss, np.zeros(1), np.array(inf), np.zeros(1)
-    for payload in dict.fromkeys(payloads(machine)):
-        mass, gravity = parameters.mass_and_pull(arm, payload, places)
+    able, arm, configurations = joint_capabilities(machine), parameters.arm(machine), sample_configurations(machine)
+    friction, max_acceleration = able.friction + able.loss, np.zeros(1)
+    min_braking, max_resting = np.array(inf), np.zeros(1)
+    for payload in dict.fromkeys(payload_range(machine)):
+        mass, gravity = parameters.mass_and_pull(arm, payload, configurations)
         pull = np.abs(gravity)
-        gives = np.abs(np.linalg.inv(mass))
-        most = np.maximum(most, _through(gives, able.torque + opposes + pull).max(axis=0))
-        rests = np.maximum(rests, np.diagonal(gives, axis1=1, axis2=2).max(axis=0) * opposes)
-        # All at once, whatever their signs: each alone, over what the inertia between them makes of it.
-        torque = np.maximum(able.torque - opposes - pull, LEAST * able.torque)
+        mobility = np.abs(np.linalg.inv(mass))
+        acceleration = _multiply(mobility, able.torque + friction + pull).max(axis=0)
+        max_acceleration = np.maximum(max_acceleration, acceleration)
+        max_resting = np.maximum(max_resting, np.diagonal(mobility, axis1=1, axis2=2).max(axis=0) * friction)
+        # All joints at once, with any signs: each alone, reduced by the inertia that couples them.
+        torque = np.maximum(able.torque - friction - pull, MIN_TORQUE_FRACTION * able.torque)
         alone = torque / np.diagonal(mass, axis1=1, axis2=2)
-        together = alone * np.min(torque / _through(np.abs(mass), alone), axis=1, keepdims=True)
-        least = np.minimum(least, together.min(axis=0))
-    move = 2.0 * np.sqrt(MOVE / least) + 2.0 * able.torque / able.rate
-    return DemandLimits(able.speed, most, least, MOVE / move, rests)
+        together = alone * np.min(torque / _multiply(np.abs(mass), alone), axis=1, keepdims=True)
+        min_braking = np.minimum(min_braking, together.min(axis=0))
+    move_time = 2.0 * np.sqrt(REFERENCE_MOVE / min_braking) + 2.0 * able.torque / able.rate
+    return DemandLimits(able.speed, max_acceleration, min_braking, REFERENCE_MOVE / move_time, max_resting)
 
 
-def pulls(machine: Machine) -> Array:
-    """Return the greatest torque of gravity and springs on each joint, whatever posture and payload, (joints,), N m."""
-    arm, places = parameters.arm(machine), postures(machine)
-    found = [parameters.mass_and_pull(arm, payload, places)[1] for payload in payloads(machine)]
-    most: Array = np.abs(found).max(axis=(0, 1))
-    return most
+def max_gravity_torques(machine: Machine) -> Array:
+    """Return the greatest torque of gravity and springs on each joint in any configuration, (joints,), N m."""
+    arm, configurations = parameters.arm(machine), sample_configurations(machine)
+    pulls = [parameters.mass_and_pull(arm, payload, configurations)[1] for payload in payload_range(machine)]
+    greatest: Array = np.abs(pulls).max(axis=(0, 1))
+    return greatest
 
 
-def sinks(machine: Machine) -> NDArray[np.bool_]:
-    """Return which joints their brakes do not hold against gravity, in some posture and with some payload, (joints,).
+def find_sinking_joints(machine: Machine) -> NDArray[np.bool_]:
+    """Return a mask, (joints,), of the joints whose brakes do not hold them against gravity in every configuration.
 
-    Raise MachineError if the machine has no valves.
+    Raises:
+        MachineError: the machine has no valves.
     """
-    found: NDArray[np.bool_] = pulls(machine) > abilities(machine).friction
-    return found
+    sinking: NDArray[np.bool_] = max_gravity_torques(machine) > joint_capabilities(machine).friction
+    return sinking
 
 
-def falls(machine: Machine) -> bool:
-    """Whether the arm falls if its hoses are emptied at once: then its valves stay centred while the air is let out.
+def falls_without_air(machine: Machine) -> bool:
+    """Return whether the arm falls if its hoses are emptied at once.
 
-    What they pass as they dither lets it down slowly. Raise MachineError if the machine has no valves.
+    The valves of such an arm stay centred while it is vented: the leakage through their dithering spools lowers it
+    slowly.
+
+    Raises:
+        MachineError: the machine has no valves.
     """
-    return bool(sinks(machine).any())
+    return bool(find_sinking_joints(machine).any())
 
 
 def vent_time(machine: Machine) -> float:
-    """Return the time in which the hoses empty, s; raise MachineError if the machine has no valves."""
-    return machine.safety.vent_time * (SLOWLY if falls(machine) else 1.0)
+    """Return the time allowed for venting the hoses, s.
 
+    It is `safety.vent_time`, times `CENTRED_VENT_FACTOR` for an arm that falls without air.
 
-def swings_on(machine: Machine, angles: Sequence[float], velocities: Sequence[float], torques: Array) -> bool:
-    """Whether an arm in motion (rad, rad/s) may reach a mechanical stop once its valves no longer obey.
-
-    So it is where its kinetic energy, with the work that the hoses' torques (N m) may do until they are empty, is more
-    than what friction takes up in one of its joints before the stop. Joints that sink reach theirs in any case.
+    Raises:
+        MachineError: the machine has no valves.
     """
-    able, v, held = abilities(machine), np.array(velocities), ~sinks(machine)
-    mass, _ = parameters.mass_and_pull(parameters.arm(machine), payloads(machine)[1], angles)
+    return machine.safety.vent_time * (CENTRED_VENT_FACTOR if falls_without_air(machine) else 1.0)
+
+
+def may_reach_stops(machine: Machine, angles: Sequence[float], velocities: Sequence[float], torques: Array) -> bool:
+    """Return whether an arm in motion may reach a mechanical stop once its valves no longer obey.
+
+    It may where its kinetic energy exceeds the work of friction, less that of the hoses, in one of its joints up to the
+    stop. Sinking joints reach their stops in any case and are left out.
+
+    Args:
+        machine: the machine.
+        angles: rad, (joints,).
+        velocities: rad/s, (joints,).
+        torques: torques of the hoses, N m, (joints,).
+
+    Raises:
+        MachineError: the machine has no valves.
+    """
+    able, v, held = joint_capabilities(machine), np.array(velocities), ~find_sinking_joints(machine)
+    mass, _ = parameters.mass_and_pull(parameters.arm(machine), payload_range(machine)[1], angles)
     stops = np.array([0.5 * joint.stops.mechanical_stroke for joint in machine.joints.values()])
-    way = np.maximum(stops - np.abs(angles), 0.0)
-    takes = (able.friction + able.loss - np.abs(torques)) * way
-    return bool(0.5 * v @ mass @ v > np.min(takes[held], initial=inf))
+    distance = np.maximum(stops - np.abs(angles), 0.0)
+    absorbed = (able.friction + able.loss - np.abs(torques)) * distance
+    return bool(0.5 * v @ mass @ v > np.min(absorbed[held], initial=inf))
 
 
 def resting_angles(machine: Machine) -> Array:
-    """Return how far from mid-stroke joints may rest without air, (joints,), rad.
+    """Return the greatest angles from mid-stroke at which joints may rest without air, (joints,), rad.
 
-    That is their mechanical stops, which give way where gravity presses a joint into them, or its brake keeps it there.
-    Raise MachineError if the machine has no valves.
+    These are the mechanical stops with their compression under gravity, or under a brake that keeps the joint there.
+
+    Raises:
+        MachineError: the machine has no valves.
     """
     stops = [joint.stops for joint in machine.joints.values()]
     ends = np.array([0.5 * stop.mechanical_stroke for stop in stops])
-    presses = np.where(sinks(machine), GIVES_WAY * pulls(machine), abilities(machine).friction)
+    presses = np.where(
+        find_sinking_joints(machine),
+        STOP_COMPRESSION_FACTOR * max_gravity_torques(machine),
+        joint_capabilities(machine).friction,
+    )
     resting: Array = ends + presses / np.array([stop.stop_stiffness for stop in stops])
     return resting
 
 
-def _through(matrices: Array, vectors: Array) -> Array:
-    # (..., joints) of (..., joints, joints) and (..., joints).
+def _multiply(matrices: Array, vectors: Array) -> Array:
+    """Return products of matrices (..., joints, joints) and vectors, (..., joints)."""
     through: Array = (matrices @ vectors[..., None])[..., 0]
     return through
+
+
+def plan_smooth_motion(
+    machine: Machine, start: Array, end: Array, fraction: float, limits: DemandLimits | None = None
+) -> States:  # fmt: skip
+    """Return a motion from rest to rest by a polynomial of fifth degree, a row a control cycle.
+
+    Args:
+        machine: machine whose joints move.
+        start: angles, rad, (joints,).
+        end: angles, rad, (joints,).
+        fraction: 0..1, of the speed and acceleration that the arm has in every configuration, used at most.
+        limits: limits of the machine's demands; computed where they are not passed, which takes 10 ms.
+    """
+    limits, distance = limits or demand_limits(machine), np.abs(end - start)
+    by_speed = QUINTIC_PEAKS[0] * distance / (fraction * limits.speed)
+    by_acceleration = np.sqrt(QUINTIC_PEAKS[1] * distance / (fraction * limits.braking))
+    T = max(float(np.maximum(by_speed, by_acceleration).max()), machine.cycle)
+    position, speed, acceleration = quintic(np.arange(0.0, T + machine.cycle, machine.cycle)[:, None] / T)
+    L = end - start
+    return States(start + L * position, L * speed / T, L * acceleration / T**2)

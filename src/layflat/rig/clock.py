@@ -1,4 +1,4 @@
-"""Clocks that the loop is given, a real one and one that jumps to each deadline; and how well deadlines are kept.
+"""Clocks of the loop, a real one and one that jumps to each deadline; deadlines and the statistics of their lateness.
 
 All times are whole nanoseconds, so that a cycle is just as long at the end of a day as at its beginning.
 """
@@ -9,48 +9,51 @@ from typing import Protocol
 
 import numpy as np
 
-SECOND = 1_000_000_000  # ns
-BINS = 5000  # of the histograms of lateness and compute time, a microsecond each; the last one takes all that is later
+NS_PER_SECOND = 1_000_000_000  # ns
+HISTOGRAM_BINS = (
+    5000  # of the histograms of lateness and compute time, a microsecond each; the last one takes all that is later
+)
 
-# A punctual clock wakes so early before an instant (ns), begins no warmup later than so, makes so many of them.
-LEAD, LATEST, TIMES = 1_000_000, 250_000, 3
+# A punctual clock wakes this long before an instant (ns), starts no warmup later than this before it (ns), and makes at
+# most so many warmups.
+WAKE_LEAD, MIN_WARMUP_TIME, MAX_WARMUPS = 1_000_000, 250_000, 3
 
 
-class Clock(Protocol):
-    """What the loop sleeps by."""
+class LoopClock(Protocol):
+    """Clock by which the loop sleeps."""
 
     def now(self) -> int:
-        """Nanoseconds since some instant; it never runs backwards."""
+        """Return the time since a fixed instant, ns; it never decreases."""
 
     def wait(self, until: int) -> None:
         """Return at `until` or as soon after it as may be; at once if it has passed."""
 
 
 class MonotonicClock:
-    """The machine's own; not moved by anyone who sets its time of day."""
+    """Monotonic clock of the computer, which changes of its time of day do not move."""
 
     def now(self) -> int:
-        """Nanoseconds since the machine started."""
+        """Return the time since the computer started, ns."""
         return time.monotonic_ns()
 
     def wait(self, until: int) -> None:
-        """Sleep until an instant."""
+        """Sleep until an instant, ns."""
         left = until - time.monotonic_ns()
         if left > 0:
-            time.sleep(left / SECOND)
+            time.sleep(left / NS_PER_SECOND)
 
 
 class PunctualClock(MonotonicClock):
-    """One that wakes early and gets everything ready: it warms up what comes, and watches the time until it comes."""
+    """Clock that wakes early, warms up the code of the coming cycle, and polls the time until the instant."""
 
     def __init__(self, warm_up: Callable[[], object]) -> None:
         self._warm_up = warm_up
 
     def wait(self, until: int) -> None:
-        """Sleep until shortly before an instant, warm_up, and return at the instant."""
-        super().wait(until - LEAD)
-        for _ in range(TIMES):
-            if time.monotonic_ns() > until - LATEST:
+        """Sleep until shortly before an instant (ns), warm up, and return at the instant."""
+        super().wait(until - WAKE_LEAD)
+        for _ in range(MAX_WARMUPS):
+            if time.monotonic_ns() > until - MIN_WARMUP_TIME:
                 break
             self._warm_up()
         while time.monotonic_ns() < until:
@@ -58,25 +61,25 @@ class PunctualClock(MonotonicClock):
 
 
 class VirtualClock:
-    """Time that passes only while somebody waits: hours in seconds, and always the same."""
+    """Clock whose time passes only in `wait`: simulated hours take seconds, and are reproducible."""
 
     def __init__(self, start: int = 0) -> None:
         self._now = start
 
     def now(self) -> int:
-        """Nanoseconds, as last waited for."""
+        """Return the instant last waited for, ns."""
         return self._now
 
     def wait(self, until: int) -> None:
-        """Be there at once."""
+        """Advance to an instant (ns) at once."""
         self._now = max(self._now, until)
 
 
 class Deadlines:
-    """A deadline every cycle (s). Those that were missed by more than a cycle are left out, not made up for."""
+    """Deadlines, one every cycle (s). Those missed by more than a cycle are left out, not made up for."""
 
-    def __init__(self, clock: Clock, cycle: float) -> None:
-        self._clock, self._period = clock, round(cycle * SECOND)
+    def __init__(self, clock: LoopClock, cycle: float) -> None:
+        self._clock, self._period = clock, round(cycle * NS_PER_SECOND)
         self.cycle = cycle
         self.begun: int | None = None  # when the first cycle began, ns
         self._next = self._now = 0
@@ -84,10 +87,10 @@ class Deadlines:
         self.lateness = 0.0  # of this cycle, s
         self.missed = 0  # deadlines left out so far
         self.missed_now = 0  # deadlines left out just before this cycle
-        self.forget()
+        self.reset_statistics()
 
     def wait(self) -> int:
-        """Wait for the next deadline; the instant (ns) at which the cycle begins."""
+        """Wait for the next deadline; return the instant (ns) at which the cycle begins."""
         clock = self._clock
         if self.begun is None:
             self.begun = self._next = now = clock.now()
@@ -95,36 +98,36 @@ class Deadlines:
             self._next += self._period
             clock.wait(self._next)
             now = clock.now()
-            self.elapsed = (now - self._now) / SECOND
+            self.elapsed = (now - self._now) / NS_PER_SECOND
         late = now - self._next
         self.missed_now = late // self._period if late > 0 else 0
         if self.missed_now:
             self.missed += self.missed_now
             self._next += self.missed_now * self._period
         self._now = now
-        self.lateness = late / SECOND
-        self._late[min(max(late // 1000, 0), BINS - 1)] += 1
+        self.lateness = late / NS_PER_SECOND
+        self._late[min(max(late // 1000, 0), HISTOGRAM_BINS - 1)] += 1
         return now
 
-    def took(self, seconds: float) -> None:
-        """Note how long a cycle took to compute."""
-        self._busy[min(int(seconds / 1e-6), BINS - 1)] += 1
+    def record_compute_time(self, seconds: float) -> None:
+        """Add the compute time of a cycle (s) to the histogram."""
+        self._busy[min(int(seconds / 1e-6), HISTOGRAM_BINS - 1)] += 1
 
-    def forget(self) -> None:
-        """Begin the statistics anew, for instance after a first cycle that loads compiled code."""
-        # Lists, of which an item is counted up several times as fast as an array's.
-        self._late, self._busy = [0] * BINS, [0] * BINS
+    def reset_statistics(self) -> None:
+        """Clear the histograms, for instance after a first cycle that loads compiled code."""
+        # Lists: incrementing an item is several times as fast as in an array.
+        self._late, self._busy = [0] * HISTOGRAM_BINS, [0] * HISTOGRAM_BINS
 
-    def lateness_at(self, share: float) -> float:
-        """Lateness that this share of the cycles kept below, s."""
-        return _quantile(self._late, share)
+    def lateness_at(self, fraction: float) -> float:
+        """Return the quantile of the lateness at a fraction of the cycles, s."""
+        return _quantile(self._late, fraction)
 
-    def compute_at(self, share: float) -> float:
-        """Compute time that this share of the cycles kept below, s."""
-        return _quantile(self._busy, share)
+    def compute_at(self, fraction: float) -> float:
+        """Return the quantile of the compute time at a fraction of the cycles, s."""
+        return _quantile(self._busy, fraction)
 
     def summary(self) -> str:
-        """A line for people."""
+        """Return a line for people: cycles, lateness, compute time and missed deadlines."""
         return (
             f"{sum(self._late)} cycles, late by {1e6 * self.lateness_at(0.5):.0f} us at the median and "
             f"{1e6 * self.lateness_at(0.99):.0f} us at 99 %, computed in {1e6 * self.compute_at(0.5):.0f} and "
@@ -132,8 +135,9 @@ class Deadlines:
         )
 
 
-def _quantile(bins: list[int], share: float) -> float:
+def _quantile(bins: list[int], fraction: float) -> float:
+    """Return a quantile of a duration, s, from its histogram in bins of 1 us: the upper end of a bin; 0 if empty."""
     total = sum(bins)
     if total == 0:
         return 0.0
-    return float(np.searchsorted(np.cumsum(bins), share * total) + 1) * 1e-6
+    return float(np.searchsorted(np.cumsum(bins), fraction * total) + 1) * 1e-6

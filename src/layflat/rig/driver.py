@@ -1,10 +1,10 @@
-"""What the loop asks of whatever moves the valves and reads the sensors.
+"""Interface of drivers, which move the valves and read the sensors for the loop.
 
     unconfigured --configure--> inactive --activate--> active --deactivate--> inactive --finalize--> finalized
 
 Only an active driver moves anything: `activate` sends no command of its own, `deactivate` centres the valves and lets
 out the air. In every cycle the loop calls `read` once, then `write` once. Where the device answers commands (Modbus,
-serial), `write` only keeps the command and `read` makes one transaction of both: voltages are then a cycle late.
+serial), `write` only stores the command and `read` makes one transaction of both: voltages are then a cycle late.
 """
 
 from abc import ABC, abstractmethod
@@ -14,12 +14,12 @@ from typing import NamedTuple, Self
 from layflat.arrays import Array
 from layflat.errors import InputError, LayflatError
 from layflat.machine import Machine
-from layflat.machine.parameters import drive_parts
-from layflat.rig.abilities import falls
+from layflat.machine.parameters import valve_and_sensors
+from layflat.rig.abilities import falls_without_air
 
 
 class Lifecycle(Enum):
-    """Where a driver stands."""
+    """Lifecycle state of a driver."""
 
     UNCONFIGURED = "unconfigured"
     INACTIVE = "inactive"
@@ -28,24 +28,24 @@ class Lifecycle(Enum):
 
 
 class DeviceState(IntEnum):
-    """What the device does by itself."""
+    """State of the device's own watchdog."""
 
-    RUNNING = 0  # it obeys
-    CENTRED = 1  # it heard nothing for some cycles: the valves are centred
-    DUMPED = 2  # it heard nothing for longer, or the e-stop is pressed: the air is let out; it obeys after a `reset`
+    RUNNING = 0  # it obeys commands
+    CENTRED = 1  # no command came for some cycles: the valves are centred
+    DUMPED = 2  # none came for longer, or the e-stop is pressed: the air is let out; it obeys again after a `reset`
 
 
-class Command(NamedTuple):
-    """What a cycle asks for."""
+class RigCommand(NamedTuple):
+    """Command of a cycle to the device."""
 
     voltages: Array  # to the valves' drivers, V, (joints,)
-    air: bool  # whether the dump valve lets air in; else the supply line is open to the atmosphere
-    reset: bool = False  # asks a device that has dumped to obey again; it does on the edge, with the e-stop released
+    air: bool  # whether the dump valve connects the supply; else its line is open to the atmosphere
+    reset: bool = False  # a device that has dumped obeys again at the rising edge, with the e-stop released
     outputs: int = 0  # digital outputs that are on, as bits: the first of the machine's is 1, the second 2
 
 
-class Reading(NamedTuple):
-    """What a cycle is told, as the converters report it."""
+class SensorReading(NamedTuple):
+    """Reading of the device in a cycle, as its converters report it."""
 
     angles: Array  # rad, (joints,)
     pressures: Array  # hose A less hose B, Pa, (joints,)
@@ -55,7 +55,7 @@ class Reading(NamedTuple):
 
 
 class Capabilities(NamedTuple):
-    """What a driver and its device can do."""
+    """Capabilities of a driver and its device."""
 
     joints: int
     voltage_low: float
@@ -63,20 +63,22 @@ class Capabilities(NamedTuple):
     centre_voltage: float  # at which valves are closed, the fallback of the device, V
     dithers: bool  # whether the device adds the dither; nobody else does
     shortest_cycle: float  # s
-    lets_down: bool = False  # whether it keeps valves centred while it lets out the air, so that an arm does not fall
+    lets_down: bool = (
+        False  # whether it keeps valves centred while it vents the supply line, so that an arm does not fall
+    )
     outputs: int = 0  # digital outputs
 
     @classmethod
-    def needed(cls, machine: Machine) -> Self:
-        """What a machine needs of them; raise MachineError if it has no valve or sensors."""
-        valve, _, _ = drive_parts(machine)
+    def required_by(cls, machine: Machine) -> Self:
+        """Return the capabilities that a machine requires; raise MachineError if it has no valve or sensors."""
+        valve, _, _ = valve_and_sensors(machine)
         centre, span, dithers = valve.centre_voltage, valve.volts_to_full, valve.dithered is not None
-        able = dithers, machine.cycle, falls(machine), len(machine.interface.outputs)
+        able = dithers, machine.cycle, falls_without_air(machine), len(machine.interface.outputs)
         return cls(len(machine.joints), centre - span, centre + span, centre, *able)
 
     def check(self, machine: Machine) -> None:
-        """Make sure that this fits a machine; raise InputError if it does not."""
-        joints, low, high, centre, dithers, cycle, falling, outputs = Capabilities.needed(machine)
+        """Check these capabilities against a machine's requirements; raise InputError where they do not suffice."""
+        joints, low, high, centre, dithers, cycle, falling, outputs = Capabilities.required_by(machine)
         mine, shortest = f"{self.voltage_low:g} to {self.voltage_high:g} V", f"{1e3 * self.shortest_cycle:g} ms"
         wrong = {
             f"it has {self.joints} joints, the machine {joints}": self.joints != joints,
@@ -97,12 +99,12 @@ class Capabilities(NamedTuple):
 
 
 class LinkError(LayflatError):
-    """A transaction failed; the loop counts these and goes on.
+    """Failed transaction; the loop counts these and goes on.
 
     Args:
         kind: "lost", "crc", "sequence" or "refused".
-        reason: what came in place of a good reply, where that is known.
-        right: what would help.
+        reason: description of what came in place of a good reply; empty where it is unknown.
+        right: remedy; empty where none is known.
     """
 
     def __init__(self, kind: str, reason: str = "", right: str = "") -> None:
@@ -111,38 +113,38 @@ class LinkError(LayflatError):
 
 
 class DriverError(InputError):
-    """A driver can't be set up: no device, no permission, a map that does not fit."""
+    """Driver that can't be set up: no device, no permission, a register map that does not fit."""
 
 
 class Driver(ABC):
-    """Base of all drivers: it keeps to the lifecycle, the methods with an underscore do the work."""
+    """Base class of all drivers: it enforces the lifecycle; `_configure` and `_deactivate` do the work."""
 
-    late = 0  # control cycles after which a command that is written reaches the device
+    late = 0  # delay from `write` until the command reaches the device, control cycles
 
     def __init__(self) -> None:
         self.state = Lifecycle.UNCONFIGURED
-        self.remark = ""  # what is to be known of the link, once it is
+        self.remark = ""  # peculiarity of the link for people, once it is detected
 
     def configure(self) -> Capabilities:
-        """Connect, and ask what is there; raise DriverError if nothing fit is there."""
+        """Connect and identify the device; return its capabilities, or raise DriverError if no fitting one answers."""
         self._expect("configure", Lifecycle.UNCONFIGURED)
-        found = self._configure()
+        capabilities = self._configure()
         self.state = Lifecycle.INACTIVE
-        return found
+        return capabilities
 
     def activate(self) -> None:
-        """From now on commands are obeyed."""
+        """Enter the active state, in which commands are obeyed."""
         self._expect("activate", Lifecycle.INACTIVE)
         self.state = Lifecycle.ACTIVE
 
     def deactivate(self) -> None:
-        """Centre the valves and let out the air, as far as the link allows."""
+        """Centre the valves and vent the supply line, as far as the link allows."""
         self._expect("deactivate", Lifecycle.ACTIVE)
         self.state = Lifecycle.INACTIVE
         self._deactivate()
 
     def finalize(self) -> None:
-        """Let go of the device, whatever state it is in; a second call does nothing."""
+        """Release the device in any state, deactivating it first if it is active; a second call does nothing."""
         if self.state is Lifecycle.ACTIVE:
             self.deactivate()
         self.state = Lifecycle.FINALIZED
@@ -152,12 +154,12 @@ class Driver(ABC):
             raise DriverError(f"can't {what} while {self.state.value}", where=type(self).__name__)
 
     @abstractmethod
-    def read(self) -> Reading:
-        """What the sensors say now; raise LinkError if the device did not answer well."""
+    def read(self) -> SensorReading:
+        """Return the present readings of the sensors; raise LinkError if the device did not answer well."""
 
     @abstractmethod
-    def write(self, command: Command) -> None:
-        """What is asked for from now on. It does not block."""
+    def write(self, command: RigCommand) -> None:
+        """Set the command that is in force from now on, without blocking."""
 
     @abstractmethod
     def _configure(self) -> Capabilities: ...

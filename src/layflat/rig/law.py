@@ -1,4 +1,4 @@
-"""The control law of a rig's joints, as its loop has it: numbers by name, and the signals that it reports."""
+"""Control law of a rig's joints in the form of its loop: settings, memory and report as rows of numbers by name."""
 
 from collections.abc import Sequence
 
@@ -10,42 +10,50 @@ from layflat.errors import KindError
 from layflat.jit.outside import blame_outside
 from layflat.lanes import leaves
 from layflat.machine import Machine, parameters
-from layflat.rig.named import NamedRows, blank
-from layflat.rig.record import Layout
+from layflat.rig.named import NamedRows, zero_tuple
+from layflat.rig.record import RowLayout
 
-TRIED = (0.0, 0.2, 0.2, -0.2, -0.2, 0.0)  # demands, rad, by which a law at rest shows whether it commands shares
+PROBE_DEMANDS = (
+    0.0,
+    0.2,
+    0.2,
+    -0.2,
+    -0.2,
+    0.0,
+)  # demands, rad, by which a law at rest shows whether it commands shares
 
 
-def on_rig(machine: Machine, late: int = 0) -> Machine:
-    """Return the machine as a law has it on a rig: no device stops its dither, and commands are so many cycles late.
+def adapt_to_rig(machine: Machine, late: int = 0) -> Machine:
+    """Return the machine as a control law has to model it on a rig.
 
-    Only laws that plan their motion go by the delay.
+    The device never stops its dither, and commands arrive `late` control cycles after they are written; only laws that
+    plan their motion model the delay.
     """
     if machine.valve is None:
         return machine
     changes: dict[str, float] = {}
     if machine.valve.dithered is not None:
-        changes["valve.dither.least"] = 1.0
+        changes["valve.dither.min"] = 1.0
     if late and machine.controller is not None and machine.control_law.plans:
         changes["valve.delay"] = machine.valve.delay + late * machine.cycle
     return changed_all(machine, changes) if changes else machine
 
 
 class ArmLaw:
-    """The law of the whole arm; its commands reach the device so many cycles `late`.
+    """Control law of the whole arm; its commands reach the device `late` control cycles after they are written.
 
     Raises:
         MachineError: the machine has no controller, or a joint lacks gains.
-        KindError: the law commands shares of brake, dither or supply, which no driver of a rig sets.
+        KindError: the law commands fractions of brake, dither or supply, which no driver of a rig sets.
     """
 
     def __init__(self, machine: Machine, late: int = 0) -> None:
-        machine = on_rig(machine, late)
+        machine = adapt_to_rig(machine, late)
         settings, nothing = parameters.control(machine), (0.0,) * len(machine.joints)
-        self.kind = CONTROL_LAWS.of(settings)
+        self.kind = CONTROL_LAWS.kind_of(settings)
         with blame_outside():
             memory = tried = wake(settings, Sensed(nothing, nothing))
-            for angle in TRIED:
+            for angle in PROBE_DEMANDS:
                 demand = Demand((angle,) * len(nothing), nothing, nothing, nothing)
                 tried, command, _ = step(settings, tried, Sensed(nothing, nothing), demand, machine.cycle)
                 given = next((s for shares in command.shares for s in shares._asdict().items() if s[1] != 1.0), None)
@@ -54,13 +62,13 @@ class ArmLaw:
                     raise KindError(what, where=machine.origin, right="command shares of 1 on a rig")
         self.settings_as_given = settings
         self.settings, self.memory = NamedRows([settings]), NamedRows([memory])
-        self.report = NamedRows([blank(self.kind.report)] * len(nothing))
-        self.layout = Layout.of(machine)  # of the rows that a loop with it records
+        self.report = NamedRows([zero_tuple(self.kind.report)] * len(nothing))
+        self.layout = RowLayout.for_machine(machine)  # of the rows that a loop with it records
         # Columns of its report that stand in these rows.
         self.recorded = np.array([i for i, name in enumerate(self.kind.signals) if name in dict(self.layout.law)])
 
     def wake(self, angles: Sequence[float], pressures: Sequence[float]) -> None:
-        """Let it begin at these measurements, rad and Pa, (joints,)."""
+        """Initialize its memory with these measurements, rad and Pa, (joints,)."""
         with blame_outside():
             memory = wake(self.settings_as_given, Sensed(tuple(angles), tuple(pressures)))
             self.memory.array[0] = list(leaves(memory))

@@ -11,131 +11,141 @@ import numpy as np
 
 from layflat.arrays import Array
 from layflat.machine import Machine
-from layflat.rig.clock import SECOND, Clock, Deadlines
-from layflat.rig.driver import Command, DeviceState, Driver, LinkError, Reading
+from layflat.rig.clock import NS_PER_SECOND, Deadlines, LoopClock
+from layflat.rig.driver import DeviceState, Driver, LinkError, RigCommand, SensorReading
 from layflat.rig.law import ArmLaw
-from layflat.rig.record import SHARED
+from layflat.rig.record import SHARED_COLUMNS
 from layflat.rig.safety.faults import Fault
 from layflat.rig.safety.supervisor import HostRequest, Supervisor
 
-HEAD = Struct(f"{len(SHARED)}d")  # of a row: what there is once
-MAX_REASONS = 10  # kinds of trouble with the link that are told
-ALIVE_EVERY = 20  # cycles between two looks whether the recorder is alive
+ROW_HEADER = Struct(f"{len(SHARED_COLUMNS)}d")  # shared numbers at the start of a row
+MAX_REASONS = 10  # kinds of trouble with the link that become events
+ALIVE_EVERY = 20  # cycles between two checks that the recorder is alive
 
 
 class Host(Protocol):
-    """Who wants something of the loop, and looks on."""
+    """Host of the loop: it requests motions, and receives every row."""
 
     def request(self, now: int) -> HostRequest:
-        """What is wanted in the cycle that began at `now` (ns); edges are given once."""
+        """Return the request for the cycle that began at `now` (ns); each edge is returned once."""
 
     def publish(self, row: Array) -> None:
-        """Show a row of `record.Layout`; it is used again in the next cycle."""
+        """Receive a row of `record.RowLayout`; the array is overwritten in the next cycle."""
 
     @property
     def ended(self) -> bool:
-        """Whether the loop is to end once it has let out the air."""
+        """Return whether the loop is to end once the hoses are vented."""
 
 
-class Recorder:
-    """What keeps every cycle; this one keeps nothing."""
+class LoopRecorder:
+    """Base class of the loop's recorders, and one that keeps nothing."""
 
     def push(self, row: Array) -> None:
-        """Take a row of `record.Layout`; it is used again in the next cycle."""
+        """Record a row of `record.RowLayout`; the array is overwritten in the next cycle."""
 
     def event(self, text: str) -> None:
-        """Take a line for people."""
+        """Record a line for people."""
 
-    def alive(self) -> bool:
-        """Whether rows reach the disk: false within a second of its death."""
+    def is_alive(self) -> bool:
+        """Return whether rows reach the disk: False within a second of the recorder's death."""
         return True
 
     def end(self) -> None:
-        """Nothing more will come."""
+        """Finish: no more rows and events will come."""
 
 
-class Loop:
-    """One rig in motion; `cycle` performs one control cycle, `run` all of them.
+class RigLoop:
+    """Control loop of one rig; `cycle` performs one control cycle, `run` all of them.
 
-    The driver is inactive or active. Raise MachineError if the machine lacks valve, sensors, controller or gains.
+    Args:
+        machine: description of the rig.
+        driver: inactive or active driver of the rig.
+        clock: clock of the deadlines.
+        host: source of requests, and receiver of rows.
+        recorder: receiver of rows and events; default: one that keeps nothing.
+
+    Raises:
+        MachineError: the machine lacks valve, sensors, controller or gains.
     """
 
     def __init__(
-        self, machine: Machine, driver: Driver, clock: Clock, host: Host, recorder: Recorder | None = None
+        self, machine: Machine, driver: Driver, clock: LoopClock, host: Host, recorder: LoopRecorder | None = None
     ) -> None:
         law = ArmLaw(machine, driver.late)
         self.driver, self.clock, self.host = driver, clock, host
-        self.recorder = recorder or Recorder()
+        self.recorder = recorder or LoopRecorder()
         self.supervisor = Supervisor(machine, law)
         self.deadlines = Deadlines(clock, machine.cycle)
         self.layout = law.layout
         self.row = np.zeros(self.layout.width)
         self._joints, self._faults = self.layout.joint_rows(self.row), self.layout.named(self.row, "joint_fault")
         n = len(machine.joints)
-        self._reading = Reading(np.zeros(n), np.zeros(n), 0.0, False, DeviceState.RUNNING)
+        self._reading = SensorReading(np.zeros(n), np.zeros(n), 0.0, False, DeviceState.RUNNING)
         self._seen_at: int | None = None
         self._cycles, self._compute = 0, 0.0
         self._recording = True
-        self._told: set[str] = set()  # what was wrong with the link, each kind once
+        self._reported: set[str] = set()  # kinds of trouble with the link that became events
 
-    def begin(self, reading: Reading) -> None:
-        """Start with air that is there already, as a simulated run does, with controllers woken by this reading."""
-        self.supervisor.begin(reading, filled=True)
+    def start_filled(self, reading: SensorReading) -> None:
+        """Start with filled hoses, as a simulated run does, and controllers initialized with this reading."""
+        self.supervisor.initialize(reading, filled=True)
         self._cycles = 1
 
     def run(self) -> None:
         """Cycle until the host has ended and the air is out; the driver is left deactivated, whatever happens."""
         try:
-            while not (self.host.ended and self.supervisor.empty):
+            while not (self.host.ended and self.supervisor.is_vented):
                 self.cycle()
         finally:
             self.driver.finalize()
 
     def cycle(self) -> None:
-        """Wait for the next deadline, and do what has to be done then."""
+        """Wait for the next deadline, and perform one control cycle."""
         now = self.deadlines.wait()
         begun = perf_counter_ns()
         try:
-            reading: Reading | None = self.driver.read()
+            reading: SensorReading | None = self.driver.read()
         except LinkError as error:
             reading = None
-            self._tell_once(error.reason)
+            self._report_once(error.reason)
         answered, seen = perf_counter_ns(), self.clock.now()
         supervisor, deadlines = self.supervisor, self.deadlines
-        elapsed = deadlines.cycle if self._seen_at is None else (seen - self._seen_at) / SECOND
+        elapsed = deadlines.cycle if self._seen_at is None else (seen - self._seen_at) / NS_PER_SECOND
         if reading is not None:
             self._reading, self._seen_at = reading, seen
             if self._cycles == 0:
-                supervisor.begin(reading)
+                supervisor.initialize(reading)
             self._cycles += 1
         if self._cycles % ALIVE_EVERY == 0:
-            self._recording = self.recorder.alive()
-        found = (Fault.CYCLE_MISSED,) if deadlines.missed_now else ()
-        supervisor.noted = found if self._recording else (*found, Fault.RECORDER_DEAD)
+            self._recording = self.recorder.is_alive()
+        noted = (Fault.CYCLE_MISSED,) if deadlines.missed_now else ()
+        supervisor.noted = noted if self._recording else (*noted, Fault.RECORDER_DEAD)
         supervisor.barred = not self._recording
         supervisor.cycle(reading, self.host.request(now), elapsed, deadlines.elapsed)
         voltages = supervisor.voltages.copy()
-        self.driver.write(Command(voltages, supervisor.air, supervisor.resets, supervisor.outputs))
-        self._record(now, (answered - begun) / SECOND)
-        self._compute = (perf_counter_ns() - answered) / SECOND
-        deadlines.took(self._compute)
+        self.driver.write(
+            RigCommand(voltages, supervisor.is_pressurised, supervisor.is_reset_bit_set, supervisor.outputs)
+        )
+        self._record(now, (answered - begun) / NS_PER_SECOND)
+        self._compute = (perf_counter_ns() - answered) / NS_PER_SECOND
+        deadlines.record_compute_time(self._compute)
 
-    def _tell_once(self, reason: str) -> None:
-        """Note what is wrong with the link as an event, once for each reason: numbers in it do not make it another."""
+    def _report_once(self, reason: str) -> None:
+        """Add an event about the link, once for each reason; reasons that differ by numbers alone are one."""
         kind = "".join(letter for letter in reason if not letter.isdigit())
-        if reason and kind not in self._told and len(self._told) < MAX_REASONS:
-            self._told.add(kind)
+        if reason and kind not in self._reported and len(self._reported) < MAX_REASONS:
+            self._reported.add(kind)
             self.supervisor.ledger.events.append(f"link: {reason}")
 
     def _record(self, now: int, link: float) -> None:
-        """Fill the row, hand it on, and tell what has to be told."""
+        """Fill the row, pass it to recorder and host, and record the events of the cycle."""
         row, reading, supervisor, deadlines = self.row, self._reading, self.supervisor, self.deadlines
         ledger, begun = supervisor.ledger, deadlines.begun
         worst, since = ledger.worst, now - begun if begun is not None else 0
-        HEAD.pack_into(
-            row.data, 0, since / SECOND, time_ns() / SECOND, deadlines.elapsed, deadlines.lateness, self._compute, link,
-            reading.supply, supervisor.air, reading.stopped, reading.device, supervisor.state, worst, supervisor.lost,
-            supervisor.outputs,
+        ROW_HEADER.pack_into(
+            row.data, 0, since / NS_PER_SECOND, time_ns() / NS_PER_SECOND, deadlines.elapsed, deadlines.lateness,
+            self._compute, link, reading.supply, supervisor.is_pressurised, reading.stopped, reading.device,
+            supervisor.state, worst, supervisor.lost, supervisor.outputs,
         )  # fmt: skip
         supervisor.core.record(self._joints)
         if worst:

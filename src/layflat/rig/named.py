@@ -1,4 +1,4 @@
-"""Numbers of named tuples in arrays that stay in place: rows for the compiler, columns by name for everything else."""
+"""Named tuples of numbers as rows of arrays that stay in place: rows for the compiler, columns by name for Python."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -10,7 +10,7 @@ from layflat.lanes import leaves
 
 
 def leaf_names(like: Any, prefix: str = "") -> Iterator[str]:
-    """Names of a nested tuple's numbers in order, such as "gate.working"; items without a name count from 0."""
+    """Yield the names of a nested tuple's numbers in order, such as "gate.working"; unnamed items count from 0."""
     for name, item in zip(getattr(like, "_fields", range(len(like))), like, strict=True):
         if isinstance(item, tuple):
             yield from leaf_names(item, f"{prefix}{name}.")
@@ -18,19 +18,19 @@ def leaf_names(like: Any, prefix: str = "") -> Iterator[str]:
             yield f"{prefix}{name}"
 
 
-def blank(kind: Any) -> Any:
-    """A named tuple of a kind, and all named tuples in it, of zeros."""
-    return kind(*(blank(item) if hasattr(item, "_fields") else 0.0 for item in kind.__annotations__.values()))
+def zero_tuple(kind: Any) -> Any:
+    """Return a named tuple of a class with all numbers zero, nested named tuples included."""
+    return kind(*(zero_tuple(item) if hasattr(item, "_fields") else 0.0 for item in kind.__annotations__.values()))
 
 
-def places(like: Any) -> Any:
-    """Where each item of a named tuple begins in a row of its numbers, as a tuple of the same kind."""
+def leaf_offsets(like: Any) -> Any:
+    """Return the offset of each item of a named tuple in a row of its numbers, as a tuple of the same class."""
     counts = [len(list(leaves(item))) if isinstance(item, tuple) else 1 for item in like]
     return type(like)(*(sum(counts[:i]) for i in range(len(counts))))
 
 
 class NamedRows:
-    """Rows of numbers, each those of a named tuple; made from nested tuples of one kind."""
+    """Array of rows, each the numbers of a nested named tuple; all rows are of one class."""
 
     def __init__(self, rows: list[Any]) -> None:
         self.like = rows[0]
@@ -38,10 +38,16 @@ class NamedRows:
         self._columns = {name: i for i, name in enumerate(leaf_names(self.like))}
 
     def __getitem__(self, name: str) -> Array:
-        """The numbers of one name, (rows,); a view."""
+        """Return a view of the column of a name, (rows,)."""
         return self.array[:, self._columns[name]]
 
     def replace(self, part: str, value: Any, row: int | slice = slice(None)) -> None:
-        """Put the numbers of a tuple into a part, in one row or all."""
-        first, numbers = getattr(places(self.like), part), list(leaves(value))
+        """Write the numbers of a tuple into a part of one row or of all.
+
+        Args:
+            part: name of the field of the outer tuple.
+            value: tuple of the part's class.
+            row: index of the row, or a slice; default: all rows.
+        """
+        first, numbers = getattr(leaf_offsets(self.like), part), list(leaves(value))
         self.array[row, first : first + len(numbers)] = numbers

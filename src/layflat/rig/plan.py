@@ -1,4 +1,4 @@
-"""A plan of demands, performed on a rig: soft start, demands in time, and what ends it early."""
+"""Execution of a plan of demands on a rig: soft start, demands in time, and causes of an early end."""
 
 import time
 from bisect import bisect_right
@@ -14,16 +14,16 @@ from layflat.machine import Machine, parameters
 from layflat.motion.signal_rows import read_rows
 from layflat.motion.signal_values import SignalKind, read_number
 from layflat.rig.abilities import demand_limits
-from layflat.rig.recorded import Recorded
-from layflat.rig.safety.states import State
-from layflat.rig.session import LoopError, Snapshot
+from layflat.rig.recorded import RecordedSession
+from layflat.rig.safety.faults import RigState
+from layflat.rig.session import RigLoopError, RigSnapshot
 
-TICK = 0.02  # between two looks at the rig, at most, s: who looks all the time takes a processor from the loop
-SPARE = 5.0  # beyond the machine's start time, in which a start that is refused shows, s
+POLL_INTERVAL = 0.02  # between two polls of the rig, at most, s: polling without pause takes a processor from the loop
+START_MARGIN = 5.0  # beyond the machine's start time, within which a refused start shows, s
 
 
 class EarlyEndError(LayflatError):
-    """A run ended before its plan did; `fault`: it was no wish of the user's."""
+    """End of a run before that of its plan; `fault` is False where the user stopped it."""
 
     def __init__(self, what: str, *, fault: bool) -> None:
         self.fault = fault
@@ -31,10 +31,10 @@ class EarlyEndError(LayflatError):
 
 
 @dataclass(frozen=True)
-class Plan:
-    """Demands in time, from the end of the soft start."""
+class DemandPlan:
+    """Plan of demands in time, from the end of the soft start."""
 
-    times: Sequence[float]  # from which on each holds, growing, s
+    times: Sequence[float]  # from which on each holds, increasing, s
     demands: Sequence[Sequence[float]]  # rad, one for each joint from base to tip, a row for each time
     duration: float  # until the joints are held and the air is let out, s
     velocities: Sequence[Sequence[float]] | None = None  # rad/s, rows likewise; None: they are derived, or zero
@@ -42,27 +42,35 @@ class Plan:
 
 
 def check_accelerations(machine: Machine, accelerations: Array, where: str) -> None:
-    """Refuse accelerations (rad/s2, (cycles, joints)) that no posture of the arm has; raise InputError naming where.
+    """Check that accelerations do not exceed those that the arm has in its best configuration.
 
-    Those of a control law that goes by errors are of no account.
+    Control laws that do not plan their motion ignore accelerations; theirs are not checked.
+
+    Args:
+        machine: the machine.
+        accelerations: rad/s2, (cycles, joints).
+        where: source of the accelerations, for messages.
+
+    Raises:
+        InputError: an acceleration is too large.
     """
     if not machine.control_law.plans:
         return
-    most = demand_limits(machine).acceleration
-    row, j = np.unravel_index(int(np.argmax(np.abs(accelerations) / most)), accelerations.shape)
-    if abs(accelerations[row, j]) > most[j]:
-        asked, can = np.degrees(accelerations[row, j]), np.degrees(most[j])
-        what = f"asks joint {list(machine.joints)[j]!r} for {asked:.4g} deg/s2 at {row * machine.cycle:.6g} s"
-        raise InputError(what, where=where, right=f"it can do {can:.4g} deg/s2 at most")
+    limit = demand_limits(machine).acceleration
+    row, j = np.unravel_index(int(np.argmax(np.abs(accelerations) / limit)), accelerations.shape)
+    if abs(accelerations[row, j]) > limit[j]:
+        demanded, possible = np.degrees(accelerations[row, j]), np.degrees(limit[j])
+        what = f"asks joint {list(machine.joints)[j]!r} for {demanded:.4g} deg/s2 at {row * machine.cycle:.6g} s"
+        raise InputError(what, where=where, right=f"it can do {possible:.4g} deg/s2 at most")
 
 
-def check_plan(machine: Machine, plan: Plan, where: str = "plan") -> None:
-    """Refuse a plan that a machine can't follow to its end, before its rig gets air.
+def check_plan(machine: Machine, plan: DemandPlan, where: str = "plan") -> None:
+    """Check that a machine can follow a plan to its end, before its rig gets air.
 
     Args:
         machine: the machine.
         plan: demands in time.
-        where: what gave it, in messages.
+        where: source of the plan, for messages.
 
     Raises:
         InputError: times do not grow or end after the plan; a demand is not one number a joint, or outside the stroke.
@@ -71,7 +79,7 @@ def check_plan(machine: Machine, plan: Plan, where: str = "plan") -> None:
     count, duration = len(plan.times), read_number(plan.duration, u.TIME, f"{where}: duration")
     times = read_rows(plan.times, SignalKind(f"{where}: times", u.TIME, (where,)), count)[:, 0]
     if count == 0 or times[0] < 0.0 or np.any(np.diff(times) <= 0.0):
-        raise InputError("do not grow from zero or later", where=f"{where}: times", right="give 0.0, 0.5, ...")
+        raise InputError("do not increase from 0 or later", where=f"{where}: times", right="give 0.0, 0.5, ...")
     if times[-1] >= duration:
         right = f"its last demand comes at {times[-1]:g} s: give more"
         raise InputError(f"{duration:g} s ends before the last move", where=f"{where}: duration", right=right)
@@ -88,68 +96,69 @@ def check_plan(machine: Machine, plan: Plan, where: str = "plan") -> None:
 
 
 class PlanRunner:
-    """A rig in use that is led through a plan; `stopped` tells whether the user wants it to end."""
+    """Runner of a plan on a rig in use; `stopped` returns True once the user has stopped it."""
 
-    def __init__(self, rig: Recorded, stopped: Callable[[], bool] = bool) -> None:
+    def __init__(self, rig: RecordedSession, stopped: Callable[[], bool] = bool) -> None:
         self._rig, self._stopped = rig, stopped
         self._running = False
-        self.asked: list[float] = []  # when each of the plan's demands was asked for, by the loop's time, s
-        self.ended = 0.0  # when the plan ended, or what ended it was seen, by the same, s
+        self.sending_times: list[float] = []  # instant at which each of the plan's demands was sent, loop time, s
+        self.ended = 0.0  # instant of the plan's end, or at which the cause of an early end was read, loop time, s
 
-    def bring_air(self) -> list[float]:
-        """Start softly; angles at which the joints are held then, rad. Raise EarlyEndError if there is no air."""
-        session, give_up = self._rig.session, time.monotonic() + self._rig.machine.safety.start_time + SPARE
-        self._look()
+    def start_air(self) -> list[float]:
+        """Start softly; return the angles at which the joints are then held, rad. Raise EarlyEndError without air."""
+        session, give_up = self._rig.session, time.monotonic() + self._rig.machine.safety.start_time + START_MARGIN
+        self._last_snapshot()
         session.start()
         starting = False
-        while (shot := self._look()) is None or shot.state is not State.READY:
-            starting = starting or (shot is not None and shot.state is State.STARTING)
-            if starting and shot is not None and shot.state in {State.OFF, State.STOPPED}:
+        while (shot := self._last_snapshot()) is None or shot.state is not RigState.READY:
+            starting = starting or (shot is not None and shot.state is RigState.STARTING)
+            if starting and shot is not None and shot.state in {RigState.OFF, RigState.STOPPED}:
                 raise EarlyEndError(f"the start was broken off: {shot.fault_text}", fault=True)
             if time.monotonic() > give_up:
                 raise EarlyEndError("the rig did not start", fault=True)
-            time.sleep(TICK)
+            time.sleep(POLL_INTERVAL)
         self._running = True
         demands: list[float] = shot["demand"].tolist()
         return demands
 
-    def follow(self, plan: Plan) -> None:
-        """Ask for the plan's demands in time, until it ends; raise EarlyEndError if something ended it.
+    def follow(self, plan: DemandPlan) -> None:
+        """Send the plan's demands in time, until it ends.
 
         Raises:
-            InputError: the machine can't follow the plan; nothing was asked for.
+            EarlyEndError: the user, a fault, or the end of loop or recorder ended it.
+            InputError: the machine can't follow the plan; nothing was sent.
         """
         check_plan(self._rig.machine, plan)
         begin, done = time.monotonic(), 0
         while (now := time.monotonic() - begin) < plan.duration:
-            shot = self._look()
+            shot = self._last_snapshot()
             due = bisect_right(plan.times, now)
             if due > done and shot is not None:
-                self.asked += [float(shot["time"])] * (due - done)
-                self._ask(plan, due - 1, begin)
+                self.sending_times += [float(shot["time"])] * (due - done)
+                self._send_row(plan, due - 1, begin)
                 done = due
             coming = plan.times[done] if done < len(plan.times) else plan.duration
-            time.sleep(min(max(begin + coming - time.monotonic(), 1e-3), TICK))
-        self._look()
+            time.sleep(min(max(begin + coming - time.monotonic(), 1e-3), POLL_INTERVAL))
+        self._last_snapshot()
 
-    def _ask(self, plan: Plan, row: int, begin: float) -> None:
-        """Ask for a row of a plan that began then (s, monotonic); one that moves counts from when it was due."""
+    def _send_row(self, plan: DemandPlan, row: int, begin: float) -> None:
+        """Send a row of a plan that began at `begin` (s, monotonic); one with velocities is meant for its due time."""
         v, a = (None if rates is None else rates[row] for rates in (plan.velocities, plan.accelerations))
         at = None if v is None else begin + plan.times[row]
         self._rig.session.ask(plan.demands[row], v, a, at=at)
 
-    def _look(self) -> Snapshot | None:
-        """The last cycle; raise EarlyEndError if the run has ended."""
+    def _last_snapshot(self) -> RigSnapshot | None:
+        """Return the snapshot of the last cycle; raise EarlyEndError if the run has ended."""
         shot = self._rig.session.snapshot()
         self.ended = float(shot["time"]) if shot is not None else 0.0
         if self._stopped():
             raise EarlyEndError("stopped", fault=False)
         try:
             self._rig.session.check()
-        except LoopError as error:
+        except RigLoopError as error:
             raise EarlyEndError(str(error), fault=True) from None
-        if not self._rig.recording:
+        if not self._rig.is_recording:
             raise EarlyEndError("the recorder is gone", fault=True)
-        if shot is not None and (shot.state is State.FAULT or (self._running and shot.state is State.STOPPED)):
+        if shot is not None and (shot.state is RigState.FAULT or (self._running and shot.state is RigState.STOPPED)):
             raise EarlyEndError(shot.fault_text, fault=True)
         return shot

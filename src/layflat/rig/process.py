@@ -1,116 +1,176 @@
-"""The loop in a process of its own: how it begins and ends, and a loop that moves nothing, run before each deadline.
+"""Process of the loop: its start and end, and a warmup loop that moves nothing, run before each deadline.
 
-A processor that slept for 5 ms has forgotten code and data of the loop: a cycle takes eight times as long as one that
-follows another. A warmup is the same code with data of its own; nothing of the real rig is touched.
+After a sleep of 5 ms the processor's caches no longer hold the loop's code and data: a cycle takes eight times as long
+as one that follows another at once. A warmup runs the same code on data of its own; the real rig is not touched.
 """
 
 import signal
+import time
 from collections.abc import Callable
 from contextlib import ExitStack, suppress
 from multiprocessing.connection import Connection
 from pathlib import Path
+from typing import Self
 
 import numpy as np
 
-from layflat.errors import LayflatError
+from layflat.arrays import Array
+from layflat.errors import LayflatError, OutputError
 from layflat.machine import Machine
 from layflat.parallel import processors
-from layflat.rig.clock import LEAD, SECOND, MonotonicClock, PunctualClock, VirtualClock
-from layflat.rig.driver import Capabilities, Command, DeviceState, Driver, Reading
-from layflat.rig.loop import Loop, Recorder
+from layflat.rig.clock import NS_PER_SECOND, WAKE_LEAD, MonotonicClock, PunctualClock, VirtualClock
+from layflat.rig.driver import Capabilities, DeviceState, Driver, RigCommand, SensorReading
+from layflat.rig.loop import LoopRecorder, RigLoop
 from layflat.rig.mailbox import Mailbox, RemoteHost, Setpoints
-from layflat.rig.record import Layout
-from layflat.rig.recorder.client import RecorderClient
-from layflat.rig.recorder.ring import RecorderState, Ring
+from layflat.rig.record import SHARED_COLUMNS, RowLayout
+from layflat.rig.recorder.ring import Event, EventLevel, RecorderState, Ring
+from layflat.rig.safety.faults import Fault, Reaction
 from layflat.rig.system import go_realtime
 
-READINGS = 64  # given one after the other
-ANGLE_NOISE, PRESSURE_NOISE, RIPPLE = 2e-4, 200.0, (0.0, 3e3, 0.0, -3e3)  # of the readings, rad and Pa
-UNTIL_LOADED = 20  # cycles after which everything was called once
-LEADS = 4  # shorter cycles than so many leads of a punctual clock leave others too little of a processor
+# Level of a cycle's events, by its worst fault.
+FAULT_LEVELS = [
+    EventLevel.INFO,
+    *(EventLevel.WARN if fault.reaction is Reaction.WARN else EventLevel.ERROR for fault in list(Fault)[1:]),
+]
+TIME_COLUMN, FAULT_COLUMN = (list(SHARED_COLUMNS).index(name) for name in ("time", "fault"))
+STATE_CHANGE_MARK = " -> "  # in the event of a change of state
+STARTS_WITHIN = 30.0  # time within which a recorder has to start, s
+READING_COUNT = 64  # different readings of the warmup, in turn
+ANGLE_NOISE, PRESSURE_NOISE, PRESSURE_RIPPLE = 2e-4, 200.0, (0.0, 3e3, 0.0, -3e3)  # of the readings, rad and Pa
+WARMUP_CYCLES = 20  # cycles after which all code has been called once
+MIN_CYCLE_LEADS = 4  # cycles shorter than so many leads of a punctual clock leave others too little of a processor
 
 
-class Resting(Driver):
-    """A machine at rest, of which nothing is real: it gives noisy readings and forgets commands."""
+class RecorderClient(LoopRecorder):
+    """Recorder's end in the loop: it pushes rows and events into a ring that a recorder empties, and never waits."""
+
+    def __init__(self, ring: Ring) -> None:
+        self._ring, self._time, self._level = ring, 0.0, EventLevel.INFO
+
+    @classmethod
+    def join(cls, path: Path) -> Self:
+        """Attach to the ring in a file once its recorder runs; raise OutputError if it does not within 30 s."""
+        ring, until = Ring.attach(path), time.monotonic() + STARTS_WITHIN
+        while not ring.is_recorder_alive() or ring.recorder is RecorderState.UNFINISHED:
+            if ring.recorder is RecorderState.UNFINISHED or time.monotonic() > until:
+                raise OutputError("the recorder did not start", where="rig", right="see that logs can be written")
+            time.sleep(0.005)
+        return cls(ring)
+
+    def push(self, row: Array) -> None:
+        """Push a row of `record.RowLayout`."""
+        self._time, self._level = float(row[TIME_COLUMN]), FAULT_LEVELS[int(row[FAULT_COLUMN])]
+        self._ring.push(row)
+
+    def event(self, text: str) -> None:
+        """Push a line for people, with the level of the worst fault of its cycle.
+
+        A change of state in a cycle whose worst fault is a warning has level INFO.
+        """
+        mild = STATE_CHANGE_MARK in text and self._level is EventLevel.WARN
+        self._ring.put_event(Event(self._time, EventLevel.INFO if mild else self._level, text))
+
+    def is_alive(self) -> bool:
+        """Return whether rows reach the disk."""
+        return self._ring.is_recorder_alive()
+
+    def end(self) -> None:
+        """Mark the end of rows and events."""
+        self._ring.end()
+
+
+class RestingDriver(Driver):
+    """Driver of a machine at rest that does not exist: it returns noisy readings and ignores commands."""
 
     def __init__(self, machine: Machine, late: int = 0) -> None:
         super().__init__()
         self.late = late
         rng, n, supply = np.random.default_rng(0), len(machine.joints), machine.supply.pressure
-        self._machine, self._count, self._readings = machine, 0, list[Reading]()
-        for k in range(READINGS):
+        self._machine, self._count, self._readings = machine, 0, list[SensorReading]()
+        for k in range(READING_COUNT):
             angles = ANGLE_NOISE * rng.standard_normal(n)
-            pressures = RIPPLE[k % len(RIPPLE)] + PRESSURE_NOISE * rng.standard_normal(n)
-            self._readings.append(Reading(angles, pressures, supply, False, DeviceState.RUNNING))
+            pressures = PRESSURE_RIPPLE[k % len(PRESSURE_RIPPLE)] + PRESSURE_NOISE * rng.standard_normal(n)
+            self._readings.append(SensorReading(angles, pressures, supply, False, DeviceState.RUNNING))
 
-    def read(self) -> Reading:
-        """The next reading."""
+    def read(self) -> SensorReading:
+        """Return the next reading."""
         self._count += 1
-        return self._readings[self._count % READINGS]
+        return self._readings[self._count % READING_COUNT]
 
-    def write(self, command: Command) -> None:
-        """Nothing moves."""
+    def write(self, command: RigCommand) -> None:
+        """Ignore a command."""
 
     def _configure(self) -> Capabilities:
-        return Capabilities.needed(self._machine)
+        return Capabilities.required_by(self._machine)
 
     def _deactivate(self) -> None: ...
 
 
 class WarmupLoop:
-    """Cycles of a loop in motion, with everything around it, on a machine that is not there."""
+    """Loop in motion with host, mailbox and recorder, on a machine that does not exist; a call performs one cycle."""
 
     def __init__(self, machine: Machine, late: int = 0) -> None:
         n, clock = len(machine.joints), VirtualClock()
-        layout = Layout.of(machine)
+        layout = RowLayout.for_machine(machine)
         path = Mailbox.create(layout)
         self._mailbox, ours = Mailbox(path, layout), Mailbox(path, layout)
         path.unlink()
-        self.ring = Ring.create(layout.width, rows=READINGS)
+        self.ring = Ring.create(layout.width, rows=READING_COUNT)
         self.ring.remove()
-        self._wanted = Setpoints([0.0] * n)
-        driver = Resting(machine, late)
+        self._setpoints = Setpoints([0.0] * n)
+        driver = RestingDriver(machine, late)
         driver.configure()
         driver.activate()
-        self.loop = Loop(machine, driver, clock, RemoteHost(ours, clock, n), RecorderClient(self.ring))
-        self.loop.begin(driver.read())
-        for _ in range(UNTIL_LOADED):
+        self.loop = RigLoop(machine, driver, clock, RemoteHost(ours, clock, n), RecorderClient(self.ring))
+        self.loop.start_filled(driver.read())
+        for _ in range(WARMUP_CYCLES):
             self()
 
     def __call__(self) -> None:
-        """One cycle."""
-        self._mailbox.ask(self._wanted)
+        """Perform one cycle."""
+        self._mailbox.write_setpoints(self._setpoints)
         self.ring.beat(RecorderState.RECORDING)
         self.loop.cycle()
-        self.ring.take()
+        self.ring.drain()
 
 
 def run_loop(
-    machine: Machine, driver: Callable[[], Driver], mailbox: Path, recorder: Callable[[], Recorder], pipe: Connection
+    machine: Machine,
+    driver: Callable[[], Driver],
+    mailbox: Path,
+    recorder: Callable[[], LoopRecorder],
+    pipe: Connection,
 ) -> None:
-    """Main function of the process: loop until the host has ended or died, and the air is out.
+    """Run the loop, as the main function of its process, until the host has ended or died and the air is out.
 
-    Driver and recorder's end are made here. The pipe is told once the loop runs and once it has ended: whether all is
-    well, and lines for people.
+    Args:
+        machine: description of the rig.
+        driver: factory of the driver.
+        mailbox: file of shared memory, from `Mailbox.create`.
+        recorder: factory of the recorder's end.
+        pipe: receives (success, lines for people) once the loop runs, and again once it has ended.
     """
     # Ctrl-C goes to all processes of a terminal; the host turns it into a controlled stop.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     try:
-        # What the first cycle calls is loaded in any case, and before every cycle if a processor can be had for that.
-        made = driver()
-        warmup, roomy = WarmupLoop(machine, made.late), machine.cycle * SECOND >= LEADS * LEAD and processors() > 1
+        # Code of the first cycle is loaded in any case, and warmed before every cycle if a processor is free for that.
+        device_driver = driver()
+        warmup, roomy = (
+            WarmupLoop(machine, device_driver.late),
+            machine.cycle * NS_PER_SECOND >= MIN_CYCLE_LEADS * WAKE_LEAD and processors() > 1,
+        )
         clock = PunctualClock(warmup) if roomy else MonotonicClock()
-        shared = Mailbox(mailbox, Layout.of(machine))
+        shared = Mailbox(mailbox, RowLayout.for_machine(machine))
         keeper = recorder()
         with ExitStack() as ending:
-            for end in (shared.close, keeper.end, made.finalize):  # the last one first
+            for end in (shared.close, keeper.end, device_driver.finalize):  # the last one first
                 ending.callback(end)
-            made.configure().check(machine)
-            loop = Loop(machine, made, clock, RemoteHost(shared, clock, len(machine.joints)), keeper)
+            device_driver.configure().check(machine)
+            loop = RigLoop(machine, device_driver, clock, RemoteHost(shared, clock, len(machine.joints)), keeper)
             refused = go_realtime()
             for line in refused:
                 keeper.event(line)
-            made.activate()
+            device_driver.activate()
             pipe.send((True, refused))
             loop.run()
         said = True, [loop.deadlines.summary()]

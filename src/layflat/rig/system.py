@@ -1,4 +1,4 @@
-"""What operating systems do differently, processes share, and the machine grants one that must not be late."""
+"""Operating system: locks, files of shared memory, and the privileges of a real-time process."""
 
 import ctypes
 import gc
@@ -12,12 +12,12 @@ from pathlib import Path
 
 from layflat.errors import InputError
 
-MAILBOX, RING = "layflat-rig-", "layflat-ring-"  # how the names of files of shared memory begin
-YOUNG = 60.0  # for so long after it was made a file may be on its way to those who are going to lock it, s
+MAILBOX_PREFIX, RING_PREFIX = "layflat-rig-", "layflat-ring-"  # prefixes of files of shared memory
+MIN_MAILBOX_AGE = 60.0  # before which an unlocked mailbox may be on its way to the process that will lock it, s
 
-PRIORITY = 50  # of SCHED_FIFO: above all that is not real-time itself, below the kernel's own threads for interrupts
-LOCK_ALL = 3  # MCL_CURRENT | MCL_FUTURE of mlockall
-TIMER_SLACK = 29  # PR_SET_TIMERSLACK of prctl
+FIFO_PRIORITY = 50  # of SCHED_FIFO: above all that is not real-time, below the kernel's threads for interrupts
+MLOCK_FLAGS = 3  # MCL_CURRENT | MCL_FUTURE of mlockall
+PR_SET_TIMERSLACK = 29  # PR_SET_TIMERSLACK of prctl
 
 
 def require_posix(where: str) -> None:
@@ -27,8 +27,8 @@ def require_posix(where: str) -> None:
         raise InputError(f"needs Linux or macOS, this is {sys.platform}", where=where, right=right)
 
 
-def lock(handle: int, *, shared: bool = False) -> None:
-    """Lock an open file until it is closed; raise OSError if another process has it. Windows knows no shared locks."""
+def lock_file(handle: int, *, shared: bool = False) -> None:
+    """Lock an open file until it is closed (on Windows always exclusively); raise OSError if another process has it."""
     try:
         import fcntl  # noqa: PLC0415  # not on every system
     except ImportError:
@@ -39,68 +39,77 @@ def lock(handle: int, *, shared: bool = False) -> None:
     fcntl.flock(handle, (fcntl.LOCK_SH if shared else fcntl.LOCK_EX) | fcntl.LOCK_NB)
 
 
-def new_file(prefix: str, size: int) -> tuple[Path, int]:
-    """Make a file of shared memory, locked and open, in memory where it can be; those of dead processes go first."""
-    sweep(prefix)
-    handle, name = tempfile.mkstemp(prefix=prefix, dir=_folder())
-    lock(handle, shared=True)
+def create_shared_file(prefix: str, size: int) -> tuple[Path, int]:
+    """Create a file of shared memory, after removing those of dead processes.
+
+    Returns:
+        Its path, in /dev/shm where that is writable, and its handle, open and with a shared lock.
+    """
+    remove_orphaned_files(prefix)
+    handle, name = tempfile.mkstemp(prefix=prefix, dir=_shared_memory_folder())
+    lock_file(handle, shared=True)
     os.truncate(handle, size)
     return Path(name), handle
 
 
-def _folder() -> Path:
+def _shared_memory_folder() -> Path:
     memory = Path("/dev/shm")
     return memory if os.access(memory, os.W_OK) else Path(tempfile.gettempdir())
 
 
-def sweep(prefix: str) -> None:
-    """Remove the memory of those who were killed: whoever has such a file open holds it locked."""
-    least = YOUNG if prefix == MAILBOX else 0.0  # a mailbox changes hands before it is locked
-    for path in _folder().glob(f"{prefix}*"):
+def remove_orphaned_files(prefix: str) -> None:
+    """Remove the files of shared memory that no process holds locked: their users were killed."""
+    min_age = MIN_MAILBOX_AGE if prefix == MAILBOX_PREFIX else 0.0  # a mailbox changes hands before it is locked
+    for path in _shared_memory_folder().glob(f"{prefix}*"):
         with suppress(OSError), path.open("r+b") as file:
-            if time.time() - os.fstat(file.fileno()).st_mtime >= least:
-                lock(file.fileno())
+            if time.time() - os.fstat(file.fileno()).st_mtime >= min_age:
+                lock_file(file.fileno())
                 path.unlink(missing_ok=True)
 
 
 def go_realtime() -> list[str]:
-    """Ask for all of it; a line for each thing that was not granted, with what would help."""
+    """Request real-time priority, locked memory, a processor and exact timers, and switch off garbage collection.
+
+    Returns:
+        A line for each request that was not granted, with its remedy.
+    """
     gc.collect()
     gc.freeze()
     gc.disable()
-    asked: list[tuple[Callable[[], None], str]] = [
-        (first_in, "real-time priority (SCHED_FIFO); allow rtprio in /etc/security/limits.conf"),
+    requests: list[tuple[Callable[[], None], str]] = [
+        (set_fifo_priority, "real-time priority (SCHED_FIFO); allow rtprio in /etc/security/limits.conf"),
         (_lock_memory, "memory that stays in place (mlockall); allow memlock in /etc/security/limits.conf"),
-        (_own_processor, "a processor of its own (affinity); give it two processors or more"),
-        (_exact_timers, "exact timers (timer slack); run it on Linux"),
+        (_pin_to_processor, "a processor of its own (affinity); give it two processors or more"),
+        (_set_timer_slack, "exact timers (timer slack); run it on Linux"),
     ]
     refused = []
-    for ask, what in asked:
+    for request, what in requests:
         try:
-            ask()
+            request()
         except (OSError, AttributeError):
             refused.append(f"not granted: {what}")
     return refused
 
 
-def first_in() -> None:
-    """Run before everything that is not real-time itself; raise OSError if that is not granted."""
-    # What it starts is none of that: it would take the processor from all others.
-    os.sched_setscheduler(0, os.SCHED_FIFO | os.SCHED_RESET_ON_FORK, os.sched_param(PRIORITY))
+def set_fifo_priority() -> None:
+    """Set real-time scheduling (SCHED_FIFO) for this process; raise OSError if that is not granted."""
+    # Not for its children: they would take the processor from all others.
+    os.sched_setscheduler(0, os.SCHED_FIFO | os.SCHED_RESET_ON_FORK, os.sched_param(FIFO_PRIORITY))
 
 
 def _lock_memory() -> None:
-    if ctypes.CDLL(None).mlockall(LOCK_ALL) != 0:
+    if ctypes.CDLL(None).mlockall(MLOCK_FLAGS) != 0:
         raise OSError
 
 
-def _own_processor() -> None:
+def _pin_to_processor() -> None:
+    """Pin this process to the last processor that it may use; raise OSError if there is only one."""
     allowed = sorted(os.sched_getaffinity(0))
     if len(allowed) < 2:
         raise OSError
     os.sched_setaffinity(0, {allowed[-1]})
 
 
-def _exact_timers() -> None:
-    if ctypes.CDLL(None).prctl(TIMER_SLACK, 1, 0, 0, 0) != 0:
+def _set_timer_slack() -> None:
+    if ctypes.CDLL(None).prctl(PR_SET_TIMERSLACK, 1, 0, 0, 0) != 0:
         raise OSError

@@ -1,4 +1,4 @@
-"""Cause of a run's divergence, as far as laws from outside may be it."""
+"""Cause of a run's divergence, if laws that the user supplied may be that cause."""
 
 from itertools import islice
 from pathlib import Path
@@ -10,41 +10,41 @@ from layflat.control import CONTROL_LAWS, Demand, Sensed
 from layflat.control.checks import find_flaw
 from layflat.kind_checks import place_of
 from layflat.machine import Machine
-from layflat.sim.cycle import DEMANDS, Signals
-from layflat.sim.kernel import Case, Timing
+from layflat.sim.loop import DEMAND_SIGNALS, Case, Signals, Timing
 
 if TYPE_CHECKING:
     import xarray
 
-MAX_REPLAYED = 20_000  # control cycles, which plain Python repeats in some seconds
+MAX_REPLAYED = 20_000  # control cycles, which plain Python repeats in a few seconds
 
 
 def find_cause(machine: Machine, case: Case, signals: Signals, timing: Timing, run: "xarray.Dataset") -> str:
-    """Return why a run diverged, with file and line where a control law from outside is why; empty where unknown.
+    """Return why a run diverged, with file and line of a user's control law that is the cause; empty if unknown.
 
     Args:
         machine: the machine.
         case: its parameters.
-        signals: all that acted on it.
-        timing: how the run was cut.
-        run: the run up to where it diverged.
+        signals: signals of the scenario.
+        timing: time grid of the run.
+        run: the run up to its divergence.
     """
-    law = CONTROL_LAWS.of(case.settings)
+    law = CONTROL_LAWS.kind_of(case.settings)
     if CONTROL_LAWS.is_from_outside(law) and not np.isfinite(run["voltage"].to_numpy()).all():
-        flaw = find_flaw(law, case.settings, islice(_cycles(signals, timing.records, run), MAX_REPLAYED), timing.cycle)
+        flaw = find_flaw(
+            law, case.settings, islice(_replayed_cycles(signals, timing.records, run), MAX_REPLAYED), timing.cycle
+        )
         return flaw or f"control law {law.name!r} returns a number that is none ({place_of(law.step)})"
     files = ", ".join(Path(path).name for path in machine.kinds)
     return f"laws of {files} take part in it: see what they return there" if files else ""
 
 
-def _cycles(signals: Signals, records: int, run: "xarray.Dataset") -> Any:
-    """Yield what the control law was given, cycle by cycle."""
+def _replayed_cycles(signals: Signals, records: int, run: "xarray.Dataset") -> Any:
+    """Yield the inputs of the control law, cycle by cycle."""
     sensed = zip(run["measured_angle"].to_numpy()[::records], run["measured_pressure"].to_numpy()[::records])  # noqa: B905
-    asked = zip(*(signals.named(name) for name in DEMANDS))  # noqa: B905
-    for (angles, pressures), demands in zip(sensed, asked):  # noqa: B905  # the run ends before its signals
-        wanted = Demand(*map(_row, demands))
-        yield Sensed(_row(angles), _row(pressures)), wanted
+    demand_rows = zip(*(signals.named(name) for name in DEMAND_SIGNALS))  # noqa: B905
+    for (angles, pressures), demands in zip(sensed, demand_rows):  # noqa: B905  # the run ends before its signals
+        yield Sensed(_float_row(angles), _float_row(pressures)), Demand(*map(_float_row, demands))
 
 
-def _row(values: Any) -> tuple[float, ...]:
+def _float_row(values: Any) -> tuple[float, ...]:
     return tuple(values.tolist())

@@ -1,4 +1,4 @@
-"""A run as an `xarray.Dataset`, and runs on disk (NetCDF)."""
+"""Runs as an `xarray.Dataset` and on disk (NetCDF)."""
 
 import json
 from dataclasses import asdict
@@ -14,50 +14,53 @@ from layflat.control import ControlKind
 from layflat.errors import InputError
 from layflat.files import whole_file
 from layflat.machine import Machine
-from layflat.machine.signals import attributes
+from layflat.machine.signals import signal_attributes
 from layflat.motion.kinematics import tip_position
 from layflat.motion.scenario import SIGNALS, Scenario
-from layflat.sim.cycle import Around, Signals
-from layflat.sim.kernel import Sample, Timing
+from layflat.sim.kernel import JointRecord
+from layflat.sim.loop import SharedSignals, Signals, Timing
+from layflat.sim.results import Run
+
+__all__ = ["open_run", "save_run"]
 
 
-def dataset(
-    machine: Machine, scenario: Scenario, law: ControlKind, acting: Signals, timing: Timing, rows: Array, shown: Array
-) -> xarray.Dataset:
-    """Return a run with named columns, those of the control law's report among them, and with its demand and tip.
+def run_dataset(
+    machine: Machine, scenario: Scenario, law: ControlKind, acting: Signals, timing: Timing, rows: Array, report: Array
+) -> Run:
+    """Return a run as a data set: its records, the control law's report, the shared signals, demand and tip.
 
     Args:
-        machine: as simulated.
-        scenario: what happened.
+        machine: machine as simulated.
+        scenario: scenario as simulated; written into the attributes.
         law: the kind of control law.
-        acting: what acted on the machine.
-        timing: the run's cut into cycles, steps and records.
-        rows: (instants, joints, columns of `Sample`).
-        shown: (instants, joints, signals of the control law).
+        acting: signals that acted on the machine.
+        timing: time grid of the run.
+        rows: records, (instants, joints, columns of `JointSample`).
+        report: the control law's report, (instants, joints, signals of the control law).
     """
     time = np.arange(len(rows)) * (timing.cycle / timing.records)
     both = ("time", "joint")
-    said: dict[str, Any] = {
-        name: (both, rows[:, :, column], attributes(name)) for column, name in enumerate(Sample._fields)
+    variables: dict[str, Any] = {
+        name: (both, rows[:, :, column], signal_attributes(name)) for column, name in enumerate(JointRecord._fields)
     }
     for column, name in enumerate(law.report._fields):  # type: ignore[attr-defined]  # a named tuple
         unit, meaning = law.signals[name]
-        said[name] = (both, shown[:, :, column], {"units": unit, "long_name": meaning})
+        variables[name] = (both, report[:, :, column], {"units": unit, "long_name": meaning})
     cycle = np.minimum(np.arange(len(rows)) // timing.records, len(acting.by_joint) - 1)
-    for name in ("demand", *Around._fields):
+    for name in ("demand", *SharedSignals._fields):
         row, values = SIGNALS[name], acting.named(name)[cycle]
         values = values + acting.named("ambient")[cycle] if row.gauge else values
         unit, meaning = row.recorded
-        said[name] = (both if row.by_joint else "time", values, {"units": unit, "long_name": meaning})
-    tips = tip_position(machine, said["angle"][1])
-    said["tip"] = (("time", "axis"), tips, attributes("tip"))
+        variables[name] = (both if row.by_joint else "time", values, {"units": unit, "long_name": meaning})
+    tips = tip_position(machine, variables["angle"][1])
+    variables["tip"] = (("time", "axis"), tips, signal_attributes("tip"))
     coords = {
         "time": ("time", time, {"units": "s"}),
         "joint": list(machine.joints),
         "axis": list("xyz")[: tips.shape[1]],
     }
-    # All at once: laid into a dataset one by one, they would be merged with all others each time.
-    run = xarray.Dataset(said, coords)
+    # All at once: each assignment to a data set merges it with all other variables.
+    run = Run(variables, coords)
     run.attrs = {
         "machine": machine.model_dump_json(),
         "machine_name": machine.name,
@@ -69,18 +72,26 @@ def dataset(
     return run
 
 
-def save(run: xarray.Dataset, path: Path) -> Path:
-    """Write a run as NetCDF; raise OutputError if it can't be written there."""
-    content = run.to_netcdf(None, engine="h5netcdf")  # in memory: HDF5 brings the process down on a full disk
+def save_run(run: xarray.Dataset, path: Path) -> Path:
+    """Write a run as NetCDF and return the path; raise OutputError if it can't be written there."""
+    content = run.to_netcdf(None, engine="h5netcdf")  # in memory: HDF5 aborts the process on a full disk
     with whole_file(path) as temporary:
         temporary.write_bytes(content)
     return path
 
 
-def open_run(path: Path) -> xarray.Dataset:
-    """Read a run back; raise InputError if the file is missing or is not a run."""
+def open_run(path: str | Path) -> Run:
+    """Read a run from a NetCDF file; raise InputError if the file is missing or is not a run.
+
+    Example:
+        >>> import layflat as lf
+        >>> path = lf.save(lf.rollout("paper-arm", "10 deg", duration="0.5 s"), "run.nc")
+        >>> lf.open_run(path).attrs["machine_name"]
+        'paper-arm'
+    """
     try:
-        with xarray.open_dataset(path, engine="h5netcdf") as run:
-            return run.load()
+        with xarray.open_dataset(path, engine="h5netcdf") as data:
+            run = data.load()
+            return Run(run.data_vars, run.coords, run.attrs)
     except (OSError, ValueError) as error:
         raise InputError(f"can't be read as a run ({error})", where=str(path), right="give a NetCDF file") from None

@@ -1,40 +1,47 @@
-"""The compiled time loop of a run: sense, control, advance, record, one control cycle after the other."""
+"""The compiled run of a machine through a scenario: the time loop with all signals recorded."""
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from layflat.control import wake
 from layflat.jit import composition, kernel, law
-from layflat.lanes import gather, in_lanes, read_numbers, slots, total, write_row
-from layflat.physics.adjustable import FULL
+from layflat.lanes import gather, read_numbers, slots, total, write_row
+from layflat.physics.adjustable import FULL_FRACTIONS
 from layflat.physics.chamber import temperature
-from layflat.physics.delay import NOTHING_ASKED
+from layflat.physics.driver import ZERO_COMMANDS
 from layflat.physics.hysteresis import stored, torques
-from layflat.physics.joint import Drive, Joint, Surroundings, is_sound
-from layflat.physics.plant import advance, at_rest, together
-from layflat.physics.valves import net_opening, start_wave
-from layflat.sim.cycle import NOT_LED, NOTHING, NOTHING_AROUND, Loop, Noise, control_cycle, sense_all, surroundings
+from layflat.physics.joint import is_sound
+from layflat.physics.plant import states_at_rest
+from layflat.physics.valves import net_opening
+from layflat.sim.loop import (
+    NO_INJECTION,
+    ZERO_JOINT_SIGNALS,
+    ZERO_NOISE,
+    ZERO_SHARED_SIGNALS,
+    CycleSpan,
+    LoopPorts,
+    MachineState,
+    Noise,
+    Signals,
+    initial_memory,
+    run_span,
+    sense_all,
+    surroundings,
+)
 
 
-class Case(NamedTuple):
-    """Parameters of a run: tuples of `physics` and `control`."""
+class RunBuffers(NamedTuple):
+    """Inputs of a run over time, and the arrays that its records fill."""
 
-    arm: Any
-    joints: tuple[Joint, ...]
-    settings: Any  # of the control law
-    air: Surroundings
-
-
-class Timing(NamedTuple):
-    """Cut of a run: cycle (s), steps of the plant per cycle, records per cycle."""
-
-    cycle: float
-    steps: int
-    records: int
+    signals: Signals
+    samples: np.ndarray  # standard normal, of the sensors, (cycles + 1, joints, 2)
+    out: np.ndarray  # (instants, joints, columns of `JointRecord`)
+    reports: np.ndarray  # the control law's report, (instants, joints, signals)
+    records: int  # per cycle
+    counters: np.ndarray  # control cycles begun, instants recorded, joint that diverged (-1: none)
 
 
-class Sample(NamedTuple):
+class JointRecord(NamedTuple):
     """Record of a joint at an instant: the columns of a run, in this order."""
 
     angle: float
@@ -57,14 +64,15 @@ class Sample(NamedTuple):
     air_taken: float
 
 
-COLUMNS = len(Sample._fields)
+COLUMNS, VOLTAGE = len(JointRecord._fields), JointRecord._fields.index("voltage")
 
 
 @law
-def _sample(joint, state, around, measured_angle, measured_pressure, voltage):
+def _joint_record(joint, state, around, measured_angle, measured_pressure, voltage):
+    """Return the recorded signals of one joint at an instant."""
     motion, a, b, ledger = state.motion, state.hose_a, state.hose_b, state.ledger
     loss_a, loss_b, p_a = joint.hose_a.loss, joint.hose_b.loss, around.ambient_pressure
-    return Sample(
+    return JointRecord(
         motion.angle,
         motion.velocity,
         a.pressure,
@@ -87,86 +95,105 @@ def _sample(joint, state, around, measured_angle, measured_pressure, voltage):
 
 
 @composition
-def _record(out, shown, row, joints, states, around, sensed, voltages, report):
+def _surroundings(run, air, k):
+    return surroundings(air, read_numbers(ZERO_SHARED_SIGNALS, run.signals.shared[k]))
+
+
+@composition
+def _noise(run, k, j):
+    return Noise(run.samples[k, j, 0], run.samples[k, j, 1])
+
+
+@composition
+def _observe(run, arm, states, k, cycle):  # noqa: ARG001
+    run.counters[0] = k
+    return False
+
+
+@composition
+def _load(run, air, around, acting, noise, k):
+    around[0] = _surroundings(run, air, k)
+    for j in range(len(acting)):
+        acting[j], noise[j] = read_numbers(ZERO_JOINT_SIGNALS, run.signals.by_joint[k, j]), _noise(run, k, j)
+
+
+@composition
+def _write_record(run, joints, states, around, sensed, voltages, report, k, i):
+    """Write the signals of all joints for record i of control cycle k, and the controller's report."""
+    row = k * run.records + i
     angles, pressures, reports = slots(sensed.angle), slots(sensed.differential_pressure), slots(report)
     for j in range(len(sensed.angle)):
-        write_row(out, row, j, _sample(joints[j], states[j], around, angles[j], pressures[j], voltages[j]))
-        write_row(shown, row, j, reports[j])
+        sample = _joint_record(joints[j], states[j], around, angles[j], pressures[j], voltages[j])
+        write_row(run.out, row, j, sample)
+        for instant in range(row, row + 2):  # the last report also holds at the run's end
+            write_row(run.reports, instant, j, reports[j])
+    run.counters[1] = row + 1
 
 
 @composition
-def _acting(signals, k, j):
-    return read_numbers(NOTHING, signals.by_joint[k, j])
-
-
-@composition
-def _noise(samples, k, j):
-    return Noise(samples[k, j, 0], samples[k, j, 1])
-
-
-@composition
-def _surroundings(air, signals, k):
-    return surroundings(air, read_numbers(NOTHING_AROUND, signals.shared[k]))
-
-
-@composition
-def all_cycles(case, angles, pressures, signals, samples, timing, reported, done):
-    """Run all cycles of a scenario from rest.
-
-    Args: `Case`; start angles (joints,) in rad; start pressures (joints, 2) in Pa, nan for those that hold the arm;
-    `cycle.Signals`; standard normal samples of the sensors of angle and pressure, (cycles + 1, joints, 2); `Timing`;
-    how many signals the law reports of a joint; an array whose first item counts the cycles that are done.
-    Returns the records (instants, joints, columns of `Sample`), those of the law's report (instants, joints,
-    reported), how many instants are valid, and the joint that diverged (-1: none).
-    """
-    arm, like, settings, air = case
-    cycles, n = len(signals.by_joint), len(like)
-    rows = cycles * timing.records + 1
-    out, shown = np.empty((rows, n, COLUMNS)), np.empty((rows, n, reported))
-    sub, h = timing.steps // timing.records, timing.cycle / timing.steps
-    around = _surroundings(air, signals, 0)
-    joints = slots(like)
-    joined = together(arm, joints)
-    firsts, seconds = gather(like, pressures[:, 0]), gather(like, pressures[:, 1])
-    states = slots(at_rest(arm, like, gather(like, angles), firsts, seconds, around))
-    acting, leads = slots(like, NOTHING), slots(like, NOT_LED)
-    noise = slots(like, Noise(0.0, 0.0))
-    loop = Loop(
-        acting,
-        leads,
-        noise,
-        slots(like, Drive(0.0, 0.0, 0.0, 0.0)),
-        slots(like, NOTHING_ASKED),
-        slots(like, start_wave(joints[0].valve, 0.0, h)),
-        slots(like, 0.0),
-        slots(like, FULL),
-    )
-    sensed = sense_all(joints, like, states, noise)
-    memory = in_lanes(wake(settings, sensed), 0.0)
-    row = 0
-    for k in range(cycles):
-        done[0] = k
-        around = _surroundings(air, signals, k)
-        for j in range(n):
-            acting[j], noise[j] = _acting(signals, k, j), _noise(samples, k, j)
-        sensed, memory, report = control_cycle(
-            joints, like, settings, memory, states, loop, around, timing.cycle * k, timing.cycle, h
+def _write_last_record(run, machine):
+    """Write the signals at the run's end, where the controller's last command also holds."""
+    # The controller's last command also holds at the run's end.
+    cycles = len(run.signals.by_joint)
+    row = cycles * run.records
+    joints, states, noise = machine.joints, machine.states, slots(machine.joints, ZERO_NOISE)
+    for j in range(len(joints)):
+        noise[j] = _noise(run, cycles, j)
+    sensed = sense_all(joints, states, noise)
+    angles, pressures = slots(sensed.angle), slots(sensed.differential_pressure)
+    for j in range(len(joints)):
+        voltage = run.out[row - 1, j, VOLTAGE]
+        write_row(
+            run.out, row, j, _joint_record(joints[j], states[j], machine.around[0], angles[j], pressures[j], voltage)
         )
-        for _ in range(timing.records):
-            _record(out, shown, row, joints, states, around, sensed, loop.voltages, report)
-            row += 1
-            advance(arm, joined, states, loop.drives, loop.waves, around, h, sub)
-            for j in range(n):
-                if not is_sound(states[j]):
-                    return out, shown, row, j
-    for j in range(n):
-        noise[j] = _noise(samples, cycles, j)
-    sensed = sense_all(joints, like, states, noise)
-    _record(out, shown, row, joints, states, around, sensed, loop.voltages, report)
-    return out, shown, row + 1, -1
+    run.counters[1] = row + 1
+
+
+@composition
+def _has_diverged(run, states, k, i):  # noqa: ARG001
+    """Return whether a joint's state has become invalid, and keep the number of the first such joint."""
+    for j in range(run.samples.shape[1]):
+        if run.counters[2] < 0 and not is_sound(states[j]):
+            run.counters[2] = j
+    return run.counters[2] >= 0
 
 
 @kernel
-def run_cycles(like, numbers, angles, pressures, signals, samples, timing, reported, done):
-    """Run `all_cycles` of what a case looks like (`Like`) and its numbers in order."""
-    return all_cycles(read_numbers(like, numbers), angles, pressures, signals, samples, timing, reported, done)
+def run_cycles(like, numbers, angles, pressures, signals, samples, timing, reported, counters):
+    """Simulate a scenario from rest.
+
+    Args: `Like` of a `Case`, and its numbers in order; start angles (joints,), rad; start pressures (joints, 2),
+    absolute, Pa, NaN for those that hold the arm; `loop.Signals`; standard normal samples of the sensors of angle and
+    pressure, (cycles + 1, joints, 2); `Timing`; number of signals that the law reports of a joint; an array for
+    `RunBuffers.counters`.
+    Returns the records (instants, joints, columns of `JointRecord`) and the law's report (instants, joints, reported);
+    `counters` then holds the number of valid instants and the joint that diverged.
+    """
+    case = read_numbers(like, numbers)
+    joints, cycles = case.joints, len(signals.by_joint)
+    rows = cycles * timing.records + 1
+    out, reports = np.empty((rows, len(joints), COLUMNS)), np.empty((rows, len(joints), reported))
+    run = RunBuffers(signals, samples, out, reports, timing.records, counters)
+    counters[0], counters[1], counters[2] = 0, 0, -1
+    span = CycleSpan(0, cycles)
+    around = _surroundings(run, case.air, span.first)
+    firsts, seconds = gather(joints, pressures[:, 0]), gather(joints, pressures[:, 1])
+    rest = states_at_rest(case.arm, joints, gather(joints, angles), firsts, seconds, around)
+    placed, states = slots(joints), slots(rest)
+    machine = MachineState(
+        case.arm,
+        case.settings,
+        case.air,
+        slots((around,)),
+        slots(joints, ZERO_JOINT_SIGNALS),
+        placed,
+        states,
+        slots(joints, ZERO_COMMANDS),
+        slots(joints, FULL_FRACTIONS),
+        slots(joints, NO_INJECTION),
+        slots((initial_memory(case.settings, placed, states),)),
+    )
+    run_span(machine, span, timing, LoopPorts(_observe, _load, _write_record, _has_diverged), run)
+    if counters[2] < 0:
+        _write_last_record(run, machine)
+    return out, reports

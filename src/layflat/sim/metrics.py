@@ -1,6 +1,6 @@
-"""What a run is worth: one definition for each metric.
+"""Metrics of a run: settling time, overshoot, steady error, ripple, air, each defined once.
 
-All take a run (see dataset.py) and look at the stretch between two times.
+Every function takes a run (see dataset.py); `since` and `until` bound the interval that counts, s.
 """
 
 from __future__ import annotations
@@ -14,17 +14,23 @@ from numpy.typing import NDArray
 
 from layflat.arrays import Array
 from layflat.physics.air import NORMAL_DENSITY
-from layflat.sim.tally import last_records, tallied
+from layflat.sim.tally import last_records, tally_errors
 
 if TYPE_CHECKING:
     import xarray
 
-BAND = radians(0.3)  # within this of its demand a joint has settled, rad
-MOST_MOVES = 100  # a demand that changes more often is taken for one that moves all the time
+__all__ = [
+    "SETTLING_BAND", "TIP_BAND", "MoveMetrics", "air_used", "disturbance", "measure_move", "measure_moves",
+    "peak_tip_acceleration", "settling_time", "tip_settling",
+]  # fmt: skip
+
+SETTLING_BAND = radians(0.3)  # within this of its demand a joint has settled, rad
+TIP_BAND = 2e-3  # settling band of the tip, m: section 5 of the paper
+MAX_MOVES = 100  # a demand that changes more often counts as one continuous motion
 
 
 @dataclass(frozen=True)
-class Move:
+class MoveMetrics:
     """Metrics of one joint over one move; `settling` is infinite where it does not settle."""
 
     joint: str
@@ -35,19 +41,35 @@ class Move:
 
 
 def settling_time(time: NDArray[np.floating[Any]], error: Array, band: float) -> float:
-    """Time of the last exit from +-band, counted from the first instant; infinite if the end lies outside."""
-    records = int(tallied(np.ascontiguousarray(error), 0.0, band).settled)
+    """Return the time of the last exit from +-band, counted from the first instant; infinite if the end lies outside.
+
+    Args:
+        time: instants, (instants,), s.
+        error: error at these instants, (instants,).
+        band: limit of the error's magnitude, in its unit.
+    """
+    records = int(tally_errors(np.ascontiguousarray(error), 0.0, band).settled)
     return float(time[records] - time[0]) if records < len(error) else inf
 
 
-def move(run: xarray.Dataset, joint: str, since: float = 0.0, until: float = inf, band: float = BAND) -> Move:
-    """Metrics of a joint between two times, against the demand that holds at the end of them."""
+def measure_move(
+    run: xarray.Dataset, joint: str, since: float = 0.0, until: float = inf, band: float = SETTLING_BAND
+) -> MoveMetrics:
+    """Return metrics of a joint between two times, against the demand that holds at the end.
+
+    Args:
+        run: the run.
+        joint: name of the joint.
+        since: start of the move, s.
+        until: end of the move, s.
+        band: band of settling, rad.
+    """
     part = run.sel(joint=joint, time=slice(since, until))
     time, angle = part["time"].to_numpy(), part["angle"].to_numpy()
     demand = float(part["demand"][-1])
-    tally = tallied(angle - demand, np.sign(demand - angle[0]), band)
+    tally = tally_errors(angle - demand, np.sign(demand - angle[0]), band)
     records = int(tally.settled)
-    return Move(
+    return MoveMetrics(
         joint,
         float(time[records] - time[0]) if records < len(time) else inf,
         float(tally.overshoot),
@@ -57,63 +79,77 @@ def move(run: xarray.Dataset, joint: str, since: float = 0.0, until: float = inf
 
 
 def disturbance(run: xarray.Dataset, joint: str, since: float, until: float) -> float:
-    """Return how far a joint is pushed from where it stands when another one begins to move, rad."""
+    """Return the maximum deflection of a joint from its angle at `since`, by the motion of another joint, rad.
+
+    Args:
+        run: the run.
+        joint: name of the joint that stands still.
+        since: time at which the other joint begins to move, s.
+        until: end of the interval, s.
+    """
     angle = run["angle"].sel(joint=joint, time=slice(since, until)).to_numpy()
     return float(np.abs(angle - angle[0]).max())
 
 
 def move_windows(demand: Array) -> list[tuple[int, int]]:
-    """First and last record of every move: from each change of any demand (records, joints) to the next.
+    """Return the first and last record of every move: from each change of any demand (records, joints) to the next.
 
-    A demand that never changes is one move, and so is one that changes all the time.
+    A demand that never changes is one move, and so is one that changes more than `MAX_MOVES` times.
     """
     changes = np.flatnonzero(np.any(np.diff(demand, axis=0) != 0.0, axis=1)) + 1
-    starts = [0] if len(changes) == 0 or len(changes) > MOST_MOVES else [int(k) for k in changes]
+    starts = [0] if len(changes) == 0 or len(changes) > MAX_MOVES else [int(k) for k in changes]
     return list(zip(starts, [*(k - 1 for k in starts[1:]), len(demand) - 1], strict=True))
 
 
-def moves_of(run: xarray.Dataset, band: float = BAND) -> list[tuple[float, Move]]:
-    """Metrics of joints from each change of any demand to the next, with the time of the change.
+def measure_moves(run: xarray.Dataset, band: float = SETTLING_BAND) -> list[tuple[float, MoveMetrics]]:
+    """Return metrics of the moving joints from each change of any demand to the next, with the time of the change (s).
 
-    Joints are those that have somewhere to go then; all of them where none has.
+    Joints are those whose demand changes or, at the start, whose angle is outside the band; all joints if none does.
     """
     time, angle, demand = (run[name].to_numpy() for name in ("time", "angle", "demand"))
     joints = [str(name) for name in run["joint"].to_numpy()]
     return [
-        (float(time[first]), move(run, joints[j], float(time[first]), float(time[last]), band))
+        (float(time[first]), measure_move(run, joints[j], float(time[first]), float(time[last]), band))
         for first, last in move_windows(demand)
-        for j in _moving(angle, demand, first, last, band)
+        for j in _moving_joints(angle, demand, first, last, band)
     ]
 
 
-def _moving(angle: Array, demand: Array, first: int, last: int, band: float) -> list[int]:
-    """Return the numbers of the joints that have somewhere to go between two records, or of all."""
+def _moving_joints(angle: Array, demand: Array, first: int, last: int, band: float) -> list[int]:
+    """Return the numbers of the joints that are to move between two records, or of all joints if none is."""
     if first > 0:
-        goes = demand[first] != demand[first - 1]
+        moves = demand[first] != demand[first - 1]
     else:
-        goes = (np.abs(angle[0] - demand[0]) > band) | np.any(demand[: last + 1] != demand[0], axis=0)
-    return [int(j) for j in np.flatnonzero(goes)] or list(range(demand.shape[1]))
+        moves = (np.abs(angle[0] - demand[0]) > band) | np.any(demand[: last + 1] != demand[0], axis=0)
+    return [int(j) for j in np.flatnonzero(moves)] or list(range(demand.shape[1]))
 
 
 def tip_settling(run: xarray.Dataset, since: float, until: float, band: float) -> float:
-    """Time after which the tip stays within `band` (m) of where the demands put it; infinite if it does not."""
-    from layflat.machine.model import restored  # noqa: PLC0415
+    """Return the time after which the tip stays near its goal, the tip at the last demands, s; infinite if it does not.
+
+    Args:
+        run: the run.
+        since: start of the move, s.
+        until: end of the move, s.
+        band: distance from the goal, m.
+    """
+    from layflat.machine.model import restore  # noqa: PLC0415
     from layflat.motion.kinematics import tip_position  # noqa: PLC0415
 
     part = run.sel(time=slice(since, until))
-    machine = restored(run.attrs["machine"])
+    machine = restore(run.attrs["machine"])
     goal = tip_position(machine, part["demand"].to_numpy()[-1])
     distance = np.linalg.norm(part["tip"].to_numpy() - goal, axis=-1)
     return settling_time(part["time"].to_numpy(), distance, band)
 
 
 def air_used(run: xarray.Dataset) -> float:
-    """Air taken from the supply by all joints, normal litres."""
+    """Return the air that all joints consumed from the supply, normal litres."""
     return float(run["air_taken"][-1].sum() - run["air_taken"][0].sum()) / NORMAL_DENSITY * 1000.0
 
 
 def peak_tip_acceleration(run: xarray.Dataset) -> float:
-    """Greatest acceleration of the payload, m/s2, from second differences of its position at the records."""
+    """Return the maximum acceleration of the tip, m/s2, from second differences of its position at the records."""
     tip, time = run["tip"].to_numpy(), run["time"].to_numpy()
     if len(time) < 3:
         return 0.0

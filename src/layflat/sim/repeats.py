@@ -1,4 +1,4 @@
-"""Repeats of a move in simulation, learnt from as a rig would: by what the sensors say."""
+"""Iterative learning of a move in simulation, from the sensors' readings alone, as on a rig."""
 
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
@@ -7,58 +7,76 @@ import numpy as np
 
 from layflat.arrays import Array
 from layflat.machine import Machine
-from layflat.motion.learning.learnt import Learnt, begin, path_error
+from layflat.motion.learning import LearntCorrections, begin_learning, path_error
 from layflat.motion.trajectory import States, Trajectory
 from layflat.sim.run import rollout
 
-APART = 1000  # between the seeds of two sequences of repeats
+__all__ = ["learnt_error_ratio", "simulated_repeats"]
+
+SEED_SPACING = 1000  # between the noise seeds of two sequences of repeats
 
 
-class Simulated(NamedTuple):
-    """A repeat in simulation."""
+class SimulatedRepeat(NamedTuple):
+    """Repeat of a move in simulation."""
 
-    learnt: Learnt  # after it
-    angles: Array  # true ones at the control cycles of its demand, (cycles, joints), rad
+    learnt: LearntCorrections  # state of the learning after the repeat
+    angles: Array  # true angles at the control cycles of the repeat's demand, (cycles, joints), rad
 
 
 def simulated_repeats(
-    learnt: Learnt, repeats: int, *, plant: Machine | None = None, seed: int = 0
-) -> Iterator[Simulated]:
-    """Repeat a move so often, with other noise each time; yield what was learnt after each.
+    learnt: LearntCorrections, repeats: int, *, plant: Machine | None = None, seed: int = 0
+) -> Iterator[SimulatedRepeat]:
+    """Yield repeats of a move, each with other noise and with the demand learnt so far.
 
-    `plant`: what moves in place of the machine that its controller believes to drive. Raise DivergedError if it does.
+    Args:
+        learnt: state of the learning at the start.
+        repeats: number of repeats.
+        plant: the machine that moves, where it differs from the model that the controller and the learning use.
+        seed: seed of the first repeat's noise.
+
+    Raises:
+        DivergedError: the plant diverged.
     """
     for _ in range(repeats):
-        angles, measured = _performed(learnt, learnt.demand(), plant, seed + len(learnt.history))
-        learnt = learnt.after(measured)
-        yield Simulated(learnt, angles)
+        angles, measured = _simulate_demand(learnt, learnt.demand(), plant, seed + len(learnt.history))
+        learnt = learnt.learn_from(measured)
+        yield SimulatedRepeat(learnt, angles)
 
 
 def learnt_error_ratio(
     machine: Machine, plant: Machine, motion: Trajectory | States, repeats: int = 5, seeds: Sequence[int] = (0,)
 ) -> float:
-    """Return the rms error along the path after so many repeats, over that of the first run: both of the true tip.
+    """Return the rms path error of the true tip after learning, over that of the first run.
 
-    After the first run and the repeats, the best demand by the sensors is performed once more, with noise of its own.
+    After the first run and the repeats, the best demand by the sensors is simulated once more, with other noise.
+
+    Args:
+        machine: the model that the controller and the learning use.
+        plant: the machine that moves; None for `machine` itself.
+        motion: motion to learn.
+        repeats: number of repeats after the first run.
+        seeds: seeds of sequences of repeats, over which the errors' mean squares are taken.
     """
     first, last = [], []
     for seed in seeds:
-        learnt = begin(machine, motion.rows(machine.cycle) if isinstance(motion, Trajectory) else motion)
-        for number, done in enumerate(simulated_repeats(learnt, repeats + 1, plant=plant, seed=APART * seed)):
-            learnt = done.learnt
+        learnt = begin_learning(machine, motion.rows(machine.cycle) if isinstance(motion, Trajectory) else motion)
+        for number, repeat in enumerate(simulated_repeats(learnt, repeats + 1, plant=plant, seed=SEED_SPACING * seed)):
+            learnt = repeat.learnt
             if number == 0:
-                first.append(true_error(learnt, done.angles))
-        angles, _ = _performed(learnt, learnt.best_demand(), plant, APART * seed + repeats + 1)
+                first.append(true_error(learnt, repeat.angles))
+        angles, _ = _simulate_demand(learnt, learnt.best_demand(), plant, SEED_SPACING * seed + repeats + 1)
         last.append(true_error(learnt, angles))
     return float(np.sqrt(np.mean(np.square(last)) / np.mean(np.square(first))))
 
 
-def true_error(learnt: Learnt, angles: Array) -> float:
-    """Return the rms distance (m) of the tip from its path, from angles (rad) at the cycles of a demand."""
-    return path_error(learnt.machine, learnt.wanted, angles[learnt.lead_in :])[0]
+def true_error(learnt: LearntCorrections, angles: Array) -> float:
+    """Return the rms distance (m) of the tip from its path, by angles (rad) at the control cycles of a demand."""
+    return path_error(learnt.machine, learnt.motion, angles[learnt.lead_in_cycles :])[0]
 
 
-def _performed(learnt: Learnt, demand: States, plant: Machine | None, seed: int) -> tuple[Array, Array]:
+def _simulate_demand(
+    learnt: LearntCorrections, demand: States, plant: Machine | None, seed: int
+) -> tuple[Array, Array]:
     """Return true and measured angles at the control cycles of a demand, (cycles, joints) each."""
     count = len(demand.angles)
     run = rollout(
@@ -66,7 +84,7 @@ def _performed(learnt: Learnt, demand: States, plant: Machine | None, seed: int)
         demand.angles,
         demand_velocity=demand.velocities,
         demand_acceleration=demand.accelerations,
-        duration=count * learnt.wanted.cycle,
+        duration=count * learnt.motion.cycle,
         controller=learnt.machine,
         seed=seed,
     )

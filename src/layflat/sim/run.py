@@ -1,14 +1,15 @@
 """One machine through one scenario."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from threading import Event, Thread
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any, TypedDict, Unpack, cast
 
 import numpy as np
+from numpy.typing import NDArray
 
 from layflat.arrays import Array
 from layflat.control import CONTROL_LAWS
@@ -16,30 +17,57 @@ from layflat.description import units as u
 from layflat.description.wrong import shown
 from layflat.errors import DivergedError, InputError
 from layflat.jit.outside import blame_outside
+from layflat.keywords import with_keywords_of
 from layflat.lanes import Like, leaves
 from layflat.machine import Machine, load, parameters
 from layflat.memory import check_memory
 from layflat.motion.scenario import Scenario, check_scenario
 from layflat.motion.signal_rows import Signal
-from layflat.motion.signal_values import Value, check_whole, checked_options, read_number
-from layflat.physics.noise import sensor_noise
+from layflat.motion.signal_values import Angles, Pair, Value, build_options, check_integer, read_number
+from layflat.physics.sensor import sensor_noise
 from layflat.physics.step import STEP
 from layflat.sim.cause import find_cause
-from layflat.sim.cycle import Signals
-from layflat.sim.kernel import Case, Sample, Timing, all_cycles, run_cycles
-from layflat.sim.signals import signals, start_pressures, start_row
+from layflat.sim.kernel import JointRecord, run_cycles
+from layflat.sim.loop import Case, Signals, Timing
+from layflat.sim.signals import acting_signals, read_start_angles, start_pressures
 
 if TYPE_CHECKING:
     import xarray
 
-TELLS_EVERY = 0.25  # s
-COPIES = 2.5  # of a run's records that are in memory once it is written as NetCDF
-SIGNALS_HELD = 30  # numbers of each joint and control cycle that act on it, with intermediate results
+    from layflat.sim.results import Run
+
+PROGRESS_PERIOD = 0.25  # between two reports of progress, s
+RECORD_COPIES = 2.5  # copies of a run's records that memory holds while it is written as NetCDF
+HELD_NUMBERS = 30  # numbers that the signals take per joint and control cycle, with intermediate results
 MIN_STEP = 1e-8  # s
 MAX_RECORDS = 10_000  # per control cycle
-PERIOD_PARTS = 0.1  # step that is advised, over the period of the dither
+ADVISED_PERIOD_FRACTION = 0.1  # step that an error advises, over the period of the dither
 
 
+class ScenarioFields(TypedDict, total=False):
+    """Fields of a `Scenario` as keyword arguments of other functions."""
+
+    tip: Signal | None
+    demand_velocity: Signal | None
+    demand_acceleration: Signal | None
+    demand_stiffness: Signal
+    duration: Value
+    start: Angles | None
+    opening: Signal | None
+    voltage: Signal | None
+    brake: Signal
+    dither: Signal
+    load: Signal
+    drift: Signal
+    supply: Signal | None
+    payload: Signal | None
+    ambient: Signal | None
+    pressures: Pair | Mapping[str, Pair] | None
+    noise: bool
+    seed: int
+
+
+@with_keywords_of(Scenario)
 def rollout(
     machine: str | Path | Machine,
     demand: Signal | None = None,
@@ -49,43 +77,48 @@ def rollout(
     scenario: Scenario | None = None,
     controller: str | Path | Machine | None = None,
     progress: Callable[[float], None] | None = None,
-    **changes: Any,
-) -> "xarray.Dataset":
+    **changes: Unpack[ScenarioFields],
+) -> "Run":
     """Simulate a machine with its controller.
 
     Args:
         machine: a description, its file, or the name of a built-in machine.
-        demand: angles asked for: "40 deg", {"large": "40 deg"}, steps [("0 s", ...), ("2 s", ...)], or a table of
-            pandas or xarray; default: the scenario's.
-        step: of the plant; rounded so that a control cycle is a whole number of steps.
+        demand: demanded angles: "40 deg", {"large": "40 deg"}, steps [("0 s", ...), ("2 s", ...)], or a table of
+            pandas or xarray; a number is in rad; default: the scenario's.
+        step: time step of the plant; rounded so that a control cycle is a whole number of steps; a number is in s.
         records: instants recorded per control cycle.
-        controller: the machine that the controller believes to drive, and whose controller it is, likewise; default:
-            the machine.
-        progress: is called every quarter of a second, from another thread, with the fraction of the run that is done.
-        scenario: what happens; `demand` and `changes` (fields of `Scenario`) are laid over it.
+        scenario: signals and disturbances; `demand` and `changes` override it.
+        controller: the machine whose controller drives, with that machine's parameters as its model; a description,
+            file or name as `machine`; default: the machine itself.
+        progress: called every quarter of a second, from another thread, with the fraction of the run that is done.
         **changes: fields of `Scenario`, for instance `duration="4 s"`, `payload="2 kg"`, `seed=1`.
 
     Returns:
-        A run: dims `time` and `joint`, units in the attributes (see dataset.py for the names).
+        The run: dims `time` and `joint`, units in the attributes (see dataset.py for the names).
 
     Raises:
-        InputError: a machine, scenario or option is wrong.
-        DivergedError: the run diverged; it carries the data up to there.
+        InputError: a machine, scenario or argument is wrong.
+        DivergedError: the run diverged; its `run` holds the data up to there.
+
+    Example:
+        >>> import layflat as lf
+        >>> run = lf.rollout("paper-arm", {"large": "20 deg"}, start="0 deg", duration="1.5 s")
+        >>> float(run["angle"].sel(joint="large")[-1])  # rad
+        0.349
+        >>> figure = run.plot()
     """
-    from layflat.sim.dataset import dataset  # noqa: PLC0415  # xarray takes long to import
+    from layflat.sim.dataset import run_dataset  # noqa: PLC0415  # xarray takes long to import
 
     described = load(machine)
     if progress is not None and not callable(progress):
         raise InputError(f"{shown(progress)} can't be called", where="progress", right="give a function")
-    if demand is not None:
-        changes["demand"] = demand
-    case = checked_options(Scenario, changes, "rollout", None if scenario is None else check_scenario(scenario))
+    case = change_scenario(scenario, demand, changes)
     driver = None if controller is None else load(controller)
-    prepared = prepare(described, case, step=step, records=records, controller=driver)
-    with _telling(prepared, progress):
+    prepared = prepare_run(described, case, step=step, records=records, controller=driver)
+    with _report_progress(prepared, progress):
         rows, report, diverged = prepared.run()
-    law = CONTROL_LAWS.of(prepared.case.settings)
-    run = dataset(described, case, law, prepared.signals, prepared.timing, rows, report)
+    law = CONTROL_LAWS.kind_of(prepared.case.settings)
+    run = run_dataset(described, case, law, prepared.signals, prepared.timing, rows, report)
     if diverged >= 0:
         names = list(described.joints)
         cause = find_cause(described, prepared.case, prepared.signals, prepared.timing, run)
@@ -93,19 +126,42 @@ def rollout(
     return run
 
 
+def change_scenario(scenario: Scenario | None, demand: Signal | None, changes: Mapping[str, Any]) -> Scenario:
+    """Return a scenario with another demand and other fields.
+
+    Args:
+        scenario: None for the default one.
+        demand: None for the scenario's.
+        changes: values by field.
+
+    Raises:
+        InputError: a field is unknown or wrong, or the demand would not act, beside a tip or an opening.
+    """
+    changed = dict(changes) if demand is None else {**changes, "demand": demand}
+    case = build_options(Scenario, changed, "rollout", None if scenario is None else check_scenario(scenario))
+    other = next((name for name in ("tip", "opening") if demand is not None and getattr(case, name) is not None), None)
+    if other is not None:
+        raise InputError(
+            f"stands beside {'an' if other == 'opening' else 'a'} {other}",
+            where="demand",
+            right="give one or the other",
+        )
+    return case
+
+
 @contextmanager
-def _telling(prepared: "Prepared", progress: Callable[[float], None] | None) -> Iterator[None]:
-    """Tell how far a run is while the block simulates it."""
+def _report_progress(prepared: "PreparedRun", progress: Callable[[float], None] | None) -> Iterator[None]:
+    """Call `progress` periodically while the block simulates a run."""
     if progress is None:
         yield
         return
     over = Event()
 
-    def tell() -> None:
-        while not over.wait(TELLS_EVERY):
+    def report() -> None:
+        while not over.wait(PROGRESS_PERIOD):
             progress(prepared.fraction_done)
 
-    thread = Thread(target=tell, daemon=True)
+    thread = Thread(target=report, daemon=True)
     thread.start()
     try:
         yield
@@ -115,7 +171,7 @@ def _telling(prepared: "Prepared", progress: Callable[[float], None] | None) -> 
 
 
 def rollout_as_far(machine: str | Path | Machine, demand: Signal | None = None, **options: Any) -> "xarray.Dataset":
-    """Simulate as `rollout` does, and return a run that diverged up to where it did."""
+    """Simulate as `rollout` does; return a run that diverges up to its divergence, without an error."""
     try:
         return rollout(machine, demand, **options)
     except DivergedError as error:
@@ -123,46 +179,49 @@ def rollout_as_far(machine: str | Path | Machine, demand: Signal | None = None, 
 
 
 @dataclass(frozen=True)
-class Prepared:
-    """A run ready for the time loop: its arguments, in order."""
+class PreparedRun:
+    """A run ready for the time loop: the arguments of `kernel.run_cycles`, in order."""
 
     case: Case
-    angles: Array
-    pressures: Array
+    angles: Array  # at the start, rad, (joints,)
+    pressures: Array  # at the start, absolute, Pa, (joints, 2); NaN for those that hold the arm
     signals: Signals
     samples: Array  # standard normal, of the sensors, (cycles + 1, joints, 2)
     timing: Timing
-    done: Array = field(default_factory=lambda: np.zeros(1))  # control cycles that a run in progress has done
+    counters: NDArray[np.int64] = field(default_factory=lambda: np.zeros(3, np.int64))  # see `kernel.RunBuffers`
 
     @property
     def fraction_done(self) -> float:
-        """Fraction of the control cycles that a run in progress has done."""
-        return float(self.done[0]) / len(self.signals.by_joint)
+        """Fraction of the control cycles that have begun, 0..1; may be read while the run is in progress."""
+        return float(self.counters[0]) / len(self.signals.by_joint)
 
     @cached_property
     def _numbers(self) -> tuple[Like, Array]:
-        return Like.of(self.case), np.fromiter(leaves(self.case), float)
+        return Like.from_tuple(self.case), np.fromiter(leaves(self.case), float)
 
     def run(self) -> tuple[Array, Array, int]:
-        """Records up to where it diverged, and in which joint that was (-1: none).
+        """Simulate; return the records and the number of the joint that diverged.
 
         Returns:
-            (instants, joints, columns of `Sample`), (instants, joints, signals of the control law), and the joint.
+            Records, (instants, joints, columns of `JointSample`), and the control law's report, (instants, joints,
+            signals), both up to a divergence; number of the joint that diverged, -1 for none.
         """
-        law = CONTROL_LAWS.of(self.case.settings)
-        rest = self.angles, self.pressures, self.signals, self.samples, self.timing, len(law.signals), self.done
+        law = CONTROL_LAWS.kind_of(self.case.settings)
+        rest = self.angles, self.pressures, self.signals, self.samples, self.timing, len(law.signals), self.counters
         if law.compiled:
-            rows, report, valid, diverged = run_cycles(*self._numbers, *rest)
+            rows, report = run_cycles(*self._numbers, *rest)
         else:
             with blame_outside():
-                rows, report, valid, diverged = all_cycles(self.case, *rest)
-        return rows[:valid], report[:valid], int(diverged)
+                rows, report = getattr(run_cycles, "py_func", run_cycles)(self.case, list(leaves(self.case)), *rest)
+        _, valid, diverged = self.counters.tolist()
+        return rows[:valid], report[:valid], diverged
 
 
-def driver_of(machine: Machine, controller: Machine | None) -> Machine:
-    """Return the machine whose controller drives another; raise InputError if it has other joints.
+def controlling_machine(machine: Machine, controller: Machine | None) -> Machine:
+    """Return the machine whose controller drives `machine`: `controller`, or `machine` itself if that is None.
 
-    It is the machine itself where no controller is given.
+    Raises:
+        InputError: its joints differ from the machine's.
     """
     if controller is not None and list(controller.joints) != list(machine.joints):
         raise InputError(
@@ -173,20 +232,27 @@ def driver_of(machine: Machine, controller: Machine | None) -> Machine:
     return machine if controller is None else controller
 
 
-def prepare(
+def prepare_run(
     machine: Machine, scenario: Scenario, *, step: Value = STEP, records: int = 1, controller: Machine | None = None
-) -> Prepared:
-    """Turn a machine, its scenario and who controls it (see `rollout`) into arguments of the compiled loop.
+) -> PreparedRun:
+    """Return a run ready for the compiled loop.
+
+    Args:
+        machine: the plant.
+        scenario: signals and disturbances.
+        step: time step of the plant; rounded so that a control cycle is a whole number of steps.
+        records: instants recorded per control cycle.
+        controller: the machine whose controller drives; default: the plant.
 
     Raises:
         InputError: a machine, scenario or option is wrong.
     """
-    driver = driver_of(machine, controller)
+    driver = controlling_machine(machine, controller)
     cycle = driver.cycle
-    timing = timing_of(cycle, step, records, machine)
+    timing = make_timing(cycle, step, records, machine)
     _check_size(scenario.cycles(cycle), machine, timing, len(driver.control_law.signals))
-    acting = signals(scenario, machine, cycle)
-    return Prepared(
+    acting = acting_signals(scenario, machine, cycle)
+    return PreparedRun(
         Case(
             parameters.arm(machine),
             parameters.joints(machine),
@@ -202,55 +268,67 @@ def prepare(
 
 
 def _check_size(cycles: int, machine: Machine, timing: Timing, reported: int) -> None:
-    """Refuse a run that memory can't hold."""
-    lasting, records = cycles * timing.cycle, timing.records
-    by_cycle = 8.0 * len(machine.joints) * SIGNALS_HELD
-    by_record = 8.0 * len(machine.joints) * COPIES * (len(Sample._fields) + reported + 3)
+    """Raise InputError if memory can't hold the run; `reported` is the number of the control law's signals."""
+    duration, records = cycles * timing.cycle, timing.records
+    by_cycle = 8.0 * len(machine.joints) * HELD_NUMBERS
+    by_record = 8.0 * len(machine.joints) * RECORD_COPIES * (len(JointRecord._fields) + reported + 3)
     where, work = ("records", f" with {records} records a cycle") if records > 1 else ("duration", "")
 
     def right(part: float) -> str:
-        shorter = f"a duration of {0.9 * part * lasting:.2g} s"
+        shorter = f"a duration of {0.9 * part * duration:.2g} s"
         return f"give fewer, or {shorter}" if records > 1 else f"give {shorter} or less"
 
-    check_memory(cycles * (by_cycle + records * by_record), f"a run of {lasting:g} s{work}", where, right)
+    check_memory(cycles * (by_cycle + records * by_record), f"a run of {duration:g} s{work}", where, right)
 
 
-def timing_of(cycle: float, step: Value, records: int, machine: Machine) -> Timing:
-    """Return the cut of a run into steps of about `step`.
+def make_timing(cycle: float, step: Value, records: int, machine: Machine) -> Timing:
+    """Return the time grid of a run with steps of about `step`.
 
     Args:
         cycle: control cycle, s.
-        step: of the plant.
+        step: time step of the plant, before it is rounded to a whole number per record; a number is in s.
         records: instants recorded per control cycle.
         machine: the plant; numbers in it may be arrays.
 
     Raises:
-        InputError: the step is no part of a cycle or too long for what the valves' drivers make, or nothing is
-            recorded.
+        InputError: the step exceeds a cycle or half a period of the wave that the valves' drivers make, or the number
+            of records is out of range.
     """
-    wanted = read_number(step, u.TIME, "step")
-    if not MIN_STEP <= wanted <= cycle:
-        raise InputError(f"{wanted:g} s is out of range", where="step", right=f"give 10 ns to {cycle:g} s")
-    check_whole(records, "records", 1, MAX_RECORDS)
-    per_record = max(1, round(cycle / wanted / records))
+    requested = read_number(step, u.TIME, "step")
+    if not MIN_STEP <= requested <= cycle:
+        raise InputError(f"{requested:g} s is out of range", where="step", right=f"give 10 ns to {cycle:g} s")
+    check_integer(records, "records", 1, MAX_RECORDS)
+    per_record = max(1, round(cycle / requested / records))
     timing = Timing(cycle, per_record * records, records)
     _check_wave(machine, timing)
     return timing
 
 
 def _check_wave(machine: Machine, timing: Timing) -> None:
-    """Refuse steps that are too long for what the valves' drivers make by themselves."""
+    """Raise InputError if a step is longer than half a period of the wave that the valves' drivers make."""
     frequency = None if machine.valve is None else machine.valve.wave_frequency
     if frequency is None:
         return
     fastest, step = float(np.max(frequency)), timing.cycle / timing.steps
     if fastest * step > 0.5 * (1.0 + 1e-9):
         what = f"{1e3 * step:g} ms is too long for the {fastest:g} Hz of the valves' drivers, which would be lost"
-        right = f"give {1e3 * PERIOD_PARTS / fastest:.2g} ms or less"
+        right = f"give {1e3 * ADVISED_PERIOD_FRACTION / fastest:.2g} ms or less"
         raise InputError(what, where="step", right=right)
 
 
 def start_angles(scenario: Scenario, machine: Machine, demand: Array) -> Array:
-    """Return the angles at which the arm rests at first, (joints,), rad: those of the demand where none are given."""
-    start = start_row(scenario, machine)
+    """Return the angles at which the arm rests at the start.
+
+    Args:
+        scenario: scenario whose `start` sets them.
+        machine: the plant.
+        demand: (cycles, joints), rad; its first row is the start where the scenario sets none.
+
+    Returns:
+        Angles, (joints,), rad.
+
+    Raises:
+        InputError: the start is no single row of angles, or outside the working stroke.
+    """
+    start = read_start_angles(scenario, machine)
     return np.array(demand[0]) if start is None else start

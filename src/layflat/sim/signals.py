@@ -10,30 +10,29 @@ from layflat.description.change import value_at
 from layflat.description.wrong import shown
 from layflat.errors import InputError
 from layflat.machine import Machine, parameters
+from layflat.motion.inverse import solve_tip_demand, tip_axes
 from layflat.motion.kinematics import tip_position
-from layflat.motion.labelled import is_labelled, labelled_row
-from layflat.motion.plausible import HOSE_PRESSURE, centre_voltage
-from layflat.motion.rates import derived_rates, lasting_rate
-from layflat.motion.scenario import SIGNALS, Scenario
+from layflat.motion.labelled import is_labelled, read_labelled_row
+from layflat.motion.scenario import HOSE_PRESSURE, SIGNALS, Scenario, centre_voltage
 from layflat.motion.signal_rows import expand_signal, is_steps
 from layflat.motion.signal_values import Sampling, SignalKind, check_names, read_number, read_row
-from layflat.motion.tip_demand import axes_of, demand_of_tip
-from layflat.sim.cycle import Acting, Around, Signals
+from layflat.motion.trajectory import derived_rates, lasting_rate
+from layflat.sim.loop import JointSignals, SharedSignals, Signals
 
 TRAVEL_RATIO, TRAVEL_ROUNDING = 2.0, 1e-3
-"""A velocity may carry a joint this many times as far as its demand goes, and so much further (rad)."""
+"""Limit of the travel that a demanded velocity integrates to: ratio to the demand's own travel, and margin (rad)."""
 
-MAX_STEP = 4.0  # times what its velocity allows in a cycle; a demand that moves further jumps
+MAX_STEP = 4.0  # step of a demand over the travel that its velocity allows in a cycle; a larger step is a jump
 
 
-def expand(scenario: Scenario, machine: Machine, cycle: float, *, plausible: bool = True) -> Signals:
-    """Return a scenario as arrays over control cycles; what is not given is not a number.
+def expand_scenario(scenario: Scenario, machine: Machine, cycle: float, *, plausible: bool = True) -> Signals:
+    """Return a scenario as arrays over control cycles; signals that it does not set are NaN.
 
     Args:
-        scenario: all that happens.
-        machine: the machine that it happens to.
+        scenario: signals and disturbances.
+        machine: the machine that they act on.
         cycle: control cycle, s.
-        plausible: whether values that the machine can't have are refused; logs may hold such.
+        plausible: whether to refuse values that are not plausible for the machine; logs may hold such values.
 
     Raises:
         InputError: naming the field: a value without unit, of a wrong kind, not finite, out of range, or after the end;
@@ -54,45 +53,45 @@ def expand(scenario: Scenario, machine: Machine, cycle: float, *, plausible: boo
     for j, name in enumerate(joints if scenario.closed_loop else ()):
         worst = float(demand[np.argmax(np.abs(demand[:, j])), j])
         parameters.check_inside_stroke(machine, name, worst, "demand" if scenario.tip is None else "tip")
-    found = {"demand": demand}
-    for name, moved, rate in (("demand_velocity", "demand", 0), ("demand_acceleration", "demand_velocity", 1)):
+    rows = {"demand": demand}
+    for name, integral, order in (("demand_velocity", "demand", 0), ("demand_acceleration", "demand_velocity", 1)):
         if getattr(scenario, name) is None:
-            found[name] = _derived(scenario, found, cycle)[rate]
+            rows[name] = _derived_rates(scenario, rows, cycle)[order]
         else:
-            found[name] = rows_of(name)
+            rows[name] = rows_of(name)
             if plausible:
-                _check_travel(found[name], found[moved], cycle, name)
-    found |= {name: rows_of(name) for name in SIGNALS if name not in found}
-    by_joint, shared = ([found[name] for name in of._fields] for of in (Acting, Around))
+                _check_travel(rows[name], rows[integral], cycle, name)
+    rows |= {name: rows_of(name) for name in SIGNALS if name not in rows}
+    by_joint, shared = ([rows[name] for name in signals._fields] for signals in (JointSignals, SharedSignals))
     return Signals(np.stack(by_joint, axis=-1), np.concatenate(shared, axis=-1))
 
 
 def _demand(scenario: Scenario, machine: Machine, sampling: Sampling) -> Array:
-    """Return the demand, (cycles, joints), rad: as given, or angles that bring the tip to where it is asked for."""
-    start = start_row(scenario, machine)
+    """Return the demand, (cycles, joints), rad: as set, or by inverse kinematics from the demanded tip."""
+    start = read_start_angles(scenario, machine)
     start = np.zeros(len(machine.joints)) if start is None else start
     if scenario.tip is None:
         return expand_signal(scenario.demand, SIGNALS["demand"].kind("demand", list(machine.joints)), start, sampling)
-    axes = axes_of(machine)
-    places = expand_signal(
+    axes = tip_axes(machine)
+    positions = expand_signal(
         scenario.tip, SignalKind("tip", u.LENGTH, axes, "axis"), tip_position(machine, start), sampling
     )
-    return demand_of_tip(machine, places, start, "tip")
+    return solve_tip_demand(machine, positions, start, "tip")
 
 
-def _derived(scenario: Scenario, found: Mapping[str, Array], cycle: float) -> tuple[Array, Array]:
-    """Return velocity and acceleration of a demand as it moves on, or as the velocity does that is given."""
+def _derived_rates(scenario: Scenario, rows: Mapping[str, Array], cycle: float) -> tuple[Array, Array]:
+    """Return velocity and acceleration of a demand, differentiated from the demand or from the velocity that is set."""
     if scenario.demand_velocity is None:
-        return derived_rates(found["demand"], cycle)
-    return found["demand_velocity"], lasting_rate(found["demand_velocity"], cycle)
+        return derived_rates(rows["demand"], cycle)
+    return rows["demand_velocity"], lasting_rate(rows["demand_velocity"], cycle)
 
 
-def _check_travel(rate: Array, moved: Array, cycle: float, where: str) -> None:
-    """Refuse a rate that goes much further than what it is the rate of: the two contradict each other."""
+def _check_travel(rate: Array, integral: Array, cycle: float, where: str) -> None:
+    """Raise InputError if a rate integrates to much more travel than its signal makes: a contradiction."""
     speed = np.abs(rate)
     travel = cycle * speed.sum(axis=0)
-    # Of a jump no more counts than the rate around it may go.
-    steps = np.minimum(np.abs(np.diff(moved, axis=0)), MAX_STEP * cycle * np.maximum(speed[:-1], speed[1:]))
+    # A jump counts at most the travel that the rate around it allows.
+    steps = np.minimum(np.abs(np.diff(integral, axis=0)), MAX_STEP * cycle * np.maximum(speed[:-1], speed[1:]))
     moves = steps.sum(axis=0)
     # The rate of the last cycle has no step of its own.
     excess = travel - (TRAVEL_RATIO * moves + TRAVEL_ROUNDING + cycle * speed.max(axis=0))
@@ -103,57 +102,64 @@ def _check_travel(rate: Array, moved: Array, cycle: float, where: str) -> None:
         raise InputError(what, where=where, right="give a demand that moves on so, or leave it out")
 
 
-def signals(scenario: Scenario, machine: Machine, cycle: float) -> Signals:
-    """Return all that acts on a machine in a scenario.
+def acting_signals(scenario: Scenario, machine: Machine, cycle: float) -> Signals:
+    """Return all signals of a run: the scenario's, and the machine's own values where it sets none.
+
+    A voltage that is set becomes the opening of the valve that it drives.
+
+    Args:
+        scenario: signals and disturbances.
+        machine: the machine that they act on.
+        cycle: control cycle, s.
 
     Raises:
-        InputError: as `expand`; or a voltage stands beside a demand.
+        InputError: as `expand_scenario`; or both a voltage and a demand are set.
     """
-    if scenario.voltage is not None and (scenario.asks_for_angles or scenario.tip is not None):
+    if scenario.voltage is not None and (scenario.has_demand or scenario.tip is not None):
         what = "stands beside a demand, which a run that follows voltages does not"
         raise InputError(what, where="voltage", right="give one or the other")
-    found = expand(scenario, machine, cycle)
-    own = [value_at(machine, SIGNALS[name].path) for name in Around._fields]
+    expanded = expand_scenario(scenario, machine, cycle)
+    usual = [value_at(machine, SIGNALS[name].path) for name in SharedSignals._fields]
     if machine.valve is not None and scenario.voltage is not None:
-        shift = found.named("voltage") - centre_voltage(machine)
-        found.named("opening")[:] = shift / machine.valve.volts_to_full
-    found.named("voltage")[:] = np.nan
-    return Signals(found.by_joint, np.where(np.isnan(found.shared), own, found.shared))
+        shift = expanded.named("voltage") - centre_voltage(machine)
+        expanded.named("opening")[:] = shift / machine.valve.volts_to_full
+    expanded.named("voltage")[:] = np.nan
+    return Signals(expanded.by_joint, np.where(np.isnan(expanded.shared), usual, expanded.shared))
 
 
-def start_row(scenario: Scenario, machine: Machine) -> Array | None:
-    """Return the angles at which the arm rests at first, (joints,), rad; None where the first demand says them.
+def read_start_angles(scenario: Scenario, machine: Machine) -> Array | None:
+    """Return the angles at which the arm rests at the start, (joints,), rad; None if the scenario sets none.
 
     Raises:
         InputError: they are no single row of angles, or outside the working stroke.
     """
     if scenario.start is None:
         return None
-    kind, given = SignalKind("start", u.ANGLE, list(machine.joints)), scenario.start
-    if is_labelled(given):
-        given = labelled_row(given, kind)
-    if given is None or callable(given) or is_steps(given):
+    kind, start = SignalKind("start", u.ANGLE, list(machine.joints)), scenario.start
+    if is_labelled(start):
+        start = read_labelled_row(start, kind)
+    if start is None or callable(start) or is_steps(start):
         raise InputError("changes over time", where="start", right='give one row of angles, such as "10 deg"')
-    angles = read_row(given, kind, np.zeros(len(kind.names)))
+    angles = read_row(start, kind, np.zeros(len(kind.names)))
     for name, angle in zip(machine.joints, angles, strict=True):
         parameters.check_inside_stroke(machine, name, float(angle), "start")
     return angles
 
 
 def start_pressures(scenario: Scenario, machine: Machine) -> Array:
-    """Return absolute pressures of hoses A and B at the start, Pa, (joints, 2); nan where none is given.
+    """Return absolute pressures of hoses A and B at the start, (joints, 2), Pa; NaN where the scenario sets none.
 
     Raises:
-        InputError: they are no pairs of plausible pressures, or of a joint that is not there.
+        InputError: they are no pairs of plausible pressures, or name an unknown joint.
     """
-    kind, given = SignalKind("pressures", u.PRESSURE, list(machine.joints)), scenario.pressures
+    kind, pairs = SignalKind("pressures", u.PRESSURE, list(machine.joints)), scenario.pressures
     pressures = np.full((len(kind.names), 2), np.nan)
-    if given is None:
+    if pairs is None:
         return pressures
-    each = dict(given) if isinstance(given, Mapping) else dict.fromkeys(kind.names, given)
-    check_names(each, kind)
+    by_joint = dict(pairs) if isinstance(pairs, Mapping) else dict.fromkeys(kind.names, pairs)
+    check_names(by_joint, kind)
     for j, name in enumerate(kind.names):
-        if (pair := each.get(name)) is None:
+        if (pair := by_joint.get(name)) is None:
             continue
         if not isinstance(pair, (list, tuple, np.ndarray)) or getattr(pair, "ndim", 1) != 1 or len(pair) != 2:
             right = 'give those of hoses A and B: ("3.5 bar", "3 bar")'

@@ -1,6 +1,6 @@
-"""Metrics of a move that grow from record to record: the same for a trace and for runs that keep none.
+"""Metrics of a move, accumulated from record to record: the same for a trace and for runs that keep none.
 
-Of a joint the error is its angle less what is asked for; of the tip it is the distance from its goal.
+The error of a joint is its angle less the demand; that of the tip is its distance from the goal.
 """
 
 from math import floor, inf
@@ -11,31 +11,31 @@ from layflat.lanes import select
 
 
 class Tally(NamedTuple):
-    """A move so far."""
+    """Accumulated metrics of a move; errors are in rad, or in m of the tip."""
 
-    settled: float  # records until it stays within the band
+    settled: float  # number of records until the error stays within the band
     overshoot: float  # largest error beyond the goal
-    last_sum: float  # sum of the last errors
-    last_low: float
-    last_high: float
+    last_sum: float  # sum of the errors in the last part of the move
+    last_low: float  # smallest of these
+    last_high: float  # largest of these
 
 
-EMPTY = Tally(0.0, 0.0, 0.0, inf, -inf)
+EMPTY_TALLY = Tally(0.0, 0.0, 0.0, inf, -inf)
 COLUMNS = len(Tally._fields)
-SETTLED, OVERSHOOT, LAST_SUM, LAST_LOW, LAST_HIGH = range(COLUMNS)
+SETTLED_RECORDS, OVERSHOOT, LAST_SUM, LAST_LOW, LAST_HIGH = range(COLUMNS)
 
-LAST_PART = 0.8  # what comes after this share of a move counts as its end
+LAST_PART = 0.8  # fraction of a move's records after which its last part begins
 
 
 @law
 def last_records(count):
-    """How many of a move's records come before its end."""
+    """Return the number of records before the last part of a move of `count` records."""
     return floor(LAST_PART * count)
 
 
 @law
-def emptied(tally, when):
-    """The tally, or an empty one when a move begins."""
+def reset_tally(tally, when):
+    """Return the tally, or an empty one where `when` is true."""
     return Tally(
         select(when, 0.0, tally.settled),
         select(when, 0.0, tally.overshoot),
@@ -46,12 +46,15 @@ def emptied(tally, when):
 
 
 @law
-def counted(tally, i, count, error, way, band):
-    """Count record i of `count`; `way` is the sign of the way to go. An error that is not a number lies outside."""
+def update_tally(tally, i, count, error, direction, band):
+    """Return the tally after record i of `count`.
+
+    `direction` is the sign of the move, by which an overshoot is positive; an error that is NaN lies outside the band.
+    """
     late = i >= last_records(count)
     return Tally(
         select(abs(error) <= band, tally.settled, i + 1.0),
-        max(tally.overshoot, way * error),
+        max(tally.overshoot, direction * error),
         tally.last_sum + select(late, error, 0.0),
         select(late, min(tally.last_low, error), tally.last_low),
         select(late, max(tally.last_high, error), tally.last_high),
@@ -59,9 +62,9 @@ def counted(tally, i, count, error, way, band):
 
 
 @kernel
-def tallied(errors, way, band):
-    """The tally of a move from all its errors."""
-    tally = EMPTY
+def tally_errors(errors, direction, band):
+    """Return the tally of a move from all its errors, (records,)."""
+    tally = EMPTY_TALLY
     for i in range(len(errors)):
-        tally = counted(tally, i, len(errors), errors[i], way, band)
+        tally = update_tally(tally, i, len(errors), errors[i], direction, band)
     return tally

@@ -1,11 +1,11 @@
-"""Parameter studies: many samples of what varies, in one or several scenarios, as one table.
+"""Parameter studies: many samples of varied values, in one or several scenarios, as one table.
 
-A reader's way: description.py (the file), study.py, varied.py, sampling.py, runs.py, folder.py, and then
-results.py. Studies that come with layflat stand in builtin/.
+Read in this order: description.py (the file), study.py, varied.py, sampling.py, runs.py, folder.py, results.py. The
+built-in studies are in builtin/.
 """
 
-from layflat.study.folder import table
-from layflat.study.runs import finished, run
-from layflat.study.study import Study, names, read
+from layflat.study.folder import study_table
+from layflat.study.runs import is_finished, run_study
+from layflat.study.study import Study, read_study, study_names
 
-__all__ = ["Study", "finished", "names", "read", "run", "table"]
+__all__ = ["Study", "is_finished", "read_study", "run_study", "study_names", "study_table"]

@@ -1,4 +1,4 @@
-"""Whether all runs of a study can be: asked before the first of them."""
+"""Checks of all runs of a study, before the first of them."""
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -11,17 +11,17 @@ from layflat.description.change import changed_all
 from layflat.errors import InputError
 from layflat.machine import Machine
 from layflat.motion.scenario import SIGNALS, Scenario
-from layflat.sim.ensemble.cases import cases
-from layflat.sim.run import timing_of
-from layflat.study.description import ScenarioTable, kind
+from layflat.sim.ensemble.cases import prepare_cases
+from layflat.sim.run import make_timing
+from layflat.study.description import ScenarioTable, varied_quantity
 
 Samples = Mapping[str, Array]
 
-SAME_THING = {f"scenario.{name}": row.path for name, row in SIGNALS.items() if row.path}
-"""Settings of a scenario that stand in for a number of the machine."""
+REPLACED_PATHS = {f"scenario.{name}": row.path for name, row in SIGNALS.items() if row.path}
+"""Paths of the machine's numbers that signals of a scenario replace, by signal."""
 
 
-def check(
+def check_runs(
     machine: Machine,
     scenarios: Sequence[Scenario],
     drawn: Samples,
@@ -29,28 +29,37 @@ def check(
     where: str,
     along: Collection[str] = (),
 ) -> None:
-    """Refuse scenarios that do not fit the machine, and samples that make no sense or do not matter.
+    """Refuse scenarios that do not fit the machine, and samples that are invalid or have no effect.
 
-    What comes `along` with a member of a cloud need not matter: nobody asked for it by itself.
+    Args:
+        machine: machine of the study.
+        scenarios: scenarios of the study.
+        drawn: one value per sample, by path.
+        step: step of the plant, s.
+        where: the file, for messages.
+        along: paths that vary with a member of a cloud, which may have no effect.
+
+    Raises:
+        InputError: naming the key.
     """
     first = np.array([0])
     for i, scenario in enumerate(scenarios):
-        with inside(f"{where}: scenario.{i}.", set(ScenarioTable.model_fields)):
-            cases(machine, [scenario], {}, 1).runs(first)
-    with inside(f"{where}: ", {"scenario", "step"}):
-        prepared = cases(machine, list(scenarios), {}, 1)
-        timing_of(prepared.cycle, step, 1, prepared.machine)
+        with locate_errors(f"{where}: scenario.{i}.", set(ScenarioTable.model_fields)):
+            prepare_cases(machine, [scenario], {}, 1).runs(first)
+    with locate_errors(f"{where}: ", {"scenario", "step"}):
+        prepared = prepare_cases(machine, list(scenarios), {}, 1)
+        make_timing(prepared.cycle, step, 1, prepared.machine)
     _check_settings(scenarios, drawn, where)
     _check_bounds(machine, drawn, where)
-    # Numbers that are right alone can contradict each other.
-    own_numbers = {key: own for key, own in drawn.items() if not key.startswith("scenario.")}
-    varied = changed_all(machine, own_numbers, f"{where}: vary")
-    with inside(f"{where}: ", {"step"}):
-        timing_of(prepared.cycle, step, 1, varied)
+    # Numbers that are valid alone can contradict each other.
+    machine_numbers = {path: values for path, values in drawn.items() if not path.startswith("scenario.")}
+    varied = changed_all(machine, machine_numbers, f"{where}: vary")
+    with locate_errors(f"{where}: ", {"step"}):
+        make_timing(prepared.cycle, step, 1, varied)
     for path in (path for path in drawn if path not in along):
         values = drawn[path]
         ends = [
-            cases(machine, list(scenarios), {path: [end]}, None, together=False).runs(first)
+            prepare_cases(machine, list(scenarios), {path: [end]}, None, together=False).runs(first)
             for end in (values.min(), values.max())
         ]
         if values.min() < values.max() and all(map(partial(np.array_equal, equal_nan=True), *ends)):
@@ -58,8 +67,8 @@ def check(
 
 
 @contextmanager
-def inside(where: str, keys: set[str]) -> Iterator[None]:
-    """Name the table of a mistake in one of these keys, `where`."""
+def locate_errors(where: str, keys: set[str]) -> Iterator[None]:
+    """Prefix errors at one of these keys with their table, `where`."""
     try:
         yield
     except InputError as error:
@@ -69,12 +78,12 @@ def inside(where: str, keys: set[str]) -> Iterator[None]:
 
 
 def _check_settings(scenarios: Sequence[Scenario], drawn: Samples, where: str) -> None:
-    """Refuse to vary what a scenario says itself from the start on."""
-    for setting, path in SAME_THING.items():
+    """Refuse to vary a value that a scenario sets from its start, or a signal with the value that it replaces."""
+    for setting, path in REPLACED_PATHS.items():
         key = setting.removeprefix("scenario.")
         for i, scenario in enumerate(scenarios):
-            given = getattr(scenario, key)
-            from_start = isinstance(given, float) or (isinstance(given, list) and given[0][0] <= 0.0)
+            signal = getattr(scenario, key)
+            from_start = isinstance(signal, float) or (isinstance(signal, list) and signal[0][0] <= 0.0)
             both = [name for name in (setting, path) if name in drawn]
             if from_start and both:
                 place = f"{where}: scenario.{i}.{key}"
@@ -84,13 +93,13 @@ def _check_settings(scenarios: Sequence[Scenario], drawn: Samples, where: str) -
 
 
 def _check_bounds(machine: Machine, drawn: Samples, where: str) -> None:
-    """Samples of a normal distribution can lie outside what a machine may have."""
+    """Refuse samples outside the bounds of their number, as those of a normal distribution can be."""
     for path, values in drawn.items():
         place = f"{where}: vary.{path}"
-        own = kind(machine, path, place)
+        quantity = varied_quantity(machine, path, place)
         for worst in {float(values.min()), float(values.max())}:
             try:
-                own.parse(int(worst) if own.whole else own.written(worst), place)
+                quantity.parse(int(worst) if quantity.whole else quantity.format(worst), place)
             except InputError as error:
                 right = f"{error.right}: give low or high"
                 raise InputError(f"sample {error.what}", where=place, right=right) from None

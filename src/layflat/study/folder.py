@@ -1,6 +1,6 @@
-"""A study's folder: study.json says what it holds, chunks/ what is done so far, table.parquet and table.csv all of it.
+"""Folder of a study: study.json with its content, chunks/ with finished chunks, table.parquet and table.csv.
 
-While a part is missing partial.txt says how much of it is there.
+While chunks are missing, partial.txt says how many runs are done.
 """
 
 import json
@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from layflat.errors import InputError, OutputError
-from layflat.extras import module
+from layflat.extras import import_extra
 from layflat.files import whole_file, write_text
 from layflat.outputs import is_forced
 
@@ -22,30 +22,30 @@ if TYPE_CHECKING:
     import pandas
     import pyarrow
 
-ANSWER = ("figure.png", "figure.svg", "finding.txt")
-"""What a study shows beside its table; a finding only those that are built in."""
+ANSWER_FILES = ("figure.png", "figure.svg", "finding.txt")
+"""Figures and finding of a study; only built-in studies have a finding."""
 
-OWN = {"study.json", "chunks", "table.parquet", "table.csv", "partial.txt", *ANSWER}
+STUDY_FILES = {"study.json", "chunks", "table.parquet", "table.csv", "partial.txt", *ANSWER_FILES}
 
-LEFT_OVER = re.compile(r"\.(study|table|partial|figure|finding|\d{5,})-\w+\.(json|parquet|csv|png|svg|txt)")
-"""Temporary files of a run that was killed."""
+TEMPORARY_FILE = re.compile(r"\.(study|table|partial|figure|finding|\d{5,})-\w+\.(json|parquet|csv|png|svg|txt)")
+"""Pattern of temporary files of a run that was killed."""
 
 CHUNK_NAME = re.compile(r"\d{5,}\.parquet")
 
 BYTES_A_CELL, BYTES_A_COLUMN, BYTES_A_NUMBER = 10, 400, 24
-"""At most, of a number in a Parquet file; of what is said about a column in every chunk; of a number as text."""
+"""Upper bounds: of a number in a Parquet file, of a column's metadata in a chunk, of a number as text."""
 
 
 class ChangedError(OutputError):
-    """The folder holds a study that is not the one asked for; `differences` has a line for each."""
+    """Error for a folder with another study than the one to be run; `differences` has a line for each."""
 
     def __init__(self, what: str, where: str, differences: list[str]) -> None:
-        super().__init__(what, where=where, right="give another folder, the study as it was, or --force to replace it")
+        super().__init__(what, where=where, right="give another folder, or the study as it was")
         self.differences = differences
 
 
-class Folder:
-    """Where the results of a study are put, which has so many chunks."""
+class StudyFolder:
+    """Folder of a study's results, with a number of chunks."""
 
     def __init__(self, place: Path, chunks: int) -> None:
         self.place, self.chunks = place, chunks
@@ -55,36 +55,36 @@ class Folder:
         """Return the file of a chunk."""
         return self.place / "chunks" / f"{number:05d}.parquet"
 
-    def done(self) -> dict[int, int]:
-        """Return the rows of each chunk that is there and whole."""
-        parquet, found = _arrow("parquet"), {}
+    def finished_chunks(self) -> dict[int, int]:
+        """Return the number of rows of each complete chunk, by its index."""
+        parquet, counts = _import_arrow("parquet"), {}
         for number in sorted(int(one.stem) for one in self.chunk(0).parent.glob("*.parquet") if one.stem.isdecimal()):
             try:
-                found[number] = int(parquet.read_metadata(self.chunk(number)).num_rows)
+                counts[number] = int(parquet.read_metadata(self.chunk(number)).num_rows)
             except (OSError, ValueError):  # broken
                 continue
-        return {number: rows for number, rows in found.items() if number < self.chunks}
+        return {number: rows for number, rows in counts.items() if number < self.chunks}
 
     def holds(self, content: dict[str, Any]) -> bool:
-        """Whether it is the folder of a study of this content."""
+        """Return whether the folder holds a study of this content."""
         try:
             held = json.loads(self.study.read_text(encoding="utf-8"))
         except (OSError, ValueError):
             return False
         return bool(held == json.loads(json.dumps(content)))
 
-    def keep(self, number: int, table: "pyarrow.Table") -> None:
-        """Write a chunk (OutputError: it can't be written)."""
+    def write_chunk(self, number: int, table: "pyarrow.Table") -> None:
+        """Write a chunk; raise OutputError if it can't be written."""
         with whole_file(self.chunk(number), owned=True) as temporary:
-            _arrow("parquet").write_table(table, temporary)
+            _import_arrow("parquet").write_table(table, temporary)
 
-    def mark(self, done: str) -> None:
-        """Say in the folder that its study is not done yet, and how much of it is."""
+    def mark_partial(self, done: str) -> None:
+        """Write partial.txt: how much of the study is done."""
         write_text(self.partial, f"partial: {done}; the same command goes on from here\n", owned=True)
 
-    def join(self) -> Path:
+    def write_table(self) -> Path:
         """Write the table from all chunks, in their order, as Parquet and, with units in its header, as CSV."""
-        parquet, csv = _arrow("parquet"), _arrow("csv")
+        parquet, csv = _import_arrow("parquet"), _import_arrow("csv")
         schema = parquet.read_schema(self.chunk(0))
         headed = [f"{field.name} [{field.metadata[b'unit'].decode()}]" for field in schema]
         with (
@@ -101,8 +101,8 @@ class Folder:
         return self.table
 
     @contextmanager
-    def opened(self, content: dict[str, Any]) -> Iterator[None]:
-        """Hold a new folder for a study, or the one in which it was stopped; one process at a time has it.
+    def lock(self, content: dict[str, Any]) -> Iterator[None]:
+        """Lock a new folder for a study, or the one in which it was stopped, for this process.
 
         Raises:
             ChangedError: it holds another study.
@@ -113,7 +113,7 @@ class Folder:
         except OSError as error:
             right = "give a folder that you may write to"
             raise OutputError(f"can't write here ({error.strerror})", where=str(self.place), right=right) from None
-        with _alone(self.place):
+        with _lock_folder(self.place):
             self._refuse_foreign()
             if self.study.exists() and is_forced() and not self.holds(content):
                 self._clear()
@@ -127,18 +127,18 @@ class Folder:
 
     def _clear(self) -> None:
         """Remove the study that the folder holds."""
-        for path in [one for one in self.place.iterdir() if one.name in OWN]:
+        for path in [entry for entry in self.place.iterdir() if entry.name in STUDY_FILES]:
             shutil.rmtree(path) if path.is_dir() else path.unlink()
 
     def _refuse_foreign(self) -> None:
         """Make sure that the folder holds nothing but a study."""
-        own = OWN if self.study.exists() else set()
-        foreign = [path.name for path in self.place.iterdir() if path.name not in own]
-        if own:
+        expected = STUDY_FILES if self.study.exists() else set()
+        foreign = [path.name for path in self.place.iterdir() if path.name not in expected]
+        if expected:
             foreign += [
                 f"chunks/{one.name}" for one in self.place.glob("chunks/*") if not CHUNK_NAME.fullmatch(one.name)
             ]
-        foreign = sorted(name for name in foreign if not LEFT_OVER.fullmatch(name.removeprefix("chunks/")))
+        foreign = sorted(name for name in foreign if not TEMPORARY_FILE.fullmatch(name.removeprefix("chunks/")))
         if foreign:
             what, right = f"holds {foreign[0]!r}, which is none of a study's files", "give a new or an empty folder"
             raise OutputError(what, where=str(self.place), right=right)
@@ -146,11 +146,11 @@ class Folder:
     def _refuse_other(self, content: dict[str, Any]) -> None:
         """Make sure that the folder holds a study of this content."""
         try:
-            before = _flat(json.loads(self.study.read_text(encoding="utf-8")))
+            before = _flatten(json.loads(self.study.read_text(encoding="utf-8")))
         except ValueError:
             right = "give a new or an empty folder"
             raise OutputError("is not a study's", where=str(self.study), right=right) from None
-        now = _flat(json.loads(json.dumps(content)))
+        now = _flatten(json.loads(json.dumps(content)))
         lines = [
             f"{key}: {before.get(key, '(none)')} -> {now.get(key, '(none)')}"
             for key in now | before
@@ -160,7 +160,16 @@ class Folder:
             raise ChangedError("holds a study that differs from this one", str(self.place), lines)
 
     def check_space(self, rows: int, columns: int, chunks: int) -> None:
-        """Refuse, before any work is done, a disk without room for so many rows, in chunks and in the table."""
+        """Refuse a disk without space for a study, before any computation.
+
+        Args:
+            rows: number of rows to write.
+            columns: number of columns.
+            chunks: number of chunks to write.
+
+        Raises:
+            OutputError: the disk has less free space than the chunks and the table need.
+        """
         needed = columns * ((2 * BYTES_A_CELL + BYTES_A_NUMBER) * rows + 2 * BYTES_A_COLUMN * chunks)
         there = next(path for path in (self.place, *self.place.absolute().parents) if path.exists())
         free = shutil.disk_usage(there).free
@@ -169,39 +178,41 @@ class Folder:
             raise OutputError(what, where=str(self.place), right="make room, or give a folder on another disk")
 
 
-def table(out: str | Path) -> "pandas.DataFrame":
-    """Return the table of a study that was run; `attrs["units"]` has the unit of every column.
+def study_table(out: str | Path) -> "pandas.DataFrame":
+    """Return the table of a finished study; `attrs["units"]` has the unit of every column.
 
     Raises:
-        InputError: there is none in this folder.
+        InputError: the folder has none.
     """
-    parquet, path = _arrow("parquet"), Path(out) / "table.parquet"
+    parquet, path = _import_arrow("parquet"), Path(out) / "table.parquet"
     if not path.exists():
-        raise InputError("holds no table of a study", where=str(out), right="`layflat study` writes one")
+        raise InputError("holds no table of a study", where=str(out), right="`layflat study run` writes one")
     whole = parquet.read_table(path)
     frame: pandas.DataFrame = whole.to_pandas()
     frame.attrs["units"] = {field.name: field.metadata[b"unit"].decode() for field in whole.schema}
     return frame
 
 
-def _flat(value: Any, path: str = "") -> dict[str, Any]:
-    """Values of nested tables and lists by dotted path."""
+def _flatten(value: Any, path: str = "") -> dict[str, Any]:
+    """Return the values of nested tables and lists, by dotted path."""
     if not isinstance(value, (dict, list)) or not value:
         return {path: value}
     items = value.items() if isinstance(value, dict) else enumerate(value)
     return {
-        key: leaf for name, item in items for key, leaf in _flat(item, f"{path}.{name}" if path else str(name)).items()
+        key: leaf
+        for name, item in items
+        for key, leaf in _flatten(item, f"{path}.{name}" if path else str(name)).items()
     }
 
 
-def _arrow(part: str) -> Any:
+def _import_arrow(part: str) -> Any:
     """Import a part of the library that reads and writes tables."""
-    return module("study", f"pyarrow.{part}", where="study")
+    return import_extra("study", f"pyarrow.{part}", where="study")
 
 
 @contextmanager
-def _alone(place: Path) -> Iterator[None]:
-    """Hold a folder so that no other process writes there; the system lets it go when this one ends in any way."""
+def _lock_folder(place: Path) -> Iterator[None]:
+    """Lock a folder against other processes; the system releases the lock when this process ends in any way."""
     if sys.platform == "win32":
         yield
         return

@@ -1,39 +1,154 @@
-"""A study from its first chunk, or where it was stopped, to its table: chunks computed here, or on a Dask cluster."""
+"""Execution of a study, from its first chunk or where it was stopped, to its table: here, or on a Dask cluster.
+
+Rows are simulated in the same way on this machine and on a worker of a cluster.
+"""
 
 import asyncio
 import logging
 from collections.abc import Callable, Generator, Iterable, Iterator
 from contextlib import closing
+from hashlib import sha256
+from importlib.metadata import version
 from itertools import islice
 from math import ceil
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
+from layflat._version import __version__
+from layflat.arrays import Array
 from layflat.errors import InputError, LayflatError, StoppedError
-from layflat.extras import module, require
+from layflat.extras import import_extra, require
+from layflat.jit.cache import source_digest
+from layflat.sim.ensemble import ensemble
+from layflat.sim.ensemble import kernel as ensemble_kernel
 from layflat.sim.ensemble.parallel import check_device
-from layflat.study.chunks import Work, made_with, measured, measured_there
-from layflat.study.folder import Folder
-from layflat.study.sampling import rows, samples
+from layflat.study.folder import StudyFolder
+from layflat.study.sampling import draw_samples, study_rows
 from layflat.study.study import Study
+from layflat.study.varied import machine_values
 
 if TYPE_CHECKING:
     import pyarrow
-
-PATIENCE = 4.0  # a scheduler has to answer within, s
-AHEAD = 64  # chunks that wait at the scheduler, beside two for every thread: new workers find work at once
+    import xarray
 
 
-def on_cluster(study: Study, work: Work, scheduler: str) -> "Iterator[tuple[int, pyarrow.Table]]":
-    """Yield chunks of a study as they get done, in any order.
+Work = Iterable[tuple[int, dict[str, Array]]]  # numbers of chunks, and their runs
+
+
+def software_versions(study: Study) -> dict[str, str]:
+    """Return the versions of software and kinds on which the bits of a study's table depend."""
+    libraries = {name: version(name) for name in ("numpy", "scipy", "numba")}
+    files = [Path(path) for variant in study.variants for path in variant.machine.kinds]
+    kinds = {path.name: sha256(path.read_bytes()).hexdigest()[:16] for path in files}
+    return {"layflat": __version__, "laws": source_digest(Path(ensemble_kernel.__file__)), **kinds, **libraries}
+
+
+def simulate_rows(
+    study: Study,
+    runs: dict[str, Array],
+    device: str = "cpu",
+    threads: int | None = None,
+    progress: Callable[[int], None] | None = None,
+) -> "pyarrow.Table":
+    """Simulate rows of a study.
+
+    Args:
+        study: study to which the rows belong.
+        runs: one value per row, by path, as of `study_rows`.
+        device: "cpu" or "cuda".
+        threads: number of threads; default: one per core.
+        progress: called with numbers of finished rows.
+
+    Returns:
+        Table with a column's unit in its metadata.
+    """
+    import pyarrow  # noqa: PLC0415
+
+    parts = []
+    for number in np.unique(runs["variant"]):  # rows come variant by variant
+        selected = np.flatnonzero(runs["variant"] == number)
+        rows = {key: values[selected] for key, values in runs.items()}
+        parts.append(_simulate_variant(study, int(number), rows, device=device, threads=threads, progress=progress))
+    return pyarrow.concat_tables(parts)
+
+
+def _simulate_variant(study: Study, number: int, runs: dict[str, Array], **how: Any) -> "pyarrow.Table":
+    """Simulate rows of one variant of the machine, and return their table of inputs and metrics, with units."""
+    import pyarrow  # noqa: PLC0415
+
+    variant = study.variants[number]
+    vary: dict[str, Array] = {key: runs[key] for key in ("scenario", "seed")}
+    vary |= machine_values(study.varied, runs, variant.machine)
+    (band, tip_band), given = study.bands, (variant.machine, study.scenarios, vary)
+    how |= {"metrics": study.metrics, "precision": study.precision}
+    data = ensemble(*given, step=study.step, band=band, tip_band=tip_band, **how)
+    names = np.array(study.scenario_names)[runs["scenario"].astype(int)]
+    columns = [
+        *([("variant", np.full(len(names), variant.name), "1")] if variant.name else []),
+        ("sample", runs["sample"], "1"),
+        ("scenario", names, "1"),
+        ("noise_seed", runs["seed"], "1"),
+        *((one.path, runs[one.path], one.kind.unit) for one in study.varied),
+        *(column for metric in (*study.metrics, "diverged") for column in _metric_columns(data, metric)),
+    ]
+    arrays = [pyarrow.array(values) for _, values, _ in columns]
+    fields = [
+        pyarrow.field(name, array.type, metadata={"unit": unit})
+        for (name, _, unit), array in zip(columns, arrays, strict=True)
+    ]
+    return pyarrow.Table.from_arrays(arrays, schema=pyarrow.schema(fields))
+
+
+def simulate_rows_on_worker(study: Study, runs: dict[str, Array], expected: dict[str, str]) -> "pyarrow.Table":
+    """Simulate rows on a worker of a cluster, in one thread.
+
+    Args:
+        study: study to which the rows belong.
+        runs: one value per row, by path.
+        expected: versions of the client, as of `software_versions`.
+
+    Raises:
+        InputError: the worker has other versions than the client.
+    """
+    versions = software_versions(study)
+    other = [f"{key} {versions[key]}, not {expected[key]}" for key in versions if versions[key] != expected[key]]
+    if other:
+        raise InputError(f"a worker has {other[0]}", where="scheduler", right="install the same on all workers")
+    return simulate_rows(study, runs, threads=1)
+
+
+def _metric_columns(data: "xarray.Dataset", metric: str) -> Iterator[tuple[str, Any, str]]:
+    """Yield name, values and unit of a metric's columns, such as "settling.small.0" for joint small in move 0."""
+    array = data[metric]
+    order = [dimension for dimension in ("joint", "move") if dimension in array.dims]
+    labels = [[str(label) for label in data[dimension].to_numpy()] for dimension in order]
+    values = array.transpose("run", *order).to_numpy()
+    for place in np.ndindex(values.shape[1:]):
+        name = ".".join([metric, *(labels[i][k] for i, k in enumerate(place))])
+        yield name, values[(slice(None), *place)], array.attrs["units"]
+
+
+SCHEDULER_TIMEOUT = 4.0  # for a scheduler's response, s
+QUEUED_CHUNKS = 64  # at the scheduler, besides two per thread, so that new workers start at once
+
+
+def simulate_on_cluster(study: Study, work: Work, scheduler: str) -> "Iterator[tuple[int, pyarrow.Table]]":
+    """Yield chunks of a study as they are completed, in any order.
+
+    Args:
+        study: study to run.
+        work: indices of chunks and their rows.
+        scheduler: address.
 
     Raises:
         InputError: no scheduler answers, dask is not installed, or a chunk can't be done there.
     """
-    where = f"--scheduler {scheduler}"
-    client = _client(scheduler, where)
+    where = f"scheduler {scheduler}"
+    client = _connect_client(scheduler, where)
     try:
-        yield from _done(client, study, work)
+        yield from _completed_chunks(client, study, work)
     except LayflatError:
         raise
     except Exception as error:  # whatever a cluster may raise
@@ -43,20 +158,21 @@ def on_cluster(study: Study, work: Work, scheduler: str) -> "Iterator[tuple[int,
         client.close()
 
 
-def _done(client: Any, study: Study, work: Work) -> "Iterator[tuple[int, pyarrow.Table]]":
+def _completed_chunks(client: Any, study: Study, work: Work) -> "Iterator[tuple[int, pyarrow.Table]]":
+    """Yield number and table of each chunk as a cluster completes it, with a limited number of chunks queued."""
     from distributed import as_completed  # noqa: PLC0415
 
-    waiting, numbers, own = iter(work), {}, made_with(study)
+    waiting, numbers, own = iter(work), {}, software_versions(study)
 
     def submit(count: int) -> list[Any]:
         futures = []
         for number, runs in islice(waiting, count):
-            future = client.submit(measured_there, study, runs, own, pure=False)
+            future = client.submit(simulate_rows_on_worker, study, runs, own, pure=False)
             numbers[future.key] = number
             futures.append(future)
         return futures
 
-    ahead = AHEAD + 2 * sum(client.nthreads().values())
+    ahead = QUEUED_CHUNKS + 2 * sum(client.nthreads().values())
     running = as_completed(submit(ahead), loop=client.loop, with_results=True)
     for future, table in running:
         if isinstance(table, BaseException):  # the scheduler is lost
@@ -66,34 +182,35 @@ def _done(client: Any, study: Study, work: Work) -> "Iterator[tuple[int, pyarrow
         yield numbers.pop(future.key), table
 
 
-def _client(scheduler: str, where: str) -> Any:
-    client = module("cluster", "distributed", where=where).Client
+def _connect_client(scheduler: str, where: str) -> Any:
+    """Return a client of a Dask scheduler; raise InputError if none answers within `SCHEDULER_TIMEOUT`."""
+    client = import_extra("cluster", "distributed", where=where).Client
     logging.getLogger("distributed.client").setLevel(logging.CRITICAL)  # what fails is told in one line, by us
     try:
-        asyncio.run(asyncio.wait_for(_identity(scheduler), PATIENCE))
-        return client(scheduler, timeout=PATIENCE, set_as_default=False)
+        asyncio.run(asyncio.wait_for(_check_scheduler(scheduler), SCHEDULER_TIMEOUT))
+        return client(scheduler, timeout=SCHEDULER_TIMEOUT, set_as_default=False)
     except Exception:  # of many libraries, depending on what else answers there
         right = "give the address that `dask scheduler` prints, such as tcp://10.0.0.1:8786"
         raise InputError("no Dask scheduler answers", where=where, right=right) from None
 
 
-async def _identity(scheduler: str) -> None:
-    """Ask a scheduler who it is: a client that finds none can't be closed without another long wait."""
+async def _check_scheduler(scheduler: str) -> None:
+    """Query a scheduler's identity: a client without a scheduler takes long to close."""
     from distributed import Security  # noqa: PLC0415
     from distributed.core import rpc  # noqa: PLC0415
 
     security = Security().get_connection_args("client")
-    async with rpc(scheduler, connection_args=security, timeout=PATIENCE) as remote:
+    async with rpc(scheduler, connection_args=security, timeout=SCHEDULER_TIMEOUT) as remote:
         await remote.identity()
 
 
-CHUNKS = {"cpu": 4096, "cuda": 65536}
-"""Runs that a device works on at once and that are kept together: what is lost at most when a study is stopped."""
+CHUNK_SIZES = {"cpu": 4096, "cuda": 65536}
+"""Runs per chunk, which a device computes together and which are saved together; a stopped study loses one chunk."""
 
 Progress = Callable[[int, int], None]
 
 
-def run(
+def run_study(
     study: Study,
     out: str | Path,
     *,
@@ -109,7 +226,7 @@ def run(
         study: what to run.
         out: folder for the results; new, empty, or of the same study.
         scheduler: address of a Dask cluster's scheduler that does the work, such as "tcp://10.0.0.1:8786".
-        device: that makes the runs here, "cpu" or "cuda".
+        device: device that makes the runs here, "cpu" or "cuda".
         progress: is called with the runs done so far, and with how many there are.
         threads: how many work at a time here; default: one a core.
         chunk: runs that are kept together; default: as suits the device.
@@ -123,21 +240,18 @@ def run(
         InputError: no cluster answers, the device can't be used, or a part that is needed is not installed.
         StoppedError: the user stopped it (Ctrl-C); the same call goes on.
     """
-    require("study", "pyarrow", where="study")
-    if scheduler is not None and device != "cpu":
-        raise InputError("a cluster works on its processors", where="--device", right="leave out --scheduler")
-    check_device(device)
-    chunk = CHUNKS[device] if chunk is None else chunk
+    _check_means(scheduler, device)
+    chunk = CHUNK_SIZES[device] if chunk is None else chunk
     if chunk < 1:
         raise InputError(f"{chunk} is out of range", where="chunk", right="give 1 or more")
-    folder = Folder(Path(out), ceil(study.rows / chunk))
-    left = folder.chunks - len(folder.done())
+    folder = StudyFolder(Path(out), ceil(study.rows / chunk))
+    left = folder.chunks - len(folder.finished_chunks())
     folder.check_space(min(left * chunk, study.rows), study.columns, left)
-    if not study.fits:
+    if not study.fits_in_memory:
         what = f"{study.samples:,} samples are more than can be held in memory"
         raise InputError(what, where=study.file.name, right="give fewer, or divide it into several studies")
-    with folder.opened(_content(study, chunk, device)):
-        done = folder.done()
+    with folder.lock(_study_content(study, chunk, device)):
+        done = folder.finished_chunks()
         ran = sum(done.values())
 
         def tell(count: int) -> None:
@@ -148,47 +262,67 @@ def run(
 
         tell(0)
         if len(done) < folder.chunks:
-            work = _work(study, chunk, [number for number in range(folder.chunks) if number not in done])
-            try:
-                if scheduler is None:
-                    tables = ((number, measured(study, runs, device, threads, tell)) for number, runs in work)
-                else:
-                    tables = _on_cluster(study, work, scheduler, tell)
-                with closing(tables):
-                    for number, table in tables:
-                        folder.keep(number, table)
-            except KeyboardInterrupt:
-                kept = f"{sum(folder.done().values())} of {study.rows} runs"
-                folder.mark(kept)
-                raise StoppedError(kept, folder.place) from None
-        return folder.table if folder.table.exists() else folder.join()
+            work = _chunk_rows(study, chunk, [number for number in range(folder.chunks) if number not in done])
+            if scheduler is None:
+                tables = ((number, simulate_rows(study, runs, device, threads, tell)) for number, runs in work)
+            else:
+                tables = _report_cluster_chunks(study, work, scheduler, tell)
+            _write_chunks(tables, folder, study.rows)
+        return folder.table if folder.table.exists() else folder.write_table()
 
 
-def finished(study: Study, out: str | Path, *, chunk: int | None = None) -> bool:
-    """Return whether a folder holds the whole table of this very study, made with what is installed here."""
-    folder = Folder(Path(out), 1)
-    contents = (_content(study, chunk or usual, device) for device, usual in CHUNKS.items())
+def _check_means(scheduler: str | None, device: str) -> None:
+    """Raise InputError if the study can't be made by this cluster or device."""
+    require("study", "pyarrow", where="study")
+    if scheduler is not None and device != "cpu":
+        raise InputError("a cluster works on its processors", where="device", right="leave out `scheduler`")
+    check_device(device)
+
+
+def _write_chunks(tables: "Generator[tuple[int, pyarrow.Table]]", folder: StudyFolder, rows: int) -> None:
+    """Write all chunks of a study of so many rows; raise StoppedError if the user stops it (Ctrl-C)."""
+    try:
+        with closing(tables):
+            for number, table in tables:
+                folder.write_chunk(number, table)
+    except KeyboardInterrupt:
+        kept = f"{sum(folder.finished_chunks().values())} of {rows} runs"
+        folder.mark_partial(kept)
+        raise StoppedError(kept, folder.place) from None
+
+
+def is_finished(study: Study, out: str | Path, *, chunk: int | None = None) -> bool:
+    """Return whether a folder holds the complete table of this study, with the installed versions.
+
+    Args:
+        study: expected study.
+        out: folder.
+        chunk: expected runs per chunk; default: that of any device.
+    """
+    folder = StudyFolder(Path(out), 1)
+    contents = (_study_content(study, chunk or usual, device) for device, usual in CHUNK_SIZES.items())
     return folder.table.exists() and any(map(folder.holds, contents))
 
 
-def _content(study: Study, chunk: int, device: str) -> dict[str, Any]:
-    """All that decides about the last bit of a study's files."""
-    return {**study.canonical(), "chunk": chunk, "device": device, "made_with": made_with(study)}
+def _study_content(study: Study, chunk: int, device: str) -> dict[str, Any]:
+    """Return everything on which the bits of a study's files depend."""
+    return {**study.canonical(), "chunk": chunk, "device": device, "made_with": software_versions(study)}
 
 
-def _on_cluster(
+def _report_cluster_chunks(
     study: Study, work: Work, scheduler: str, tell: Callable[[int], None]
 ) -> "Generator[tuple[int, pyarrow.Table]]":
-    """Yield chunks as they get done on a cluster, in any order."""
-    for number, table in on_cluster(study, work, scheduler):
+    """Yield chunks as they are completed on a cluster, and report their rows."""
+    for number, table in simulate_on_cluster(study, work, scheduler):
         yield number, table
         tell(table.num_rows)
 
 
-def _work(study: Study, chunk: int, left: Iterable[int]) -> Work:
-    drawn = samples(study.varied, study.file)
+def _chunk_rows(study: Study, chunk: int, left: Iterable[int]) -> Work:
+    """Yield the number of each chunk that is left, and its rows of drawn samples, scenarios and seeds."""
+    drawn = draw_samples(study.varied, study.file)
     seeds = [scenario.seed for scenario in study.scenarios]
     counts = study.samples, len(study.variants)
     for first in (number * chunk for number in left):
         last = min(first + chunk, study.rows)
-        yield first // chunk, rows(drawn, *counts, seeds, study.file.noise_seeds, first, last)
+        yield first // chunk, study_rows(drawn, *counts, seeds, study.file.noise_seeds, first, last)

@@ -1,4 +1,4 @@
-"""A study: what is simulated, and what varies, read from its file and checked."""
+"""Study: machines, scenarios and varied values, read from its file and checked."""
 
 from dataclasses import dataclass, replace
 from math import prod
@@ -12,29 +12,31 @@ from layflat.errors import InputError
 from layflat.machine import Machine
 from layflat.motion.scenario import SIGNALS, Scenario
 from layflat.sim import STEP
-from layflat.sim.ensemble.cases import cases
-from layflat.sim.ensemble.parallel import LONGEST_SINGLE, TIP_BAND
-from layflat.sim.metrics import BAND
-from layflat.study.check import check, inside
-from layflat.study.description import ScenarioTable, StudyFile, explained_study, refuse
-from layflat.study.sampling import samples
-from layflat.study.varied import Variant, Varied, applied, groups, resolved, variants
+from layflat.sim.ensemble.cases import prepare_cases
+from layflat.sim.ensemble.parallel import MAX_SINGLE_DURATION
+from layflat.sim.metrics import SETTLING_BAND, TIP_BAND
+from layflat.study.check import check_runs, locate_errors
+from layflat.study.description import ScenarioTable, StudyFile, check_rules, explain_study_error
+from layflat.study.sampling import draw_samples
+from layflat.study.varied import StudyAxis, Variant, group_axes, load_variants, machine_values, resolve_axis
 
 BUILT_IN = Path(__file__).parent / "builtin"
 
-STUDIES = Library(BUILT_IN, "study", "`layflat studies` lists them", 'low = "1 kg"', InputError)
+STUDY_LIBRARY = Library(BUILT_IN, "study", "`layflat study list` lists them", 'low = "1 kg"', InputError)
 
-MOST_HELD = 50_000_000  # numbers that the samples of a study may be: 400 MB, and as much again for each of some copies
+MAX_SAMPLE_NUMBERS = (
+    50_000_000  # numbers that the samples of a study may be: 400 MB, and as much again for each of some copies
+)
 
 
 @dataclass(frozen=True)
 class Study:
-    """A study that can be run."""
+    """Study that is checked and can be run."""
 
-    file: StudyFile  # as it was written
-    variants: tuple[Variant, ...]  # the machines that it compares; one of no name where it has but one
+    file: StudyFile
+    variants: tuple[Variant, ...]  # compared machines; a single one has no name
     scenarios: tuple[Scenario, ...]  # each sample runs in every one
-    varied: tuple[Varied, ...]  # what varies, by path in alphabetical order
+    varied: tuple[StudyAxis, ...]  # what varies, by path in alphabetical order
     metrics: tuple[str, ...]  # names of the metrics to keep
 
     @property
@@ -49,25 +51,25 @@ class Study:
 
     @property
     def samples(self) -> int:
-        """Return how many there are of each machine."""
+        """Number of samples of each machine."""
         if self.file.sampling == "grid":
             return prod(one.count for one in self.varied)
         assert self.file.runs is not None
         return self.file.runs * (2 + len(self.blocks) if self.file.sampling == "saltelli" else 1)
 
     @property
-    def fits(self) -> bool:
-        """True if all samples can be held in memory at once, as they are drawn."""
-        return self.samples * len(self.varied) <= MOST_HELD
+    def fits_in_memory(self) -> bool:
+        """True if all samples can be held in memory."""
+        return self.samples * len(self.varied) <= MAX_SAMPLE_NUMBERS
 
     @property
     def blocks(self) -> list[str]:
-        """Return what has sensitivity indices, in their order: everything that varies, then the groups."""
-        return [*(one.path for one in self.varied), *groups(self.varied)]
+        """Names of axes and groups in the order of sensitivity indices: paths, then groups."""
+        return [*(one.path for one in self.varied), *group_axes(self.varied)]
 
     @property
     def rows(self) -> int:
-        """Runs in all: every sample of every machine in every scenario with every seed of the noise."""
+        """Number of runs: samples x machines x scenarios x noise seeds."""
         return len(self.variants) * self.samples * len(self.scenarios) * self.file.noise_seeds
 
     @property
@@ -77,27 +79,27 @@ class Study:
 
     @property
     def precision(self) -> str:
-        """In which the runs are computed: single unless the file asks for another or they last too long for it."""
-        return self.file.precision or ("single" if _lasting(self.file) <= LONGEST_SINGLE else "double")
+        """Precision of the runs: the file's; by default single, unless they last too long for it."""
+        return self.file.precision or ("single" if _longest_duration(self.file) <= MAX_SINGLE_DURATION else "double")
 
     @property
     def columns(self) -> int:
-        """Columns of the table, at most: every metric of every joint in every move."""
-        each = cases(self.machine, list(self.scenarios), {}, 1).most_moves * len(self.machine.joints)
+        """Upper bound of the number of columns of the table."""
+        each = prepare_cases(self.machine, list(self.scenarios), {}, 1).max_moves * len(self.machine.joints)
         return 5 + len(self.varied) + len(self.metrics) * each
 
     @property
     def bands(self) -> tuple[float, float]:
-        """Within these of its goal a joint (rad) and the tip (m) have settled."""
-        return self.file.band or BAND, self.file.tip_band or TIP_BAND
+        """Settling bands of joints (rad) and tip (m)."""
+        return self.file.band or SETTLING_BAND, self.file.tip_band or TIP_BAND
 
     @property
     def scenario_names(self) -> list[str]:
-        """Names of scenarios as they stand in the table: their numbers where they have no names."""
+        """Names of scenarios in the table: their indices if they have no names."""
         return [table.name or str(i) for i, table in enumerate(self.file.scenario)]
 
     def canonical(self) -> dict[str, Any]:
-        """All that decides about the table, in SI units: equal for files that say the same in other words."""
+        """Return the content on which the table depends, in SI units: equal for equivalent files."""
         apart = {"vary", "machine", "metrics", "variant"}
         written = self.file.model_dump(mode="json", exclude_none=True, exclude=apart)
         written |= {"metrics": list(self.metrics), "precision": self.precision}
@@ -107,22 +109,22 @@ class Study:
         return {"study": written, **({"variant": machines} if self.file.variant else {"machine": machines[""]})}
 
     def thinned(self, points: int) -> "Study":
-        """The same with at most so many samples of each thing that varies, and without repetitions: for a first look.
+        """Return the study with fewer samples and one noise seed, for a first overview.
 
         Args:
-            points: on each axis of a grid; otherwise samples in all, of `saltelli` in each of its blocks.
+            points: maximum on each axis of a grid; else of samples in all, with `saltelli` in each block.
         """
         runs = None if self.file.runs is None else min(points, self.file.runs)
         varied = tuple(one.thinned(points) if runs is None else one for one in self.varied)
         return replace(self, file=self.file.model_copy(update={"runs": runs, "noise_seeds": 1}), varied=varied)
 
 
-def names() -> tuple[str, ...]:
+def study_names() -> tuple[str, ...]:
     """Return the names of the built-in studies."""
-    return STUDIES.names
+    return STUDY_LIBRARY.names
 
 
-def read(path: str | Path) -> Study:
+def read_study(path: str | Path) -> Study:
     """Return a study from its TOML file, or a built-in one by its name.
 
     Raises:
@@ -130,39 +132,49 @@ def read(path: str | Path) -> Study:
     """
     where = str(path)
     try:
-        file = StudyFile.model_validate(STUDIES.raw(path))
+        file = StudyFile.model_validate(STUDY_LIBRARY.raw(path))
     except ValidationError as error:
-        raise explained_study(error, where) from None
-    compared = variants(file, Path(path).parent, where)
-    found = [
+        raise explain_study_error(error, where) from None
+    compared = load_variants(file, Path(path).parent, where)
+    axes = [
         tuple(
-            resolved(key, value, one.machine, file.sampling, f"{where}: vary.{key}")
+            resolve_axis(key, value, variant.machine, file.sampling, f"{where}: vary.{key}")
             for key, value in sorted(file.vary.items())
         )
-        for one in compared
+        for variant in compared
     ]
-    _check_runs(file, found[0], where)
-    scenarios = tuple(_scenario(table, file, f"{where}: scenario.{i}.") for i, table in enumerate(file.scenario))
-    study = Study(file, compared, scenarios, found[0], _metrics(file.metrics, where))
-    if where not in names() and study.fits:  # the built-in ones are checked by tests; others than these never run
+    _check_runs(file, axes[0], where)
+    scenarios = tuple(_build_scenario(table, file, f"{where}: scenario.{i}.") for i, table in enumerate(file.scenario))
+    study = Study(file, compared, scenarios, axes[0], _check_metrics(file.metrics, where))
+    if (
+        where not in study_names() and study.fits_in_memory
+    ):  # the built-in ones are checked by tests; others than these never run
         check_samples(study, where)
     return study
 
 
 def check_samples(study: Study, where: str) -> None:
-    """Refuse a study whose runs can't all be, or in which something varies that does not matter."""
-    drawn = samples(study.varied, study.file)
-    along = [path for one in study.varied for path in one.members]
-    for one in study.variants:
-        check(one.machine, study.scenarios, applied(study.varied, drawn, one.machine), study.step, where, along)
+    """Refuse a study with invalid runs, or with a varied value without effect."""
+    drawn = draw_samples(study.varied, study.file)
+    along = [path for axis in study.varied for path in axis.members]
+    for variant in study.variants:
+        check_runs(
+            variant.machine,
+            study.scenarios,
+            machine_values(study.varied, drawn, variant.machine),
+            study.step,
+            where,
+            along,
+        )
 
 
-def _lasting(file: StudyFile) -> float:
-    """Return how long its longest runs are, s."""
+def _longest_duration(file: StudyFile) -> float:
+    """Return the duration of the longest scenario, s."""
     return max(table.duration for table in file.scenario)
 
 
-def _check_runs(file: StudyFile, varied: tuple[Varied, ...], where: str) -> None:
+def _check_runs(file: StudyFile, varied: tuple[StudyAxis, ...], where: str) -> None:
+    """Raise InputError for the first rule of sampling, seeds and names that a study breaks."""
     paths = [path for one in varied for path in one.paths]
     twice = [path for i, path in enumerate(paths) if path in paths[:i]]
     named = [table.name or str(i) for i, table in enumerate(file.scenario)]
@@ -171,10 +183,14 @@ def _check_runs(file: StudyFile, varied: tuple[Varied, ...], where: str) -> None
     odd = file.sampling in {"sobol", "saltelli"} and count.bit_count() != 1
     balanced = f"Sobol points are balanced in powers of two: give {above // 2} or {above}"
     noisy = all(table.noise for table in file.scenario)
-    coarse = file.precision == "single" and _lasting(file) > LONGEST_SINGLE
-    refuse(
+    coarse = file.precision == "single" and _longest_duration(file) > MAX_SINGLE_DURATION
+    check_rules(
         f"{where}: ",
-        (coarse, "precision", f"single is too coarse for runs of {_lasting(file):g} s; leave it out, or say double"),
+        (
+            coarse,
+            "precision",
+            f"single is too coarse for runs of {_longest_duration(file):g} s; leave it out, or say double",
+        ),
         (file.noise_seeds > 1 and not noisy, "noise_seeds", "has no effect on runs without noise; leave it out"),
         (bool(twice), "vary", f"{''.join(twice[:1])} varies twice; vary it once"),
         (drawn and not varied, "vary", 'nothing varies; say what, or use sampling = "grid"'),
@@ -184,18 +200,19 @@ def _check_runs(file: StudyFile, varied: tuple[Varied, ...], where: str) -> None
     )
 
 
-def _scenario(table: ScenarioTable, file: StudyFile, where: str) -> Scenario:
-    """Return a scenario, in which what varies takes the place of a constant (InputError: naming the key)."""
+def _build_scenario(table: ScenarioTable, file: StudyFile, where: str) -> Scenario:
+    """Return a scenario without the constants that varied values replace (InputError: naming the key)."""
     varied = {*file.vary, *(path for one in file.vary.values() for path in one.also)}
-    given = {key: getattr(table, key) for key in table.model_fields_set - {"name"}}
+    signals = {key: getattr(table, key) for key in table.model_fields_set - {"name"}}
     replaced = [name for name, row in SIGNALS.items() if row.varies == "replaces"]
-    hidden = [key for key in replaced if f"scenario.{key}" in varied and isinstance(given.get(key), float)]
-    with inside(where, set(ScenarioTable.model_fields)):
-        return Scenario(**{key: value for key, value in given.items() if key not in hidden})
+    hidden = [key for key in replaced if f"scenario.{key}" in varied and isinstance(signals.get(key), float)]
+    with locate_errors(where, set(ScenarioTable.model_fields)):
+        return Scenario(**{key: value for key, value in signals.items() if key not in hidden})
 
 
-def _metrics(names: tuple[str, ...] | None, where: str) -> tuple[str, ...]:
-    from layflat.sim.ensemble.dataset import METRICS  # noqa: PLC0415  # xarray takes long to import
+def _check_metrics(names: tuple[str, ...] | None, where: str) -> tuple[str, ...]:
+    """Return the chosen metrics in the order of `METRICS`, all by default; raise InputError for an unknown one."""
+    from layflat.sim.results import METRICS  # noqa: PLC0415  # xarray takes long to import
 
     if names is not None and not names:
         right = "give one or more, or leave it out for all"

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from layflat.bridge.robots import import_arm
+from layflat.bridge.robots import ChainEnds, import_arm
 from layflat.errors import InputError
 from layflat.machine import parameters
-from layflat.physics.arms import ARMS
+from layflat.physics.arms import ARM_KINDS
 from tests.bridge.robot_files import LOWER, joint, urdf, written
 
 LEFT, RIGHT = (LOWER.replace('"lower"', f'"{side}"') for side in ("left", "right"))
@@ -30,7 +30,7 @@ def fingers(mimic: str, lower: str = "0") -> str:
 
 
 def centre(text: str, folder: Path) -> float:
-    return float(import_arm(written(folder, text), to="lower").machine.arm.link["elbow"].centre[1])
+    return float(import_arm(written(folder, text), ends=ChainEnds(to="lower")).machine.arm.link["elbow"].centre[1])
 
 
 def test_what_mimics_is_held_where_it_then_is(tmp_path: Path) -> None:
@@ -41,7 +41,7 @@ def test_what_mimics_is_held_where_it_then_is(tmp_path: Path) -> None:
 
 def test_notes_say_where_joints_are_held(tmp_path: Path) -> None:
     text = urdf(fingers('<mimic joint="elbow" offset="0.03"/>', "0.01"))
-    notes = import_arm(written(tmp_path, text), to="lower").notes()
+    notes = import_arm(written(tmp_path, text), ends=ChainEnds(to="lower")).notes()
     assert notes[:4] == [
         "joints held still at zero: open",
         "joints held still: follow at 0.03 m",
@@ -66,7 +66,7 @@ GRIPPER = """<mujoco><worldbody><body name="arm"><joint name="bend" axis="0 1 0"
 ])  # fmt: skip
 def test_constraints_between_what_is_held_or_that_do_not_act_close_no_chain(equality: str, tmp_path: Path) -> None:
     file = written(tmp_path, GRIPPER.format(equality=equality, tendon="shut"), "robot.xml")
-    assert "joints held still: open at 0.02 m" in import_arm(file, to="hand").notes()
+    assert "joints held still: open at 0.02 m" in import_arm(file, ends=ChainEnds(to="hand")).notes()
 
 
 @pytest.mark.parametrize("equality", [
@@ -76,7 +76,7 @@ def test_constraints_between_what_is_held_or_that_do_not_act_close_no_chain(equa
 def test_constraints_that_act_on_the_arm_close_it(equality: str, tmp_path: Path) -> None:
     file = written(tmp_path, GRIPPER.format(equality=equality, tendon="bend"), "robot.xml")
     with pytest.raises(InputError, match=r"the equality constraint .* a closed chain; an arm here is an open chain"):
-        import_arm(file, to="hand")
+        import_arm(file, ends=ChainEnds(to="hand"))
 
 
 @pytest.mark.parametrize("axis", ["0 0 0", "0 1e200 0"])
@@ -113,7 +113,7 @@ URDF = (
 @pytest.mark.parametrize("joint", [LIFT, "<freejoint/>", '<joint name="turn" axis="1 0 0" range="-9 9"/>', ""])
 def test_gravity_and_mass_are_those_of_the_arm_alone(joint: str, tmp_path: Path) -> None:
     file = written(tmp_path, LIFTED.format(joint=joint), "arm.xml")
-    arm = import_arm(file, base="column")
+    arm = import_arm(file, ends=ChainEnds(base="column"))
     assert list(arm.machine.joints) == ["shoulder", "elbow"]
     assert arm.machine.arm.gravity != (0.5, -1.0, -9.0)
     assert any("held still" in note for note in arm.notes()) == bool(joint)
@@ -124,7 +124,7 @@ def test_gravity_and_mass_are_those_of_the_arm_alone(joint: str, tmp_path: Path)
 @pytest.mark.parametrize("kind", ["prismatic", "floating", "revolute", "fixed"])
 def test_of_urdf_as_of_mjcf(kind: str, tmp_path: Path) -> None:
     file = written(tmp_path, URDF.format(kind=kind), "arm.urdf")
-    arm = import_arm(file, base="column", tool="fore")
+    arm = import_arm(file, ends=ChainEnds(base="column", tool="fore"))
     model = mujoco.MjModel.from_xml_path(str(file)) if kind != "floating" else None
     if model is not None:
         model.opt.gravity[:] = 0.0, 0.0, -9.80665
@@ -143,7 +143,7 @@ def compare(arm: Any, model: Any, tip: str) -> None:
     mass, pull = parameters.mass_and_pull(parameters.arm(arm.machine), 0.0, angles.tolist())
     assert np.allclose(mass, full[np.ix_(own, own)], rtol=1e-10, atol=1e-14)
     assert np.allclose(pull, -data.qfrc_bias[own], rtol=1e-10, atol=1e-12)
-    bodies: Any = ARMS.named("chain").bodies
+    bodies: Any = ARM_KINDS.named("chain").bodies
     place = bodies(arm.machine.arm, list(arm.machine.joints.values())).poses(angles)[-1][1]
     if mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, "column") < 0:  # of a URDF MuJoCo merges what stands still
         return
@@ -155,11 +155,11 @@ def compare(arm: Any, model: Any, tip: str) -> None:
 @pytest.mark.parametrize(("joint", "word"), [(LIFT, "slide"), ("<freejoint/>", "floating")])
 def test_the_advice_to_leave_out_the_lift_works(joint: str, word: str, tmp_path: Path) -> None:
     file = written(tmp_path, LIFTED.format(joint=joint), "arm.xml")
-    with pytest.raises(InputError, match="--from column") as caught:
+    with pytest.raises(InputError, match="`base='column'`") as caught:
         import_arm(file)
     assert "prismatic" in str(caught.value) or word in str(caught.value)
-    with pytest.raises(InputError, match="--from: there is no body 'colum'; did you mean 'column'"):
-        import_arm(file, base="colum")
+    with pytest.raises(InputError, match="base: there is no body 'colum'; did you mean 'column'"):
+        import_arm(file, ends=ChainEnds(base="colum"))
 
 
 def test_a_flag_that_switches_gravity_off_counts(tmp_path: Path) -> None:

@@ -7,9 +7,9 @@ import pytest
 from numpy.typing import NDArray
 
 from layflat.bridge import save_arm
-from layflat.bridge.robots import import_arm
+from layflat.bridge.robots import ChainEnds, import_arm
 from layflat.machine import Machine, load, parameters
-from layflat.physics.arms import ARMS
+from layflat.physics.arms import ARM_KINDS
 from layflat.sim.plant import SteppedPlant
 from tests.bridge.meshes import write_wedge
 from tests.bridge.robot_files import ELBOW, MJCF, SHOULDER, UPPER, urdf, written
@@ -23,7 +23,7 @@ State = tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]
 def state(machine: Machine, angles: NDArray[np.float64]) -> State:
     """Mass matrix, torques of gravity, and place of the tip in space."""
     mass, pull = parameters.mass_and_pull(parameters.arm(machine), machine.arm.payload, angles.tolist())
-    bodies: Any = ARMS.named(machine.arm.kind).bodies
+    bodies: Any = ARM_KINDS.named(machine.arm.kind).bodies
     return mass, pull, bodies(machine.arm, list(machine.joints.values())).poses(angles)[-1][1]
 
 
@@ -118,7 +118,7 @@ def test_numbers_that_look_mistaken_are_told(robot: dict[str, str], note: str, t
 
 def test_an_mjcf_moves_as_mujoco_has_it_up_to_a_body(tmp_path: Path) -> None:
     file = written(tmp_path, MJCF, "robot.xml")
-    found = import_arm(file, to="fore", tool="grip")
+    found = import_arm(file, ends=ChainEnds(to="fore", tool="grip"))
     model = mujoco.MjModel.from_xml_path(str(file))
     assert found.turning[0].middle == pytest.approx(radians(-5.0))  # of -50 and 40; the file draws it at 10
     angles, middle = np.array([0.3, -0.5]), np.array([turn.middle for turn in found.turning])
@@ -136,8 +136,8 @@ def test_meshes_come_along_with_place_and_scale(name: str, tmp_path: Path) -> No
     write_wedge(tmp_path / "from" / "parts" / "wedge.stl")
     write_wedge(tmp_path / "from" / "wedge.stl")
     shapes = [
-        {"kind": "mesh", "file": one, "scale": [0.1, 0.2, 0.3], "place": ["10 mm", "20 mm", "0 mm"],
-         "turn": ["0 deg", "0 deg", "30 deg"]} for one in ("wedge.stl", "parts/wedge.stl")
+        {"kind": "mesh", "file": one, "scale": [0.1, 0.2, 0.3], "position": ["10 mm", "20 mm", "0 mm"],
+         "rotation": ["0 deg", "0 deg", "30 deg"]} for one in ("wedge.stl", "parts/wedge.stl")
     ]  # fmt: skip
     machine = as_chain(shapes={"large": shapes}, where=str(tmp_path / "from" / "arm.toml"))
     save_arm(machine, tmp_path / "out" / name)
@@ -150,8 +150,8 @@ def test_meshes_come_along_with_place_and_scale(name: str, tmp_path: Path) -> No
     assert Path(back.arm.link["large"].shapes[1].file) == saved[2]
     for own, other in zip(machine.arm.link["large"].shapes, back.arm.link["large"].shapes, strict=True):
         assert other.scale == pytest.approx(own.scale)
-        assert other.place == pytest.approx(own.place, abs=1e-7)
-        assert other.turn == pytest.approx(own.turn, abs=1e-6)
+        assert other.position == pytest.approx(own.position, abs=1e-7)
+        assert other.rotation == pytest.approx(own.rotation, abs=1e-6)
     assert state(back, np.array([0.1, 0.2]))[0].tolist() == state(found.machine, np.array([0.1, 0.2]))[0].tolist()
 
 

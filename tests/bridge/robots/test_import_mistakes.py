@@ -4,7 +4,7 @@ from typing import Any
 import pytest
 
 from layflat.bridge import arm_spec, save_arm, to_mjcf, to_urdf
-from layflat.bridge.robots import import_arm
+from layflat.bridge.robots import ChainEnds, import_arm
 from layflat.errors import InputError, MachineError
 from tests.bridge.robot_files import ELBOW, FLANGE, LOWER, MJCF, SHOULDER, TOOL, UPPER, joint, urdf, written
 
@@ -26,7 +26,7 @@ def without(text: str, part: str, instead: str = "") -> str:
 WRONG: list[tuple[dict[str, str], dict[str, Any], str]] = [
     # branches and loops
     ({"more": FEATHER + SECOND}, {}, "link 'upper': carries several moving joints, such as 'elbow' and 'wing'; choose "
-     "where the arm ends: --to upper, or --to tool0, or --to feather"),
+     "where the arm ends: `to='upper'`, or `to='tool0'`, or `to='feather'`"),
     ({"more": joint("loop", "fixed", "base", "lower")}, {}, "link 'lower': hangs on two joints, 'elbow' and 'loop': a "
      "closed chain; an arm here is an open chain; take one of both joints away"),
     ({"more": joint("back", "fixed", "tool0", "base")}, {}, "has no base: its joints go round in a circle; take the "
@@ -34,22 +34,22 @@ WRONG: list[tuple[dict[str, str], dict[str, Any], str]] = [
     ({"bolts": joint("bolts", "fixed", "lower", "flange")}, {}, "link 'flange': hangs on itself: a closed chain; an "
      "arm here is an open chain"),
     ({"shoulder": without(SHOULDER, "revolute", "prismatic"), "more": FEATHER + SECOND}, {}, "joint 'shoulder': is "
-     "prismatic; joints of hose turn about an axis; for the arm that stands on it: --from upper"),
+     "prismatic; joints of hose turn about an axis; for the arm that stands on it: `base='upper'`"),
     # joints
     ({"elbow": without(ELBOW, "revolute", "prismatic")}, {}, "joint 'elbow': is prismatic; joints of hose turn about "
      "an "
-     "axis; to end the arm before it: --to flange"),
+     "axis; to end the arm before it: `to='flange'`"),
     ({"shoulder": without(SHOULDER, "revolute", "floating")}, {}, "joint 'shoulder': is floating; the base of an arm "
-     "stands still: --from upper"),
+     "stands still: `base='upper'`"),
     ({"shoulder": without(SHOULDER, "revolute", "planar")}, {}, "joint 'shoulder': is planar; the base of an arm "
      "stands "
-     "still: --from upper"),
+     "still: `base='upper'`"),
     ({"elbow": without(ELBOW, "revolute", "revolut")}, {}, "joint 'elbow': has the unknown type 'revolut'; did you "
      "mean "
      "'revolute'?"),
     ({"elbow": without(ELBOW, "revolute", "continuous")}, {}, "joint 'elbow' turns without limits; hoses turn 140 "
      "deg at "
-     'most: give --stroke "elbow=-40 deg, 40 deg"'),
+     "most: give limits of 'elbow' in `stroke`"),
     ({"elbow": without(ELBOW, '<axis xyz="0 0 2"/>')}, {}, "joint 'elbow': has no axis; give one such as <axis "
      'xyz="0 0 1"/>'),
     ({"elbow": without(ELBOW, "0 0 2", "0 0 0")}, {}, "joint 'elbow': has an axis without direction; give one such as "
@@ -60,15 +60,14 @@ WRONG: list[tuple[dict[str, str], dict[str, Any], str]] = [
     ({"elbow": without(ELBOW, "0 0 2", "0 0 nan")}, {}, "joint 'elbow': axis: xyz is '0 0 nan', not 3 numbers; give "
      'xyz="0.1 0 0.2"'),
     ({"elbow": without(ELBOW, 'upper="1"', 'upper="-2"')}, {}, "joint 'elbow' has limits from -1 to -2 rad; hoses "
-     'turn 140 deg at most: give --stroke "elbow=-40 deg, 40 deg"'),
+     "turn 140 deg at most: give limits of 'elbow' in `stroke`"),
     ({"elbow": without(ELBOW, "</joint>", '<mimic joint="shoulder"/></joint>')}, {}, "joint 'elbow': mimics "
      "'shoulder'; "
      "joints here move by themselves: drop <mimic>"),
     ({"elbow": without(ELBOW, 'link="lower"', 'link="lowr"')}, {}, "joint 'elbow': has the child 'lowr', which is not "
      "there; did you mean 'lower'?"),
     (BARE | {"more": CHAIN}, {}, "has 8 joints from 'j0' to 'j7'; an arm has 7 at most; end it earlier, for example "
-     "--to "
-     "l7"),
+     "`to='l7'`"),
     ({"shoulder": without(SHOULDER, "revolute", "fixed"), "elbow": without(ELBOW, "revolute", "fixed")}, {}, "has no "
      "joint that moves; give a robot with joints that turn"),
     # masses
@@ -98,24 +97,24 @@ WRONG: list[tuple[dict[str, str], dict[str, Any], str]] = [
      "away"),
     ({"end": joint("elbow", "fixed", "lower", "tool0")}, {}, "joint 'elbow': stands there twice; give each joint a "
      "name of its own"),
-    ({}, {"joints": ["paper-arm-fast:large", "paper-arm-fast:small"]}, "--joints: there are two for all joints; give "
+    ({}, {"joints": ["paper-arm-fast:large", "paper-arm-fast:small"]}, "joints: there are two for all joints; give "
      "paper-arm-fast:large or paper-arm-fast:small"),
-    ({}, {"joints": ["elbow=paper-arm-fast:large", "elbow=paper-arm-fast:small"]}, "--joints: there are two for joint "
+    ({}, {"joints": ["elbow=paper-arm-fast:large", "elbow=paper-arm-fast:small"]}, "joints: there are two for joint "
      "'elbow'; give paper-arm-fast:large or paper-arm-fast:small"),
     # options
-    ({}, {"to": "lowr"}, "--to: there is no link 'lowr'; did you mean 'lower'?"),
-    ({}, {"tool": "base"}, "--tool: 'base' is no frame that the last joint turns; frames that the last joint turns are "
-     "lower, tool0"),
-    ({}, {"stroke": {"elbo": (0.0, 1.0)}}, "--stroke: unknown joint 'elbo'; did you mean 'elbow'?"),
-    ({}, {"stroke": {"elbow": (-2.0, 2.0)}}, "--stroke: 229.2 deg of joint 'elbow' are more than its hoses turn; give "
-     "140 deg at most, or other --joints"),
-    ({}, {"joints": ["paper-arm"]}, "--joints: 'paper-arm' names no joint; give MACHINE:JOINT, such as "
+    ({}, {"ends": ChainEnds(to="lowr")}, "to: there is no link 'lowr'; did you mean 'lower'?"),
+    ({}, {"ends": ChainEnds(tool="base")}, "tool: 'base' is no frame that the last joint turns; frames that the "
+     "last joint turns are lower, tool0"),
+    ({}, {"stroke": {"elbo": (0.0, 1.0)}}, "stroke: unknown joint 'elbo'; did you mean 'elbow'?"),
+    ({}, {"stroke": {"elbow": (-2.0, 2.0)}}, "stroke: 229.2 deg of joint 'elbow' are more than its hoses turn; give "
+     "140 deg at most, or other `joints`"),
+    ({}, {"joints": ["paper-arm"]}, "joints: 'paper-arm' names no joint; give MACHINE:JOINT, such as "
      "paper-small-joint-fast:small"),
-    ({}, {"joints": ["paper-arm:huge"]}, "--joints: paper-arm has no joint 'huge'; its joints are large, small"),
-    ({}, {"joints": ["wrist=paper-arm:large"]}, "--joints: unknown joint 'wrist'; give shoulder, elbow"),
-    ({}, {"joints": ["rig-kevlar:large"]}, "--joints: rig-kevlar has no valve or sensors; give a joint such as "
+    ({}, {"joints": ["paper-arm:huge"]}, "joints: paper-arm has no joint 'huge'; its joints are large, small"),
+    ({}, {"joints": ["wrist=paper-arm:large"]}, "joints: unknown joint 'wrist'; give shoulder, elbow"),
+    ({}, {"joints": ["rig-kevlar:large"]}, "joints: rig-kevlar has no valve or sensors; give a joint such as "
      "paper-small-joint-fast:small"),
-    ({}, {"name": "a/b"}, "--name: 'a/b' can't be a name; begin with a letter or a digit, and use letters, digits, "
+    ({}, {"name": "a/b"}, "name: 'a/b' can't be a name; begin with a letter or a digit, and use letters, digits, "
      "spaces and - _ + ( )"),
 ]  # fmt: skip
 
@@ -150,11 +149,11 @@ def test_a_mistake_is_one_line(parts: dict[str, str], options: dict[str, Any], e
         ("a.xml", MJCF.replace('pos=".2 0 0"', 'pos=".2 0 nan"'),
          "has numbers that are infinite or none; mend its numbers"),
         ("a.xml", MJCF, "body 'fore': carries several moving joints, such as 'close' and 'shut'; choose where the arm "
-         "ends: --to fore, or --to finger, or --to thumb"),
+         "ends: `to='fore'`, or `to='finger'`, or `to='thumb'`"),
         ("a.xml", MJCF.replace('<joint name="bend"', '<joint name="also" axis="0 0 1"/><joint name="bend"'),
          "joint 'also': is one of 2 joints of the body 'fore'; joints of hose turn about an axis; to end the arm "
          "before "
-         "it: --to arm"),
+         "it: `to='arm'`"),
         ("a.xml", MJCF.replace("</mujoco>", '<equality><weld name="glue" body1="fore" '
          'body2="post"/></equality></mujoco>'),
          "the equality constraint 'glue' ties fore and post: a closed chain; an arm here is an open chain; take the "
@@ -164,7 +163,7 @@ def test_a_mistake_is_one_line(parts: dict[str, str], options: dict[str, Any], e
 def test_a_file_that_is_none_says_so(name: str, text: str, expected: str, tmp_path: Path) -> None:
     file = written(tmp_path, text, name)
     with pytest.raises(InputError) as caught:
-        import_arm(file, to="fore" if "glue" in text or "also" in text else "")
+        import_arm(file, ends=ChainEnds(to="fore" if "glue" in text or "also" in text else ""))
     assert str(caught.value) == f"{file}: {expected}"
 
 
@@ -197,7 +196,8 @@ def test_a_point_beside_others_is_a_point_though_its_zeros_are_rounded(tmp_path:
 def test_what_is_of_another_type_is_one_line(name: str, odd: Any, tmp_path: Path) -> None:
     if odd is None and name in {"stroke", "gravity"}:
         return
-    given: Any = {"file": str(written(tmp_path, urdf()))} | {name: odd}
+    wrong: Any = {"ends": ChainEnds(**{name: odd})} if name in {"base", "to", "tool"} else {name: odd}
+    given: Any = {"file": str(written(tmp_path, urdf()))} | wrong
     with pytest.raises(InputError) as caught:
         import_arm(**given)
     assert "\n" not in str(caught.value)

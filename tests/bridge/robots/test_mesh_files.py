@@ -54,7 +54,7 @@ def test_packages_that_are_elsewhere_are_named(tmp_path: Path) -> None:
     line = str(caught.value)
     assert line.startswith(f"{robot}: link 'upper': mesh 'package://my_robot/meshes/w.stl' is not there; looked for ")
     assert str(tmp_path / "here" / "my_robot" / "meshes" / "w.stl") in line
-    assert line.endswith("; say where its package is: --package my_robot=FOLDER, or leave meshes out: --no-meshes")
+    assert line.endswith("; say where package my_robot is in `packages`, or leave meshes out: `meshes=False`")
     assert drawn(import_arm(robot, packages={"my_robot": tmp_path / "far" / "my_robot"})) == [file.resolve()]
     with pytest.raises(InputError, match=r"looked for .*none/meshes/w\.stl; say"):
         import_arm(robot, packages={"my_robot": tmp_path / "none"})
@@ -66,11 +66,11 @@ def test_meshes_of_what_is_not_of_the_arm_do_not_matter(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(("name", "expected"), [
-    ("none.stl", "is not there; looked for {folder}/none.stl; put it there, or leave meshes out: --no-meshes"),
-    pytest.param(LONG, f"is not there; looked for {{folder}}/{LONG}; put it there, or leave meshes out: --no-meshes",
+    ("none.stl", "is not there; looked for {folder}/none.stl; put it there, or leave meshes out: `meshes=False`"),
+    pytest.param(LONG, f"is not there; looked for {{folder}}/{LONG}; put it there, or leave meshes out: `meshes=False`",
                  id="long"),
-    ("https://x.org/w.stl", "is not on this computer; give a file, or leave meshes out: --no-meshes"),
-    ("a.step", "is of an unknown format; give STL, OBJ or DAE, or use --no-meshes"),
+    ("https://x.org/w.stl", "is not on this computer; give a file, or leave meshes out: `meshes=False`"),
+    ("a.step", "is of an unknown format; give STL, OBJ or DAE, or leave meshes out: `meshes=False`"),
 ])  # fmt: skip
 def test_a_mesh_that_can_not_be_had(name: str, expected: str, tmp_path: Path) -> None:
     (tmp_path / "a.step").touch()

@@ -52,7 +52,7 @@ INERTIAL = '<inertial pos="0 0 0.1" mass="0.5" diaginertia="1 1 1"/>'
 def test_without_meshes_an_mjcf_needs_none_that_weighs_nothing(tmp_path: Path) -> None:
     file = written(tmp_path, MESH.format(INERTIAL, ""), "arm.xml")
     assert import_arm(file, meshes=False).machine.arm.link["shoulder"].mass == 0.5
-    with pytest.raises(InputError, match=r"none\.stl.*; put the file there, or leave meshes out: --no-meshes"):
+    with pytest.raises(InputError, match=r"none\.stl.*; put the file there, or leave meshes out: `meshes=False`"):
         import_arm(file)
     light = written(tmp_path, MESH.format('<geom size=".1"/>', 'mass="0"'), "arm.xml")
     assert np.isclose(import_arm(light, meshes=False).machine.arm.link["shoulder"].mass, 4000 / 3 * np.pi * 1e-3)

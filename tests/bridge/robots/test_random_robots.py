@@ -9,9 +9,9 @@ import pytest
 from numpy.typing import NDArray
 
 from layflat.bridge import save_arm
-from layflat.bridge.robots import ImportedArm, import_arm
+from layflat.bridge.robots import ChainEnds, ImportedArm, import_arm
 from layflat.machine import Machine, parameters
-from layflat.physics.arms import ARMS
+from layflat.physics.arms import ARM_KINDS
 from tests.bridge.random_robots import RandomRobot, random_mjcf, random_urdf
 
 mujoco: Any = pytest.importorskip("mujoco")
@@ -21,7 +21,7 @@ GRAVITY = (0.3, -1.0, -9.0)
 
 def of_ours(machine: Machine, angles: NDArray[np.float64]) -> list[NDArray[np.float64]]:
     mass, pull = parameters.mass_and_pull(parameters.arm(machine), machine.arm.payload, angles.tolist())
-    bodies: Any = ARMS.named(machine.arm.kind).bodies
+    bodies: Any = ARM_KINDS.named(machine.arm.kind).bodies
     return [mass, pull, bodies(machine.arm, list(machine.joints.values())).poses(angles)[-1][1]]
 
 
@@ -42,7 +42,7 @@ def of_mujoco(model: Any, robot: RandomRobot, positions: NDArray[np.float64]) ->
 
 def imported(robot: RandomRobot) -> ImportedArm:
     gravity = GRAVITY if robot.file.suffix == ".urdf" else None
-    return import_arm(robot.file, to=robot.to, tool=robot.tool, gravity=gravity)
+    return import_arm(robot.file, ends=ChainEnds(to=robot.to, tool=robot.tool), gravity=gravity)
 
 
 def assert_close(ours: list[NDArray[np.float64]], theirs: list[NDArray[np.float64]], within: float = 1e-9) -> None:

@@ -2,7 +2,7 @@ from pathlib import Path
 
 import pytest
 
-from layflat.bridge.robots import import_arm
+from layflat.bridge.robots import ChainEnds, import_arm
 from layflat.errors import InputError
 from tests.bridge.robot_files import MJCF, urdf, written
 
@@ -20,7 +20,7 @@ def test_a_file_is_read_in_the_encoding_that_it_declares(
     declared = encoding.removesuffix("-sig")
     content = f'<?xml version="1.0" encoding="{declared}"?>\n{text.strip()}'.encode(encoding)
     (tmp_path / name).write_bytes(content)
-    arm = import_arm(tmp_path / name, to=to)
+    arm = import_arm(tmp_path / name, ends=ChainEnds(to=to))
     assert next(iter(arm.machine.joints)) == "Gelenk für oben"
 
 
@@ -47,10 +47,13 @@ def test_an_option_of_mujoco_without_gravity_leaves_the_standard(tmp_path: Path)
 
 def test_a_model_without_a_name_is_called_as_its_file(tmp_path: Path) -> None:
     file = written(tmp_path, MJCF.replace(' model="branching"', ""), "picker.xml")
-    arm = import_arm(file, to="fore")
+    arm = import_arm(file, ends=ChainEnds(to="fore"))
     assert arm.machine.name == "picker"
     assert not any("is called" in note for note in arm.notes())
     named = written(tmp_path, MJCF.replace("branching", "v1.2 picker"), "picker.xml")
-    assert "the machine is called 'v1-2-picker', the robot 'v1.2 picker'" in import_arm(named, to="fore").notes()
-    odd = import_arm(written(tmp_path, MJCF.replace("branching", "***"), "picker.xml"), to="fore")
+    assert (
+        "the machine is called 'v1-2-picker', the robot 'v1.2 picker'"
+        in import_arm(named, ends=ChainEnds(to="fore")).notes()
+    )
+    odd = import_arm(written(tmp_path, MJCF.replace("branching", "***"), "picker.xml"), ends=ChainEnds(to="fore"))
     assert "the machine is called 'picker', the robot '***'" in odd.notes()

@@ -4,7 +4,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from layflat.bridge.robots import import_arm
+from layflat.bridge.robots import ChainEnds, import_arm
 from layflat.errors import InputError
 from tests.bridge.robot_files import ELBOW, LOWER, SHOULDER, joint, urdf, written
 
@@ -22,12 +22,14 @@ def limits(text: str) -> str:
 ])  # fmt: skip
 def test_limits_within_which_nothing_turns_matter_only_where_they_are_used(text: str, tmp_path: Path) -> None:
     file = written(tmp_path, urdf(elbow=limits(text)))
-    with pytest.raises(InputError, match=r"joint 'elbow' has limits from .* rad; hoses turn .* give --stroke \"elbow="):
+    with pytest.raises(
+        InputError, match=r"joint 'elbow' has limits from .* rad; hoses turn .* give limits of 'elbow' in `stroke`"
+    ):
         import_arm(file)
     arm = import_arm(file, stroke=BOTH)
     assert [turn.mechanical for turn in arm.turning] == pytest.approx([1.0, 1.0])
     beside = written(tmp_path, urdf(FINGER.format(text)), "beside.urdf")
-    assert "joints held still at zero: grip" in import_arm(beside, to="lower").notes()
+    assert "joints held still at zero: grip" in import_arm(beside, ends=ChainEnds(to="lower")).notes()
 
 
 @pytest.mark.parametrize(
@@ -62,7 +64,7 @@ def test_a_reference_shifts_the_pose_and_not_the_limits(ref: int, tmp_path: Path
     own, same = import_arm(file), import_arm(file, stroke={"elbow": (radians(30), radians(100))})
     assert own.text.toml.split("[joint")[0] == same.text.toml.split("[joint")[0]
     assert own.turning[0].middle == pytest.approx(radians(65.0))
-    assert own.machine.arm.link["elbow"].turn[1] == pytest.approx(radians(65.0 - ref))
+    assert own.machine.arm.link["elbow"].rotation[1] == pytest.approx(radians(65.0 - ref))
 
 
 def test_a_stroke_may_be_given_by_the_name_in_the_robot_or_here(tmp_path: Path) -> None:

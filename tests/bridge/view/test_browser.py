@@ -8,7 +8,7 @@ from urllib.request import urlopen
 import numpy as np
 import pytest
 
-from layflat.bridge.view.browser import Motion, Viewer
+from layflat.bridge.view.browser import PlayedMotion, Viewer
 from layflat.errors import InputError
 from layflat.machine import load
 from tests.physics.arms.chain.chains import random_arm
@@ -17,7 +17,7 @@ viser: Any = pytest.importorskip("viser")
 zstandard: Any = pytest.importorskip("zstandard")
 
 ARM = load("paper-arm")
-RUN = Motion(np.linspace(0.0, 2.0, 201), np.linspace([0.0, 0.0], [radians(40.0), radians(-20.0)], 201))
+RUN = PlayedMotion(np.linspace(0.0, 2.0, 201), np.linspace([0.0, 0.0], [radians(40.0), radians(-20.0)], 201))
 
 
 @pytest.fixture(scope="module")

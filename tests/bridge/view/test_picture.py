@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from layflat.bridge.pieces import COLOURS
-from layflat.bridge.view.picture import HEIGHT, WIDTH, context, picture, save_picture
+from layflat.bridge.view.picture import HEIGHT, WIDTH, gl_context, render_picture, save_picture
 from layflat.bridge.view.scenery import scenery
 from layflat.errors import InputError, NoDrawingError
 from layflat.machine import load
@@ -20,7 +20,7 @@ pytest.importorskip("mujoco")
 @pytest.fixture(scope="module", autouse=True)
 def _needs_opengl() -> None:
     try:
-        context(16, 16).free()
+        gl_context(16, 16).free()
     except NoDrawingError:
         pytest.skip("there is no OpenGL")
 
@@ -45,7 +45,7 @@ def test_arm_bodies_of_joints_and_tip_are_seen(tmp_path: Path) -> None:
 
 def test_the_whole_arm_is_in_the_picture() -> None:
     machine = random_arm(4, 3)
-    seen = picture(scenery(machine, [0.2, -0.3, 0.4, 0.1]), [0.2, -0.3, 0.4, 0.1])
+    seen = render_picture(scenery(machine, [0.2, -0.3, 0.4, 0.1]), [0.2, -0.3, 0.4, 0.1])
     edge = np.concatenate([seen[:2].reshape(-1, 3), seen[:, :2].reshape(-1, 3), seen[:, -2:].reshape(-1, 3)])
     assert np.linalg.norm(edge.astype(float), axis=1).min() > 200  # sky and floor alone
 
@@ -53,7 +53,9 @@ def test_the_whole_arm_is_in_the_picture() -> None:
 def test_the_way_of_the_tip_is_drawn() -> None:
     machine = load("paper-arm")
     shown, way = scenery(machine, [0.0, 0.0]), np.linspace([-0.9, 0.0], [0.0, 0.0], 50)
-    assert share(picture(shown, [0.0, 0.0], way=way), "tip") > 2.0 * share(picture(shown, [0.0, 0.0]), "tip")
+    assert share(render_picture(shown, [0.0, 0.0], motion=way), "tip") > 2.0 * share(
+        render_picture(shown, [0.0, 0.0]), "tip"
+    )
 
 
 @pytest.mark.parametrize("name", ["wedge.stl", "wedge-text.stl", "wedge.obj", "wedge.dae"])
@@ -62,7 +64,7 @@ def test_meshes_of_every_format_are_drawn(name: str, tmp_path: Path) -> None:
     write_wedge(tmp_path / name)
     shapes: dict[str, Any] = {"small": [{"kind": "mesh", "file": name, "scale": [0.5, 0.5, 0.5]}]}
     machine = as_chain(shapes=shapes, where=str(tmp_path / "arm.toml"))
-    drawn, bare = (picture(scenery(one, [0.0, 0.0]), [0.0, 0.0]) for one in (machine, as_chain()))
+    drawn, bare = (render_picture(scenery(one, [0.0, 0.0]), [0.0, 0.0]) for one in (machine, as_chain()))
     assert np.mean(np.any(drawn != bare, axis=2)) > 0.05
 
 

@@ -27,11 +27,11 @@ def test_hanging_upside_down_and_without_gravity() -> None:
 def test_the_floor_is_below_everything_and_the_arm_stands_on_it() -> None:
     shown = scenery(load("paper-arm"), [0.3, -0.4])
     bodies = [piece for piece in shown.placed([0.3, -0.4]) if piece.of == "joint"]
-    lowest = min(float(piece.place[2]) - 0.5 * piece.size[1] for piece in bodies)
+    lowest = min(float(piece.position[2]) - 0.5 * piece.size[1] for piece in bodies)
     assert shown.floor == pytest.approx(lowest - 0.02)
     frame, post = shown.pieces[0]
     assert frame == 0
-    assert post.place[2] - 0.5 * post.size[1] == pytest.approx(shown.floor)
+    assert post.position[2] - 0.5 * post.size[1] == pytest.approx(shown.floor)
 
 
 def test_frames_follow_the_angles_and_the_last_is_the_tool() -> None:

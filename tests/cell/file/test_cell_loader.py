@@ -1,12 +1,11 @@
 from __future__ import annotations
 
-from math import radians
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from layflat.cell.file.loader import CELLS, LAYOUTS, build, load, names
+from layflat.cell.file.loader import CELL_LIBRARY, LAYOUT_LIBRARY, build_cell, load, names
 from layflat.cell.file.model import Cell
 from layflat.errors import CellError, MachineError
 
@@ -18,14 +17,14 @@ MARKERS = {
 
 def broken(path: str, value: Any) -> str:
     """What is said of the built-in cell with one value changed."""
-    plain, sources = CELLS.tables("packing")
+    plain, sources = CELL_LIBRARY.tables("packing")
     *above, last = path.split("/")
     table = plain
     for key in above:
         table = table[key]
     table[last] = value
     with pytest.raises((CellError, MachineError)) as caught:
-        build(plain, sources, "mine.toml")
+        build_cell(plain, sources, "mine.toml")
     text = str(caught.value)
     assert text.startswith("mine.toml")
     assert "\n" not in text
@@ -34,8 +33,8 @@ def broken(path: str, value: Any) -> str:
 
 def test_built_in_cells_and_layouts_are_sound_and_sourced(packing: Cell) -> None:
     assert names() == ("belt", "packing")
-    assert set(LAYOUTS.names) == {"punnet-2x3", "tray-12"}
-    assert {pack.layout.name for pack in packing.container.values()} == set(LAYOUTS.names)
+    assert set(LAYOUT_LIBRARY.names) == {"punnet-2x3", "tray-12"}
+    assert {pack.layout.name for pack in packing.container.values()} == set(LAYOUT_LIBRARY.names)
     for cell in (packing, load("belt")):
         sources = cell.provenance.items()
         assert [path for path, found in sources if path not in {"name", "title"} and not found.note] == []
@@ -68,7 +67,7 @@ def test_units_are_si_behind_the_file(packing: Cell) -> None:
         ("base_markers/marker/left-near/number", 41, "left-near.number 41 is that of 'right-far' too"),
         ("base_markers/marker", {}, "base_markers.marker"),
         ("base_markers", MARKERS | {"dictionary": "DICT_4X4_50"}, "number 7 is one of the board's (0 to 23)"),
-        ("container/tomatoes/kind", "plum", "container.tomatoes.kind 'plum' is not known to vision"),
+        ("container/tomatoes/kind", "plum", "container.tomatoes.kind 'plum' is not recognised by vision"),
         ("clutter/leaves/shape", "blob", "clutter.leaves.shape"),
         ("cup/tilt", "22 mm", "is not an angle"),
         ("cup/diameter", "25 m", "mine.toml: cup.diameter: '25 m' is out of range; "),
@@ -88,7 +87,7 @@ def test_what_is_wrong_is_said_in_one_line(path: str, value: Any, said: str) -> 
 
 
 def test_a_held_fruit_has_to_pass_over_the_others() -> None:
-    text = broken("lift", CELLS.tables("packing")[0]["lift"] | {"stroke": "130 mm", "clearance": "150 mm"})
+    text = broken("lift", CELL_LIBRARY.tables("packing")[0]["lift"] | {"stroke": "130 mm", "clearance": "150 mm"})
     assert "lift.clearance is too small: a fruit of 75 mm must pass over 79 mm" in text
 
 
@@ -103,7 +102,7 @@ def test_files_extend_and_name_others_beside_them(tmp_path: Path) -> None:
         'height = "30 mm"\ndivider = "0 mm"\ncolour = [0.2, 0.3, 0.4]\n'
     )
     mine = tmp_path / "mine.toml"
-    mine.write_text('extends = "packing"\n[lift]\nspeed = "0.3 m/s"\n[pack.tomatoes]\nlayout = "six.toml"\n')
+    mine.write_text('extends = "packing"\n[lift]\nspeed = "0.3 m/s"\n[container.tomatoes]\nlayout = "six.toml"\n')
     cell = load(mine)
     assert cell.lift.speed == pytest.approx(0.3)
     assert cell.lift.acceleration == load("packing").lift.acceleration
@@ -117,8 +116,8 @@ def test_files_extend_and_name_others_beside_them(tmp_path: Path) -> None:
     [
         ("lift = ", "is not TOML"),
         ('extends = "pakking"', "did you mean 'packing'?"),
-        ('extends = "packing"\n[pack.tomatoes]\nlayout = "punnet"', "did you mean 'punnet-2x3'?"),
-        ('extends = "packing"\n[pack.tomatoes]\nlayout = "none.toml"', "can't be read"),
+        ('extends = "packing"\n[container.tomatoes]\nlayout = "punnet"', "did you mean 'punnet-2x3'?"),
+        ('extends = "packing"\n[container.tomatoes]\nlayout = "none.toml"', "can't be read"),
         ('extends = "packing"\nmachine = "paper-am"', "paper-arm"),
         ('extends = "mine.toml"', "break the circle"),
         ('extends = "packing"\n[lift]\nspeed = { value = "1 m/s", source = "guess" }', "source 'guess' is unknown"),
@@ -137,37 +136,3 @@ def test_broken_files_are_told(tmp_path: Path, text: str, said: str) -> None:
 def test_a_cell_that_is_not_there_is_told() -> None:
     with pytest.raises(CellError, match="did you mean 'packing'"):
         load("packin")
-
-
-FORMER = """\
-extends = "packing"
-omits = ["pack.apples", "pack.mushrooms"]
-
-[pack.tomatoes]
-turn = "5 deg"
-
-[tray.infeed]
-turn = "-4 deg"
-
-[camera]
-turn = "3 deg"
-"""
-
-
-def test_keys_of_earlier_versions_still_load(tmp_path: Path) -> None:
-    path = tmp_path / "former.toml"
-    path.write_text(FORMER, encoding="utf-8")
-    cell = load(path)
-    assert set(cell.container) == {"tomatoes"}
-    found = (cell.container["tomatoes"].rotation, cell.tray["infeed"].rotation, cell.camera.rotation)
-    assert found == pytest.approx([radians(5), radians(-4), radians(3)])
-    present = FORMER.replace("pack.", "container.").replace("turn", "rotation")
-    path.write_text(present, encoding="utf-8")
-    assert load(path) == cell
-
-
-def test_former_and_present_names_of_one_table_do_not_mix(tmp_path: Path) -> None:
-    path = tmp_path / "both.toml"
-    path.write_text(FORMER + "[container.tomatoes]\ngrade = 'second'\n", encoding="utf-8")
-    with pytest.raises(CellError, match=r"both\.toml: pack: unknown key"):
-        load(path)

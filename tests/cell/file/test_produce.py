@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from layflat.cell import Cell
-from layflat.cell.file.produce import Grade, Spread
+from layflat.cell.file.produce import Grade, TruncatedNormal
 
 
 def test_a_spread_stays_between_its_ends_and_about_its_mean() -> None:
-    spread = Spread(mean=2.0, spread=0.5, least=1.5, most=2.5)
+    spread = TruncatedNormal(mean=2.0, std=0.5, min=1.5, max=2.5)
     rng = np.random.default_rng(1)
     drawn = np.array([spread.draw(rng) for _ in range(4000)])
     assert drawn.min() >= 1.5
@@ -18,12 +18,12 @@ def test_a_spread_stays_between_its_ends_and_about_its_mean() -> None:
 
 def test_a_spread_out_of_order_is_refused() -> None:
     with pytest.raises(ValueError, match="mean must lie between"):
-        Spread(mean=3.0, spread=0.5, least=1.5, most=2.5)
+        TruncatedNormal(mean=3.0, std=0.5, min=1.5, max=2.5)
 
 
 def test_a_grade_that_no_diameter_can_have_is_refused() -> None:
-    with pytest.raises(ValueError, match="least must be below most"):
-        Grade(least="60 mm", most="50 mm", colours=("red",))
+    with pytest.raises(ValueError, match="min must be below max"):
+        Grade(min="60 mm", max="50 mm", colours=("red",))
 
 
 def test_grades_go_by_diameter_and_colour(packing: Cell) -> None:

@@ -5,13 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from math import hypot
 
-from layflat.cell.plan.pick import Command, Phase, Readings, Relocation, Rules, State, Task
-from layflat.cell.plan.pick_machine import begun, step
+from layflat.cell.plan.pick import CellReadings, PickCommand, PickPhase, PickRules, PickState, PickTask, Relocation
+from layflat.cell.plan.pick_machine import begin_pick, step_pick
 from layflat.machine import load
-from layflat.motion.reach import Reach
+from layflat.motion.planar import PlanarReach
 
 CYCLE = 0.005
-REACH = Reach(load("paper-arm-fast"))
+REACH = PlanarReach(load("paper-arm-fast"))
 
 
 def _tip(angles: tuple[float, ...]) -> tuple[float, float]:
@@ -19,13 +19,13 @@ def _tip(angles: tuple[float, ...]) -> tuple[float, float]:
 
 
 PASSING, CARRYING = 0.1, 0.16
-RULES = Rules(tip=_tip, clear=(0.9, 0.5))
+RULES = PickRules(tip=_tip, clear=(0.9, 0.5))
 _DOWN = RULES.lower_time + RULES.seal_time + RULES.heavy_time + RULES.lower_time + RULES.release_time
 _TRY = RULES.settle_time + _DOWN + RULES.raise_time + RULES.settle_time + RULES.image_time
 _CARRIED = RULES.settle_time + RULES.lower_time + RULES.raise_time
 LONGEST = RULES.tries * (_TRY + _CARRIED) + RULES.release_time + RULES.raise_time
 """No pick may take longer, s."""
-TASK = Task((0.1, 0.2), (-0.5, 0.4), 0.06, 0.054, 0.05, PASSING, CARRYING)
+TASK = PickTask((0.1, 0.2), (-0.5, 0.4), 0.06, 0.054, 0.05, PASSING, CARRYING)
 
 
 @dataclass
@@ -43,7 +43,7 @@ class Plant:
 
     fruit: dict[tuple[float, ...], float] = field(default_factory=lambda: {TASK.over_fruit: 50e3})
     relocations: list[Relocation] = field(default_factory=list)
-    drops_at: Phase | None = None
+    drops_at: PickPhase | None = None
     lift_speed: float = 0.5
     leaves: bool = True
     top: float = TASK.fruit_height
@@ -56,11 +56,11 @@ class Plant:
     held: float = 0.0
     laid: list[tuple[float, ...]] = field(default_factory=list)
 
-    def measure(self, *, image: bool) -> Readings:
+    def measure(self, *, image: bool) -> CellReadings:
         found = self.relocations.pop(0) if image and self.relocations else None
-        return Readings(self.time, self.angles, self.velocities, self.vacuum, self.height, self.lift_moves, found)
+        return CellReadings(self.time, self.angles, self.velocities, self.vacuum, self.height, self.lift_moves, found)
 
-    def turn(self, command: Command, state: State) -> None:
+    def turn(self, command: PickCommand, state: PickState) -> None:
         self.time += CYCLE
         way = 2.0 * CYCLE
         after = tuple(q + min(max(d - q, -way), way) for q, d in zip(self.angles, command.target, strict=True))
@@ -68,7 +68,7 @@ class Plant:
         self.angles, before = after, self.height
         speed = CYCLE * (self.lift_speed if self.held else 0.5)
         self.height += min(max(command.height - self.height, -speed), speed)
-        if state.over == TASK.over_fruit:
+        if state.phase_angles == TASK.over_fruit:
             self.height = max(self.height, self.top)
         self.lift_moves = (self.height - before) / CYCLE
         if state.phase is self.drops_at:
@@ -87,12 +87,12 @@ class Plant:
         return self.fruit[near[0]] if near else 0.0
 
 
-def run(plant: Plant, task: Task = TASK) -> tuple[State, list[tuple[State, Command]]]:
+def run(plant: Plant, task: PickTask = TASK) -> tuple[PickState, list[tuple[PickState, PickCommand]]]:
     """A whole pick, and all that was asked for on its way."""
     measured = plant.measure(image=False)
-    state, trace = begun(task, measured), []
-    while state.phase is not Phase.DONE:
-        state, command = step(RULES, state, measured)
+    state, trace = begin_pick(task, measured), []
+    while state.phase is not PickPhase.DONE:
+        state, command = step_pick(RULES, state, measured)
         trace.append((state, command))
         plant.turn(command, state)
         measured = plant.measure(image=command.image)
@@ -100,9 +100,9 @@ def run(plant: Plant, task: Task = TASK) -> tuple[State, list[tuple[State, Comma
     return state, trace
 
 
-def phases(trace: list[tuple[State, Command]]) -> list[Phase]:
+def phases(trace: list[tuple[PickState, PickCommand]]) -> list[PickPhase]:
     """Each phase as it was entered."""
-    found: list[Phase] = []
+    found: list[PickPhase] = []
     for state, _ in trace:
         if not found or found[-1] is not state.phase:
             found.append(state.phase)

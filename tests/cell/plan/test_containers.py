@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from layflat.cell.plan.containers import Fruit, Packing
+from layflat.cell.plan.order import Fruit, Packing
 from tests.cell.plan.places import places
 
 SMALL, LARGE = (0.04, 0.06), (0.05, 0.08)
@@ -19,10 +19,10 @@ def fruit(diameter: float = 0.055, kind: str = "tomato", grade: str = "A") -> Fr
 
 def test_the_place_that_is_least_too_large_is_taken() -> None:
     packing = Packing(PUNNET + TRAY)
-    best = packing.best(fruit(0.055))
+    best = packing.best_place(fruit(0.055))
     assert best is not None
     assert best.container == "tray"
-    larger = packing.best(fruit(0.065))
+    larger = packing.best_place(fruit(0.065))
     assert larger is not None
     assert larger.key == ("punnet", "1-1")
 
@@ -32,24 +32,24 @@ def test_each_place_is_filled_once_by_what_it_takes_and_what_is_over_is_refused(
     packing, refused = Packing(PUNNET + TRAY), 0
     for diameter in diameters:
         one = fruit(diameter)
-        place = packing.best(one)
+        place = packing.best_place(one)
         if place is None:
             refused += 1
-            assert packing.refusal(one).startswith("every place that takes it is full")
+            assert packing.refusal_reason(one).startswith("every place that takes it is full")
             continue
-        assert packing.refusal(one) == ""
+        assert packing.refusal_reason(one) == ""
         packing = packing.filled(place, one)
     assert len(packing.contents) + refused == len(diameters)
     assert len(packing.contents) + len(packing.free) == 18
     filled = {place.key: place for place in packing.places}
-    assert all(filled[key].takes(one) for key, one in packing.contents.items())
+    assert all(filled[key].accepts(one) for key, one in packing.contents.items())
 
 
 def test_containers_fill_one_by_one_and_a_taken_place_is_refused() -> None:
     second = places("second", (0.5, 0.1, 0.0), 0.08, (2, 3), *LARGE)
     packing, one = Packing(PUNNET + second), fruit(0.07)
     for k in range(7):
-        place = packing.best(one)
+        place = packing.best_place(one)
         assert place is not None
         assert place.container == ("punnet" if k < 6 else "second")
         packing = packing.filled(place, one)
@@ -69,9 +69,9 @@ def test_containers_fill_one_by_one_and_a_taken_place_is_refused() -> None:
 )
 def test_a_fruit_without_a_place_has_a_reason(one: Fruit, reason: str) -> None:
     packing = Packing(PUNNET + TRAY + SECOND)
-    assert packing.best(one) is None
-    assert packing.refusal(one) == reason
+    assert packing.best_place(one) is None
+    assert packing.refusal_reason(one) == reason
 
 
 def test_without_containers_there_is_no_place() -> None:
-    assert Packing(()).refusal(fruit()) == "there is no container"
+    assert Packing(()).refusal_reason(fruit()) == "there is no container"

@@ -7,14 +7,14 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from layflat.bridge.view.picture import LIBRARIES, context
+from layflat.bridge.view.picture import GL_LIBRARIES, gl_context
 from layflat.cell import Cell
+from layflat.cell.extras import CharucoBoard, make_charuco_board
 from layflat.cell.file.imaging import Board
-from layflat.cell.geometry import looking, rectangle
-from layflat.cell.markers import charuco
+from layflat.cell.geometry import look_at_orientation, rectangle_corners
 from layflat.cell.scene import Scene
-from layflat.cell.scene.camera import SimulatedCamera, exposed
-from layflat.cell.scene.optics import Optics, optics_of
+from layflat.cell.scene.camera import SimulatedCamera, expose
+from layflat.cell.scene.furniture import Optics, camera_optics
 from layflat.errors import LayflatError
 
 Array = NDArray[np.float64]
@@ -33,7 +33,7 @@ def matrix(quaternion: tuple[float, float, float, float]) -> Array:
 
 def seen_at(cell: Cell, points: Array) -> Array:
     """Where the camera's own numbers put points of the cell, px."""
-    optics = optics_of(cell.camera)
+    optics = camera_optics(cell.camera)
     before = (points - np.array(cell.camera.position)) @ matrix(optics.orientation) * [1.0, -1.0, -1.0]
     pixels = cv2.projectPoints(before, np.zeros(3), np.zeros(3), optics.matrix, optics.distortion)[0]
     return np.asarray(pixels, np.float64).reshape(-1, 2)
@@ -41,7 +41,7 @@ def seen_at(cell: Cell, points: Array) -> Array:
 
 def corners(board: Board, picture: NDArray[np.uint8]) -> tuple[Array, Array]:
     """Corners that OpenCV finds: in the board's plane, m, and in the picture, px."""
-    pattern = charuco(board)
+    pattern = make_charuco_board(CharucoBoard(**board.model_dump()))
     grey = cv2.cvtColor(picture, cv2.COLOR_RGB2GRAY)
     found, numbers, _, _ = cv2.aruco.CharucoDetector(pattern).detectBoard(grey)
     if numbers is None:
@@ -68,7 +68,7 @@ def test_the_base_markers_are_seen_where_they_lie(packing: Cell, camera: Simulat
     base = packing.base_markers
     across = np.linspace(-3.0, 3.0, 121)
     for marker in base.marker.values():
-        outline = rectangle(marker.centre, marker.rotation, (marker.side, marker.side))
+        outline = rectangle_corners(marker.centre, marker.rotation, (marker.side, marker.side))
         sides = seen_at(packing, np.column_stack([outline, np.full(4, base.thickness)]))
         for one, other in zip(sides, np.roll(sides, -1, axis=0), strict=True):
             outwards = (one + other) / 2 - sides.mean(axis=0)
@@ -139,12 +139,12 @@ def test_the_overview_shows_the_whole_cell(packing: Cell, camera: SimulatedCamer
 def test_without_exposure_the_picture_is_black(packing: Cell) -> None:
     dark = packing.camera.model_copy(update={"exposure": 0.0})
     white = np.full((40, 60, 3), 255, np.uint8)
-    assert exposed(white, dark, np.random.default_rng(0)).mean() < 2.0
+    assert expose(white, dark, np.random.default_rng(0)).mean() < 2.0
 
 
 def test_noise_is_as_described(packing: Cell) -> None:
     grey = np.full((300, 300, 3), 120, np.uint8)
-    seen = exposed(grey, packing.camera, np.random.default_rng(0)).astype(float)
+    seen = expose(grey, packing.camera, np.random.default_rng(0)).astype(float)
     expected = np.sqrt(packing.camera.read_noise**2 + packing.camera.shot_noise * 120 + 1 / 12)
     assert seen.std() == pytest.approx(expected, rel=0.03)
     assert seen.mean() == pytest.approx(120, abs=0.05)
@@ -153,7 +153,7 @@ def test_noise_is_as_described(packing: Cell) -> None:
 @pytest.mark.parametrize("rotation", [0.0, 0.7, -2.0])
 def test_a_camera_looks_where_it_is_pointed(rotation: float) -> None:
     for position, target in (((0.3, 0.2, 1.5), (0.3, 0.2, 0.0)), ((1.2, -0.7, 1.0), (0.2, 0.2, 0.1))):
-        R = matrix(looking(position, target, rotation))
+        R = matrix(look_at_orientation(position, target, rotation))
         along = np.subtract(target, position)
         assert -R[:, 2] == pytest.approx(along / np.linalg.norm(along))
         assert np.linalg.det(R) == pytest.approx(1.0)
@@ -173,16 +173,16 @@ def test_a_lens_without_distortion_changes_nothing_but_the_frame(packing: Cell) 
 
 def test_a_missing_library_is_named_with_its_package(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delenv("MUJOCO_GL", raising=False)
-    for way in LIBRARIES:
-        monkeypatch.setitem(LIBRARIES, way, "libNoSuchThing.so.1")
+    for way in GL_LIBRARIES:
+        monkeypatch.setitem(GL_LIBRARIES, way, "libNoSuchThing.so.1")
     with pytest.raises(LayflatError, match="apt-get install libegl1 libgl1-mesa-dri"):
-        context(64, 64)
+        gl_context(64, 64)
 
 
 def test_a_way_to_draw_that_fails_is_told_in_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("MUJOCO_GL", "osmosis")
     with pytest.raises(LayflatError, match="osmosis") as caught:
-        context(64, 64)
+        gl_context(64, 64)
     assert "\n" not in str(caught.value)
 
 

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 
 from layflat.cell import Cell
-from layflat.cell.geometry import overlap, rectangle
+from layflat.cell.geometry import outlines_overlap, rectangle_corners
 from layflat.cell.scene import Scene
 
 
 def cluttered(cell: Cell, count: int) -> Cell:
     """The cell with so many pieces of each sort."""
-    most = {"count": next(iter(cell.clutter.values())).count.model_copy(update={"least": count, "most": count})}
+    most = {"count": next(iter(cell.clutter.values())).count.model_copy(update={"min": count, "max": count})}
     return cell.model_copy(
         update={"clutter": {name: one.model_copy(update=most) for name, one in cell.clutter.items()}}
     )
@@ -35,8 +35,8 @@ def test_clutter_lies_in_trays_and_on_the_table_clear_of_all_else(packing: Cell,
         inside = bool((np.abs(spot[:2] - tray.centre) < np.array(tray.size) / 2).all())
         in_tray, on_table = in_tray + inside, on_table + (not inside)
         if not inside:
-            speck = rectangle((float(spot[0]), float(spot[1])), 0.0, (1e-3, 1e-3))
-            assert not any(overlap(speck, outline) for outline in packing.outlines.values())
+            speck = rectangle_corners((float(spot[0]), float(spot[1])), 0.0, (1e-3, 1e-3))
+            assert not any(outlines_overlap(speck, outline) for outline in packing.outlines.values())
         assert spot[2] < (tray.wall if inside else 0.0) + 5e-3
     assert in_tray >= 2
     assert on_table >= 2

@@ -37,12 +37,12 @@ def test_a_belt_stops_and_goes_back_with_what_lies_on_it() -> None:
     assert scene.belt is not None
     scene.step(2000)
     (name,) = [name for name, fruit in scene.truth().fruits.items() if fruit.here]
-    scene.belt.asked = 0.0
+    scene.belt.speed_override = 0.0
     scene.step(2000)
     stopped = scene.truth().fruits[name].position
     scene.step(200)
     rested = scene.truth().fruits[name].position
     assert np.linalg.norm(rested - stopped) < 4e-3  # it may roll on a little
-    scene.belt.asked = -0.2
+    scene.belt.speed_override = -0.2
     scene.step(1000)
     assert scene.truth().fruits[name].position[1] < rested[1] - 0.05

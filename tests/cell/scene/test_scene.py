@@ -11,8 +11,10 @@ from tests.cell.scene.arms import Hand, mujoco, top
 
 def crowded(cell: Cell, least: int, most: int, touching: float = 0.35) -> Cell:
     tray = cell.tray["infeed"]
-    count = tray.count.model_copy(update={"least": least, "most": most})
-    return cell.model_copy(update={"tray": {"infeed": tray.model_copy(update={"count": count, "touching": touching})}})
+    count = tray.count.model_copy(update={"min": least, "max": most})
+    return cell.model_copy(
+        update={"tray": {"infeed": tray.model_copy(update={"count": count, "touching_fraction": touching})}}
+    )
 
 
 @pytest.fixture(scope="module")
@@ -40,7 +42,7 @@ def test_fruit_rests_in_its_tray_without_lying_in_one_another(packing: Cell, see
     for name, fruit in after.fruits.items():
         assert np.linalg.norm(fruit.position - before[name].position) < 1e-3
         assert (np.abs(fruit.position[:2] - np.array(tray.centre)) < np.array(tray.size) / 2).all()
-        assert packing.produce[fruit.kind].diameter.least <= fruit.diameter
+        assert packing.produce[fruit.kind].diameter.min <= fruit.diameter
         assert fruit.place is None
         assert fruit.peak_acceleration < 5.0
     assert after.collisions == ()
@@ -97,7 +99,7 @@ def test_a_fruit_is_picked_carried_and_laid_into_a_pack(packing: Cell, kind: str
     fruit = next(fruit for fruit in scene.truth().fruits.values() if fruit.kind == kind)
     hand.pick(fruit)
     held = scene.truth().fruits[fruit.name]
-    assert held.held
+    assert held.gripped
     assert scene._grip._pull == pytest.approx(9.81 * fruit.mass, rel=1e-3)
     assert held.position[2] > fruit.position[2] + 0.05
     name, pack = next((name, pack) for name, pack in packing.container.items() if pack.kind == kind)
@@ -110,9 +112,9 @@ def test_a_fruit_is_picked_carried_and_laid_into_a_pack(packing: Cell, kind: str
     hand.wait(250)
     laid = scene.truth()
     assert laid.fruits[fruit.name].place == (name, 2)
-    assert not laid.fruits[fruit.name].held
+    assert not laid.fruits[fruit.name].gripped
     assert laid.fruits[fruit.name].peak_acceleration < packing.limits.acceleration
-    assert laid.fruits[fruit.name].press < packing.limits.press
+    assert laid.fruits[fruit.name].press < packing.limits.contact_force
     assert laid.collisions == ()
     assert scene.cup.air > 0.0
 
@@ -121,7 +123,7 @@ def test_a_fruit_far_from_the_cups_axis_is_not_sealed(packing: Cell) -> None:
     scene = Scene(crowded(packing, 1, 1), 2)
     (fruit,) = scene.truth().fruits.values()
     Hand(scene).pick(fruit, aside=(0.35 * fruit.diameter, 0.0))
-    assert not scene.truth().fruits[fruit.name].held
+    assert not scene.truth().fruits[fruit.name].gripped
 
 
 def test_a_fruit_falls_when_the_vacuum_goes_and_the_fall_is_felt(packing: Cell) -> None:
@@ -131,11 +133,11 @@ def test_a_fruit_falls_when_the_vacuum_goes_and_the_fall_is_felt(packing: Cell) 
     hand.pick(fruit)
     hand.wait(300)
     high = scene.truth().fruits[fruit.name]
-    assert high.held
+    assert high.gripped
     scene.cup.on = False
     hand.wait(100)
     falling = scene.truth().fruits[fruit.name]
-    assert not falling.held
+    assert not falling.gripped
     assert falling.acceleration == pytest.approx(9.81, rel=0.02)
     hand.wait(500)
     fallen = scene.truth().fruits[fruit.name]
@@ -148,7 +150,7 @@ def test_too_little_vacuum_lifts_nothing(packing: Cell) -> None:
     scene = Scene(crowded(weak, 1, 1), 2)
     (fruit,) = scene.truth().fruits.values()
     Hand(scene).pick(fruit)
-    assert not scene.truth().fruits[fruit.name].held
+    assert not scene.truth().fruits[fruit.name].gripped
     assert scene.truth().fruits[fruit.name].position[2] == pytest.approx(fruit.position[2], abs=5e-3)
 
 

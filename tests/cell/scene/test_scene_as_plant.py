@@ -6,11 +6,11 @@ import pytest
 from layflat.bridge import MujocoPlant
 from layflat.cell import Cell
 from layflat.cell.scene import Scene
-from layflat.rig.clock import SECOND, VirtualClock
+from layflat.rig.clock import NS_PER_SECOND, VirtualClock
 from layflat.rig.device.virtual import VirtualDevice
-from layflat.rig.driver import Command
+from layflat.rig.driver import RigCommand
 
-CYCLE = SECOND // 200
+CYCLE = NS_PER_SECOND // 200
 pytestmark = pytest.mark.compiled
 
 
@@ -22,7 +22,7 @@ def test_a_rigs_far_side_runs_on_a_scene_with_its_lift(packing: Cell) -> None:
     opened = np.add(centred, [0.0, 1.0])
     home, scene.lift.demand = device.reading().angles, 0.03
     for cycle in range(100):
-        device.obey(Command(centred if cycle < 60 else opened, True))
+        device.obey(RigCommand(centred if cycle < 60 else opened, True))
         clock.wait(clock.now() + CYCLE)
         if cycle == 60:
             assert device.reading().angles == pytest.approx(home, abs=2e-3)

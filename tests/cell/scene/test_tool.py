@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 from layflat.cell import Cell, load
-from layflat.cell.scene.tool import LiftDrive, SuctionCup
+from layflat.cell.scene.grip import LiftDrive, SuctionCup
 
 CELL = load("packing")
 STEP = 1e-3
@@ -77,7 +77,7 @@ def test_vacuum_follows_its_law_on_a_skin_and_after_release(packing: Cell) -> No
         cup.advance(True, 1e-3)
     reference = solve_ivp(slope, (0.0, 0.25), [0.0], max_step=1e-3, rtol=1e-8).y[0, -1]
     assert cup.vacuum == pytest.approx(reference, rel=2e-3)
-    assert cup.air == pytest.approx(0.2 * told.air)
+    assert cup.air == pytest.approx(0.2 * told.air_consumption)
 
 
 def test_an_open_cup_keeps_little(packing: Cell) -> None:

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from layflat.cell.vision.balls import angles, cone_rays, fit_cones, flattened, place, upright
+from layflat.cell.vision.measure import cone_rays, fit_cones, locate_balls, ray_angles, rays_to_balls, rays_to_spheroids
 
 EYE = np.array([0.4, 0.0, 1.0])
 
@@ -27,7 +27,7 @@ def test_a_ball_is_found_from_its_outline(x: float, y: float, radius: float, hei
     rays = outline(x, y, radius, height_ratio)
     assert miss(rays, np.array([x, y, height_ratio * radius])) == pytest.approx(radius, rel=1e-9)
     middle, half, on = fit_cones(rays, np.ones((1, 60), bool), np.array([0.05]), np.array([1e-4]))
-    middles, radii = place(middle, half, EYE, 0.0, np.array([height_ratio]), np.ones(1))
+    middles, radii = locate_balls(middle, half, EYE, 0.0, np.array([height_ratio]), np.ones(1))
     assert on.all()
     assert middles[0] == pytest.approx([x, y, height_ratio * radius], abs=1e-7)
     assert radii[0] == pytest.approx(radius, abs=1e-7)
@@ -56,9 +56,9 @@ def test_a_flattened_ball_is_found_from_its_outline(x: float, y: float, k: float
     rays = towards + low[:, None] * around
     rays = (rays / np.linalg.norm(rays, axis=1, keepdims=True))[None]
     ks = np.array([k])
-    assert flattened(upright(rays, ks), ks) == pytest.approx(rays, abs=1e-12)
-    found, angle, on = fit_cones(upright(rays, ks), np.ones((1, 60), bool), np.array([0.05]), np.array([1e-4]))
-    middles, radii = place(found, angle, EYE, 0.01, np.array([ratio]), ks)
+    assert rays_to_spheroids(rays_to_balls(rays, ks), ks) == pytest.approx(rays, abs=1e-12)
+    found, angle, on = fit_cones(rays_to_balls(rays, ks), np.ones((1, 60), bool), np.array([0.05]), np.array([1e-4]))
+    middles, radii = locate_balls(found, angle, EYE, 0.01, np.array([ratio]), ks)
     assert on.all()
     assert middles[0] == pytest.approx(middle, abs=1e-6)
     assert radii[0] == pytest.approx(radius, abs=1e-6)
@@ -80,7 +80,7 @@ def test_rays_that_are_off_are_left_out() -> None:
     rays += rng.normal(0.0, 1e-5, rays.shape)
     rays /= np.linalg.norm(rays, axis=-1, keepdims=True)
     middle, half, on = fit_cones(rays, np.ones((1, 60), bool), np.array([0.03]), np.array([1e-4]))
-    middles, radii = place(middle, half, EYE, 0.0, np.ones(1), np.ones(1))
+    middles, radii = locate_balls(middle, half, EYE, 0.0, np.ones(1), np.ones(1))
     assert middles[0, :2] == pytest.approx([0.5, 0.1], abs=2e-4)
     assert radii[0] == pytest.approx(0.03, rel=5e-3)
     assert on[0, ~hidden].all()
@@ -98,5 +98,5 @@ def test_a_thing_without_edges_is_a_point() -> None:
 def test_small_angles_are_exact() -> None:
     rays = outline(0.4, 0.0, 0.01)
     towards = np.array([0.4, 0.0, 0.01]) - EYE
-    found = angles(rays, (towards / np.linalg.norm(towards))[None])
+    found = ray_angles(rays, (towards / np.linalg.norm(towards))[None])
     assert found == pytest.approx(np.arcsin(0.01 / np.linalg.norm(towards)), rel=1e-9)

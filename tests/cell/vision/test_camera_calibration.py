@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from layflat.cell.markers import charuco
+from layflat.cell.extras import make_charuco_board
 from layflat.cell.vision import (
     BaseBoard,
     BaseMarkers,
@@ -100,7 +100,7 @@ def test_no_base_marker(views: list[Picture], base: Picture) -> None:
 
 def test_base_markers_told_wrongly(views: list[Picture], base: Picture) -> None:
     first, *others = MARKERS.markers
-    with pytest.raises(CameraError, match=r"base markers are off by .* px in any pose"):
+    with pytest.raises(CameraError, match=r"base markers are off by .* px in the best-fitting pose"):
         calibrate(views, BOARD, base, BaseMarkers((replace(first, x=first.x + 0.02), *others)))
 
 
@@ -135,7 +135,7 @@ def test_one_marker_gives_a_pose(views: list[Picture], calibration: Calibration,
 
 def test_a_board_can_be_the_base_marker() -> None:
     board = CharucoBoard(5, 3, 0.04, 0.03, first_id=30)
-    texture = charuco(board).generateImage((500, 300))
+    texture = make_charuco_board(board).generateImage((500, 300))
     c, s = np.cos(0.2), np.sin(0.2)
     right, down = 0.2 * np.array([c, s, 0.0]), 0.12 * np.array([s, -c, 0.0])
     plate = Plate(texture, np.array([0.3, 0.1, 0.0]) - (right + down) / 2, right, down)
@@ -150,7 +150,7 @@ def test_a_board_can_be_the_base_marker() -> None:
 
 def test_a_dictionary_with_too_few_markers_is_told() -> None:
     with pytest.raises(CameraError, match="DICT_4X4_50 has only 50 markers, number 51 is needed"):
-        charuco(CharucoBoard(5, 3, 0.04, 0.03, first_id=45))
+        make_charuco_board(CharucoBoard(5, 3, 0.04, 0.03, first_id=45))
 
 
 def test_a_checkerboard_is_seen_where_it_is() -> None:
@@ -159,7 +159,7 @@ def test_a_checkerboard_is_seen_where_it_is() -> None:
     step = 0.03
     plate = Plate(texture, np.array([0.25, 0.15, 0.0]), np.array([11 * step, 0, 0]), np.array([0, -8 * step, 0]))
     picture = take(Scene(plates=(plate,), table=TABLE), CAMERA, 3)
-    seen = Checkerboard(9, 6, step).seen(picture[..., 1].copy())
+    seen = Checkerboard(9, 6, step).detect(picture[..., 1].copy())
     assert seen is not None
     known, pixels = seen
     first = np.array([0.25 + 2 * step, 0.15 - 2 * step, 0.0])
@@ -179,7 +179,7 @@ def test_what_is_nearly_a_marker_or_read_twice_is_left_out() -> None:
     for place, marker in enumerate([*drawn, nearly]):
         grey[90:210, 60 + 210 * place : 180 + 210 * place] = marker
     markers = tuple(Marker(number, 0.1 * number, 0.0, 0.04) for number in (1, 2, 3))
-    seen = BaseMarkers(markers).seen(grey)
+    seen = BaseMarkers(markers).detect(grey)
     assert seen is not None
     assert seen[0] == pytest.approx(markers[0].corners)
 
@@ -191,4 +191,4 @@ def test_markers_need_numbers_of_their_own() -> None:
 
 def test_an_unknown_dictionary_is_told() -> None:
     with pytest.raises(CameraError, match="unknown dictionary 'DICT_9X9'"):
-        CharucoBoard(9, 7, 0.03, 0.02, "DICT_9X9").seen(np.zeros((100, 100), np.uint8))
+        CharucoBoard(9, 7, 0.03, 0.02, "DICT_9X9").detect(np.zeros((100, 100), np.uint8))

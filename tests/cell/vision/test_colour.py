@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from layflat.cell.vision import SURE, Colour, ColourDetector, Detection, Kind
+from layflat.cell.vision import SURE_CONFIDENCE, Colour, ColourDetector, Detection, ProduceKind
 from layflat.errors import InputError, PictureError
 from tests.cell.vision.pictures import Ball, Flat, Light, Picture, Scene, take
 from tests.cell.vision.vision_scenes import (
@@ -35,7 +35,7 @@ def scene(*balls: Ball, **more: Any) -> Scene:
 
 
 def found_in(seen: Scene, seed: int = 3) -> list[Detection]:
-    return DETECTOR.find(take(seen, CAMERA, seed), true_calibration())
+    return DETECTOR.detect(take(seen, CAMERA, seed), true_calibration())
 
 
 def nearest(found: list[Detection], ball: Ball) -> Detection:
@@ -46,7 +46,7 @@ def nearest(found: list[Detection], ball: Ball) -> Detection:
 def test_random_scenes_are_seen_rightly(seed: int) -> None:
     """Touching fruit, clutter, tinted and uneven light: each fruit once, exactly, and nothing else."""
     drawn = random_scene(seed)
-    found = [one for one in found_in(drawn, seed) if one.kind and one.confidence >= SURE]
+    found = [one for one in found_in(drawn, seed) if one.kind and one.confidence >= SURE_CONFIDENCE]
     fruit = [ball for ball in drawn.balls if ball.kind]
     assert len(found) == len(fruit)
     for ball in fruit:
@@ -103,7 +103,7 @@ def test_fruit_of_an_unknown_kind_is_told_as_none() -> None:
 
 def test_without_background_nothing_unknown_is_told() -> None:
     picture = take(scene(Ball("", 0.3, 0.1, 0.03, PURPLE)), CAMERA, 3)
-    assert ColourDetector(KINDS, TABLE).find(picture, true_calibration()) == []
+    assert ColourDetector(KINDS, TABLE).detect(picture, true_calibration()) == []
 
 
 def test_fruit_of_another_size_is_no_produce() -> None:
@@ -111,7 +111,9 @@ def test_fruit_of_another_size_is_no_produce() -> None:
     assert not any(one.kind for one in found_in(scene(Ball("", 0.4, 0.0, 0.015, RED))))
 
 
-@pytest.mark.parametrize(("hidden", "least", "most"), [(0.1, SURE, 1.0), (0.45, 0.0, SURE), (0.7, 0.0, 0.0)])
+@pytest.mark.parametrize(
+    ("hidden", "least", "most"), [(0.1, SURE_CONFIDENCE, 1.0), (0.45, 0.0, SURE_CONFIDENCE), (0.7, 0.0, 0.0)]
+)
 def test_what_is_hidden_is_less_sure(hidden: float, least: float, most: float) -> None:
     ball = Ball("tomato", 0.4, 0.05, 0.03, RED)
     edge = ball.x + ball.radius - hidden * 2 * ball.radius
@@ -149,23 +151,23 @@ def test_stalk_and_shine_do_not_change_the_hue() -> None:
 def test_a_flatter_kind_has_its_middle_lower() -> None:
     flat = replace(KINDS[0], height_ratio=0.8)
     picture = take(scene(Ball("tomato", 0.3, 0.1, 0.03, RED)), CAMERA, 3)
-    (one,) = ColourDetector([flat], TABLE).find(picture, true_calibration())
+    (one,) = ColourDetector([flat], TABLE).detect(picture, true_calibration())
     assert one.position[2] == pytest.approx(0.8 * one.diameter / 2)
     assert one.diameter == pytest.approx(0.06, rel=0.02)
 
 
 def test_produce_on_a_floor_over_the_table() -> None:
     picture = take(scene(Ball("tomato", 0.7, 0.1, 0.03, RED, floor=0.02)), CAMERA, 3)
-    (one,) = ColourDetector(KINDS, TABLE, plane=0.02).find(picture, true_calibration())
+    (one,) = ColourDetector(KINDS, TABLE, plane=0.02).detect(picture, true_calibration())
     assert one.position == pytest.approx((0.7, 0.1, 0.05), abs=1e-3)
     assert one.diameter == pytest.approx(0.06, rel=0.02)
-    (wrong,) = ColourDetector(KINDS, TABLE).find(picture, true_calibration())
+    (wrong,) = ColourDetector(KINDS, TABLE).detect(picture, true_calibration())
     assert abs(wrong.position[0] - 0.7) > 3e-3
 
 
 def test_the_same_picture_gives_the_same_detections() -> None:
     picture = take(random_scene(5), CAMERA, 5)
-    first, second = (DETECTOR.find(picture, true_calibration()) for _ in range(2))
+    first, second = (DETECTOR.detect(picture, true_calibration()) for _ in range(2))
     assert [one.position for one in first] == [one.position for one in second]
 
 
@@ -186,7 +188,7 @@ def test_pictures_that_cannot_be_used_are_refused(spoilt: Any, told: str) -> Non
         scene(Ball("tomato", 0.3, 0.1, 0.03, RED), flats=(Flat(0.6, 0.0, 0.2, 0.2, TRAY),)), CAMERA, 3
     )
     with pytest.raises(PictureError, match=told):
-        DETECTOR.find(spoilt(picture), true_calibration())
+        DETECTOR.detect(spoilt(picture), true_calibration())
 
 
 @pytest.mark.parametrize("noise", [0.5, 5.0])
@@ -195,7 +197,7 @@ def test_blur_is_refused_however_noisy_and_dark(noise: float) -> None:
         lit = scene(ambient=light, lights=())
         assert found_in(lit) == []
         with pytest.raises(PictureError, match="blurred"):
-            DETECTOR.find(take(lit, CAMERA, 1, noise=noise, blur=4.0), true_calibration())
+            DETECTOR.detect(take(lit, CAMERA, 1, noise=noise, blur=4.0), true_calibration())
 
 
 def test_motion_blur_is_refused() -> None:
@@ -203,11 +205,11 @@ def test_motion_blur_is_refused() -> None:
 
     picture: Any = cv2.blur(take(scene(), CAMERA, 1), (15, 1))
     with pytest.raises(PictureError, match="blurred"):
-        DETECTOR.find(picture, true_calibration())
+        DETECTOR.detect(picture, true_calibration())
 
 
 def test_kinds_must_make_sense() -> None:
     with pytest.raises(InputError, match="each with its own name"):
         ColourDetector([KINDS[0], KINDS[0]], TABLE)
     with pytest.raises(InputError, match="needs least, then most"):
-        Kind("plum", (Colour(),), (0.05, 0.04))
+        ProduceKind("plum", (Colour(),), (0.05, 0.04))

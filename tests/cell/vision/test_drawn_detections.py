@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from layflat.cell.vision import Detection, draw
+from layflat.cell.vision import Detection, draw_detections
 
 TURN = np.linspace(0.0, 2.0 * np.pi, 60, endpoint=False)
 SEEN = Detection(
@@ -21,7 +21,7 @@ SEEN = Detection(
 @pytest.mark.parametrize("level", [0, 128, 255])
 def test_drawn_in_black_and_white_on_any_ground(level: int) -> None:
     ground = np.full((240, 300, 3), level, np.uint8)
-    drawn = draw(ground, [SEEN])
+    drawn = draw_detections(ground, [SEEN])
     assert (ground == level).all()
     changed = np.abs(drawn.astype(int) - level).max(axis=2)
     assert (drawn == drawn[..., :1]).all()
@@ -34,17 +34,19 @@ def test_drawn_in_black_and_white_on_any_ground(level: int) -> None:
 
 def test_unsure_ones_are_dashed() -> None:
     ground = np.full((240, 300, 3), 128, np.uint8)
-    sure, unsure = (np.count_nonzero(draw(ground, [replace(SEEN, confidence=c)])[:, :, 0] != 128) for c in (0.95, 0.15))
+    sure, unsure = (
+        np.count_nonzero(draw_detections(ground, [replace(SEEN, confidence=c)])[:, :, 0] != 128) for c in (0.95, 0.15)
+    )
     assert unsure < 0.85 * sure
 
 
 def test_what_is_unknown_is_drawn_too() -> None:
     ground = np.full((240, 300, 3), 128, np.uint8)
-    assert (draw(ground, [replace(SEEN, kind=None)]) != draw(ground, [SEEN])).any()
+    assert (draw_detections(ground, [replace(SEEN, kind=None)]) != draw_detections(ground, [SEEN])).any()
 
 
 @pytest.mark.parametrize("level", [40, 245])
 def test_text_is_bright_on_dark_ground_and_dark_on_bright_ground(level: int) -> None:
     ground = np.full((240, 300, 3), level, np.uint8)
-    text = draw(ground, [SEEN])[100:140, 110:190].astype(int)
+    text = draw_detections(ground, [SEEN])[100:140, 110:190].astype(int)
     assert np.count_nonzero(np.abs(text - level) > 150) > 100  # strokes of letters, inside their rims

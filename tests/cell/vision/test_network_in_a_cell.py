@@ -5,11 +5,11 @@ from pathlib import Path
 import pytest
 
 from layflat.cell import load
-from layflat.cell.perception import detector_of
+from layflat.cell.kinds import make_detector
 from layflat.cell.vision import Calibration, OnnxDetector
 from layflat.cell.work.observer import Observer
-from layflat.cell.work.results import Summary
-from layflat.cell.work.run import packed
+from layflat.cell.work.results import PackingSummary
+from layflat.cell.work.run import run_packing
 from layflat.errors import CellError, InputError
 from tests.cell.vision.red_network import COLUMNS, ROWS, network
 
@@ -25,13 +25,13 @@ columns = {columns}
 
 [tray.infeed]
 produce = ["tomato"]
-count = {{ least = 1, most = 1 }}
+count = {{ min = 1, max = 1 }}
 
 [produce.tomato.diameter]
-least = "54 mm"
+min = "54 mm"
 
 [produce.tomato.colour.orange]
-share = 0.000001
+fraction = 0.000001
 """
 
 
@@ -41,9 +41,9 @@ def test_a_cell_packs_by_what_its_network_finds(tmp_path: Path, calibration: Cal
     path = tmp_path / "learned.toml"
     path.write_text(CELL.format(rows=ROWS, columns=COLUMNS), encoding="utf-8")
     cell = load(path)
-    assert isinstance(detector_of(cell), OnnxDetector)
-    found = packed(cell, 1, 1, calibration, Observer())
-    assert Summary(found.deliveries).correct == 1
+    assert isinstance(make_detector(cell), OnnxDetector)
+    found = run_packing(cell, 1, 1, calibration, Observer())
+    assert PackingSummary(found.deliveries).correct == 1
 
 
 def test_a_network_that_is_not_there_is_told(tmp_path: Path) -> None:
@@ -53,7 +53,7 @@ def test_a_network_that_is_not_there_is_told(tmp_path: Path) -> None:
         load(path)
     (tmp_path / "red.onnx").write_bytes(b"no network")
     with pytest.raises(InputError, match="is not a network that OpenCV runs"):
-        detector_of(load(path))
+        make_detector(load(path))
     path.write_text(CELL.format(rows=1, columns=COLUMNS), encoding="utf-8")
     with pytest.raises(CellError, match=r"network\.rows"):
         load(path)

@@ -19,7 +19,7 @@ def picture() -> Picture:
 
 def test_geometry_measures_what_a_network_finds(tmp_path: Path, picture: Picture) -> None:
     detector = OnnxDetector(network(tmp_path / "red.onnx"), KINDS, TABLE, size=(ROWS, COLUMNS))
-    (found,) = detector.find(picture, true_calibration())
+    (found,) = detector.detect(picture, true_calibration())
     assert found.kind == "tomato"
     assert found.position == pytest.approx((0.3, 0.1, 0.03), abs=5e-4)
     assert found.diameter == pytest.approx(0.06, rel=0.01)
@@ -28,7 +28,7 @@ def test_geometry_measures_what_a_network_finds(tmp_path: Path, picture: Picture
 
 def test_a_number_over_the_kinds_is_of_no_known_kind(tmp_path: Path, picture: Picture) -> None:
     detector = OnnxDetector(network(tmp_path / "red.onnx", last=(0.9, 7.0)), KINDS, TABLE, size=(ROWS, COLUMNS))
-    (found,) = detector.find(picture, true_calibration())
+    (found,) = detector.detect(picture, true_calibration())
     assert found.kind is None
 
 
@@ -44,7 +44,7 @@ def test_a_file_that_is_no_network_is_told(tmp_path: Path) -> None:
 def test_a_network_of_other_shapes_is_told(tmp_path: Path, picture: Picture) -> None:
     without_kind = OnnxDetector(network(tmp_path / "five.onnx", last=(0.9,)), KINDS, TABLE, size=(ROWS, COLUMNS))
     with pytest.raises(InputError, match=r"gives \(1, 1, 5\); needs boxes"):
-        without_kind.find(picture, true_calibration())
+        without_kind.detect(picture, true_calibration())
     smaller = OnnxDetector(network(tmp_path / "six.onnx"), KINDS, TABLE, size=(320, 320))
     with pytest.raises(InputError, match=r"fails on its input \(1, 3, 320, 320\); give the size"):
-        smaller.find(picture, true_calibration())
+        smaller.detect(picture, true_calibration())

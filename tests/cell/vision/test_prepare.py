@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from layflat.cell.vision.prepare import evenly_lit
+from layflat.cell.vision.prepare import normalize_light
 
 TABLE = (143.0, 148.0, 153.0)
 
@@ -18,7 +18,7 @@ def test_a_tray_of_nearly_the_tables_colour_tells_nothing_of_the_light(light: fl
     albedo[200:460, 320:340] *= 0.6
     albedo[:40, :40] = albedo[:40, -40:] = 240.0
     picture = np.clip(lit * albedo, 0, 255).astype(np.uint8)
-    even = evenly_lit(picture, TABLE).astype(float)
+    even = normalize_light(picture, TABLE).astype(float)
     on_table = (albedo == TABLE).all(axis=-1)
     assert np.abs(even[on_table] - TABLE).max() < 5.0
     assert even[220:440, 360:580].mean(axis=(0, 1)) == pytest.approx((51.0, 56.0, 66.0), abs=3.0)

@@ -8,8 +8,8 @@ from functools import cache
 
 import numpy as np
 
-from layflat.cell.markers import charuco
-from layflat.cell.vision import BaseMarkers, Calibration, CharucoBoard, Colour, Kind, Marker, calibrate
+from layflat.cell.extras import make_charuco_board
+from layflat.cell.vision import BaseMarkers, Calibration, CharucoBoard, Colour, Marker, ProduceKind, calibrate
 from tests.cell.vision.pictures import Ball, Flat, Light, Plate, Scene, TrueCamera, marker_plate, take
 
 CAMERA = TrueCamera()
@@ -18,9 +18,9 @@ TRAY = (30.0, 50.0, 80.0)
 PACK = (95.0, 130.0, 150.0)
 BACKGROUND = (Colour(hue=(190, 240), saturation=(0.22, 1.0)), Colour(value=(0.0, 0.12)))
 KINDS = (
-    Kind("tomato", (Colour((345, 38), (0.5, 1.0), (0.12, 1.0)),), (0.045, 0.075)),
-    Kind("apple", (Colour((55, 125), (0.3, 1.0), (0.12, 1.0)),), (0.06, 0.085)),
-    Kind(
+    ProduceKind("tomato", (Colour((345, 38), (0.5, 1.0), (0.12, 1.0)),), (0.045, 0.075)),
+    ProduceKind("apple", (Colour((55, 125), (0.3, 1.0), (0.12, 1.0)),), (0.06, 0.085)),
+    ProduceKind(
         "mushroom",
         (Colour((15, 80), (0.0, 0.35), (0.2, 1.0)), Colour((0, 360), (0.0, 0.12), (0.45, 1.0))),
         (0.03, 0.055),
@@ -128,7 +128,7 @@ def clutter(rng: np.random.Generator, balls: list[Ball]) -> list[Flat]:
 
 def board_plate(board: CharucoBoard, middle: tuple[float, float, float], tilt: tuple[float, float, float]) -> Plate:
     """A ChArUco board in the air, its face to the camera."""
-    texture = charuco(board).generateImage((board.columns * 100, board.rows * 100))
+    texture = make_charuco_board(board).generateImage((board.columns * 100, board.rows * 100))
     texture = np.pad(texture, 50, constant_values=255)
     turn = replace(CAMERA, tilt=tilt).rotation.T
     right = turn[:, 0] * board.square * (board.columns + 1)

@@ -5,11 +5,11 @@ from __future__ import annotations
 import pytest
 
 from layflat.cell.perception import Observation
-from layflat.cell.plan.containers import Fruit
-from layflat.cell.plan.pick import Outcome
+from layflat.cell.plan.order import Fruit
+from layflat.cell.plan.pick import PickOutcome
 from layflat.cell.work.observer import Observer
-from layflat.cell.work.results import Summary
-from layflat.cell.work.run import Run, packed
+from layflat.cell.work.results import PackingSummary
+from layflat.cell.work.run import PackingRun, run_packing
 from tests.cell.work.changed_cells import cell_with
 
 
@@ -19,13 +19,17 @@ class Chosen(Observer):
     def __init__(self) -> None:
         self.noted: list[tuple[Fruit, Observation]] = []
 
-    def chosen(self, fruit: Fruit, observation: Observation) -> None:
+    def on_pick_start(self, fruit: Fruit, observation: Observation) -> None:
         self.noted.append((fruit, observation))
 
 
-def run(speeds: list[list[str]], picks: int, count: int = 12, observer: Observer | None = None) -> Run:
-    changes = {"conveyor/speeds": speeds, "conveyor/count": {"least": count, "most": count}, "conveyor/patience": "3 s"}
-    return packed(cell_with(changes, of="belt"), 1, picks, None, observer or Observer())
+def run(speeds: list[list[str]], picks: int, count: int = 12, observer: Observer | None = None) -> PackingRun:
+    changes = {
+        "conveyor/speeds": speeds,
+        "conveyor/count": {"min": count, "max": count},
+        "conveyor/idle_timeout": "3 s",
+    }
+    return run_packing(cell_with(changes, of="belt"), 1, picks, None, observer or Observer())
 
 
 @pytest.mark.parametrize(
@@ -40,7 +44,7 @@ def run(speeds: list[list[str]], picks: int, count: int = 12, observer: Observer
 def test_what_moves_is_picked_and_laid_down(speeds: list[list[str]]) -> None:
     chosen = Chosen()
     found = run(speeds, 3, observer=chosen)
-    figures = Summary(found.deliveries)
+    figures = PackingSummary(found.deliveries)
     picks = [pick for delivery in found.deliveries for pick in delivery.picks]
     assert figures.correct >= 2
     assert figures.collisions == 0
@@ -48,8 +52,8 @@ def test_what_moves_is_picked_and_laid_down(speeds: list[list[str]]) -> None:
     assert len(chosen.noted) == len(picks)
     assert all(fruit in observation.fruits for fruit, observation in chosen.noted), "as it lay in that image"
     # What gets away is told; nothing is dropped.
-    assert all(pick.trouble for pick in picks if pick.outcome is not Outcome.PLACED)
-    assert not any(pick.outcome in {Outcome.LOST, Outcome.STUCK} for pick in picks)
+    assert all(pick.trouble for pick in picks if pick.outcome is not PickOutcome.PLACED)
+    assert not any(pick.outcome in {PickOutcome.LOST, PickOutcome.STUCK} for pick in picks)
 
 
 def test_a_belt_on_which_nothing_comes_ends_the_run() -> None:

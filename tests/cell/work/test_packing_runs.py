@@ -13,22 +13,21 @@ import pytest
 from PIL import Image
 
 from layflat.cell import Cell
-from layflat.cell.plan.order import Choice
-from layflat.cell.plan.pick import Outcome, Phase, State
+from layflat.cell.plan.order import PickChoice
+from layflat.cell.plan.pick import PickOutcome, PickPhase, PickState
 from layflat.cell.scene import Scene
 from layflat.cell.scene.camera import SimulatedCamera
 from layflat.cell.vision import Calibration
-from layflat.cell.work.film_and_sheet import FPS, film_and_sheet
-from layflat.cell.work.observer import Observer, Observers, PickCounter
-from layflat.cell.work.records import Delivery
-from layflat.cell.work.results import Summary, as_dict, counted, save
-from layflat.cell.work.run import Run, calibrated, packed, repeated
+from layflat.cell.work.film_and_sheet import FPS, record_film_and_sheet
+from layflat.cell.work.observer import Delivery, Observer, Observers, PickCounter
+from layflat.cell.work.results import PackingSummary, count_noun, record_runs, save_results
+from layflat.cell.work.run import PackingRun, calibrate_cell, run_packing, run_seeds
 from layflat.errors import CameraError, CellError, PictureError, RigStoppedError, StoppedError
 from layflat.machine import load
 from tests.cell.work.changed_cells import cell_with
 
-FEW: dict[str, Any] = {"tray/infeed/count": {"least": 2, "most": 2}, "tray/infeed/produce": ["tomato"]}
-RED = {"produce/tomato/colour/orange/share": 1e-6, "produce/tomato/diameter/least": "54 mm"}
+FEW: dict[str, Any] = {"tray/infeed/count": {"min": 2, "max": 2}, "tray/infeed/produce": ["tomato"]}
+RED = {"produce/tomato/colour/orange/fraction": 1e-6, "produce/tomato/diameter/min": "54 mm"}
 
 
 @pytest.fixture(scope="module")
@@ -37,16 +36,18 @@ def cell() -> Cell:
 
 
 @pytest.fixture(scope="module")
-def run(cell: Cell, calibration: Calibration, tmp_path_factory: pytest.TempPathFactory) -> tuple[Run, Path, list[int]]:
+def run(
+    cell: Cell, calibration: Calibration, tmp_path_factory: pytest.TempPathFactory
+) -> tuple[PackingRun, Path, list[int]]:
     folder, told = tmp_path_factory.mktemp("run"), list[int]()
-    with film_and_sheet(folder / "film.mp4", folder / "sheet.png", "few, seed 2", calibration) as show:
-        return packed(cell, 2, 3, calibration, Observers(PickCounter(told.append), show)), folder, told
+    with record_film_and_sheet(folder / "film.mp4", folder / "sheet.png", "few, seed 2", calibration) as show:
+        return run_packing(cell, 2, 3, calibration, Observers(PickCounter(told.append), show)), folder, told
 
 
-def test_what_the_camera_sees_is_packed(run: tuple[Run, Path, list[int]]) -> None:
+def test_what_the_camera_sees_is_packed(run: tuple[PackingRun, Path, list[int]]) -> None:
     found, _, told = run
     assert [len(delivery.picks) for delivery in found.deliveries] == [2, 1]
-    figures = Summary(found.deliveries)
+    figures = PackingSummary(found.deliveries)
     assert (figures.picks, figures.correct, figures.collisions, figures.false_detections) == (3, 3, 0, 0)
     assert figures.release_error_worst_mm < 3.5
     assert figures.vision_error_mm < 1.0
@@ -55,7 +56,7 @@ def test_what_the_camera_sees_is_packed(run: tuple[Run, Path, list[int]]) -> Non
     assert found.error is None
 
 
-def test_a_film_and_a_sheet_are_left(run: tuple[Run, Path, list[int]]) -> None:
+def test_a_film_and_a_sheet_are_left(run: tuple[PackingRun, Path, list[int]]) -> None:
     found, folder, _ = run
     with av.open(str(folder / "film.mp4")) as film:
         frames = sum(1 for _ in film.decode(video=0))
@@ -66,9 +67,9 @@ def test_a_film_and_a_sheet_are_left(run: tuple[Run, Path, list[int]]) -> None:
     assert sheet.std() > 20.0
 
 
-def test_results_are_numbers_and_texts(run: tuple[Run, Path, list[int]], tmp_path: Path) -> None:
+def test_results_are_numbers_and_texts(run: tuple[PackingRun, Path, list[int]], tmp_path: Path) -> None:
     found, _, _ = run
-    path = save(as_dict(found.cell, [found]), tmp_path / "results.json")
+    path = save_results(record_runs(found.cell, [found]), tmp_path / "results.json")
     told = json.loads(path.read_text(encoding="utf-8"))
     assert told["summary"]["correct"] == 3
     assert told["runs"][0]["perception"] == "camera"
@@ -78,32 +79,32 @@ def test_results_are_numbers_and_texts(run: tuple[Run, Path, list[int]], tmp_pat
 
 
 def test_same_seed_same_run_also_in_a_study_without_a_camera(cell: Cell) -> None:
-    alone = packed(cell, 7, 1, None, Observer())
+    alone = run_packing(cell, 7, 1, None, Observer())
     told: list[int] = []
-    others = sorted(repeated(cell, [7, 8], 1, None, told.append, processes=2), key=lambda run: run.seed)
-    assert as_dict(cell, [alone]) == as_dict(cell, others[:1])
+    others = sorted(run_seeds(cell, [7, 8], 1, None, told.append, processes=2), key=lambda run: run.seed)
+    assert record_runs(cell, [alone]) == record_runs(cell, others[:1])
     assert others[1].deliveries[0].seed != alone.deliveries[0].seed
     assert told[-1] == 2
-    assert as_dict(cell, others)["runs"][1]["perception"] == "scene"
+    assert record_runs(cell, others)["runs"][1]["perception"] == "scene"
 
 
 def test_each_seed_packs_with_its_machine(cell: Cell) -> None:
     names = [f"{cell.machine.name}@{number}" for number in (0, 1, 2)]
-    (run,) = repeated(cell, [7], 1, None, processes=1, machines=names)
+    (run,) = run_seeds(cell, [7], 1, None, processes=1, machines=names)
     assert run.cell.machine == load(names[1])
     assert run.cell.machine != cell.machine
-    assert [pick.outcome for delivery in run.deliveries for pick in delivery.picks] == [Outcome.PLACED]
+    assert [pick.outcome for delivery in run.deliveries for pick in delivery.picks] == [PickOutcome.PLACED]
 
 
 def test_nothing_to_pick_is_told() -> None:
-    empty = packed(cell_with({"tray/infeed/count": {"least": 0, "most": 0}}), 0, 3, None, Observer())
+    empty = run_packing(cell_with({"tray/infeed/count": {"min": 0, "max": 0}}), 0, 3, None, Observer())
     assert isinstance(empty.error, CellError)
     assert "there is nothing in the trays" in str(empty.error)
-    figures = Summary(empty.deliveries)
+    figures = PackingSummary(empty.deliveries)
     assert figures.picks == 0
     assert isnan(figures.picks_a_minute)
-    unripe = {"produce/tomato/colour/red/share": 1e-6, "produce/tomato/colour/orange/share": 1.0}
-    left = packed(cell_with(FEW | unripe), 0, 3, None, Observer())
+    unripe = {"produce/tomato/colour/red/fraction": 1e-6, "produce/tomato/colour/orange/fraction": 1.0}
+    left = run_packing(cell_with(FEW | unripe), 0, 3, None, Observer())
     assert "nothing can be picked: no place takes tomato of grade 'unripe'" in str(left.error)
 
 
@@ -112,26 +113,26 @@ def test_a_camera_that_was_moved_does_not_start(calibration: Calibration) -> Non
         FEW | {"camera/position": ["305 mm", "370 mm", "1500 mm"], "camera/looks_at": ["305 mm", "370 mm", "0 mm"]}
     )
     with pytest.raises(CameraError, match="base markers are off by"):
-        packed(moved, 0, 1, calibration, Observer())
+        run_packing(moved, 0, 1, calibration, Observer())
 
 
 @pytest.mark.parametrize(("fault", "said"), [({"camera/blur": 6.0}, "blurred"), ({"camera/exposure": 0.02}, "black")])
 def test_a_blurred_or_black_picture_is_refused(fault: dict[str, float], said: str, calibration: Calibration) -> None:
     spoilt = cell_with(FEW | fault)
     with pytest.raises(PictureError, match=said):
-        calibrated(spoilt)
+        calibrate_cell(spoilt)
     with pytest.raises(PictureError, match=said):
-        packed(spoilt, 0, 1, calibration, Observer())
+        run_packing(spoilt, 0, 1, calibration, Observer())
 
 
 def test_an_unknown_object_is_left_and_the_others_are_packed(calibration: Calibration) -> None:
     mixed = cell_with(
-        FEW | RED | {"tray/infeed/produce": ["tomato", "plum"], "tray/infeed/count": {"least": 4, "most": 4}}
+        FEW | RED | {"tray/infeed/produce": ["tomato", "plum"], "tray/infeed/count": {"min": 4, "max": 4}}
     )
-    found = packed(mixed, 1, 1, calibration, Observer())
+    found = run_packing(mixed, 1, 1, calibration, Observer())
     kinds = {pick.choice.fruit.kind for delivery in found.deliveries for pick in delivery.picks}
     assert kinds == {"tomato"}
-    assert all(pick.outcome is Outcome.PLACED for delivery in found.deliveries for pick in delivery.picks)
+    assert all(pick.outcome is PickOutcome.PLACED for delivery in found.deliveries for pick in delivery.picks)
     assert "is of no kind that is known here" in {one.reason for one in found.deliveries[0].not_picked}
 
 
@@ -141,21 +142,21 @@ class Jamming(Observer):
     def __init__(self) -> None:
         self.carried = 0
 
-    def begins(self, scene: Scene, camera: SimulatedCamera | None) -> None:  # noqa: ARG002  (as all observers)
+    def on_delivery_start(self, scene: Scene, camera: SimulatedCamera | None) -> None:  # noqa: ARG002  (as all observers)
         self.scene = scene
 
-    def phase(self, choice: Choice, before: State, after: State) -> None:  # noqa: ARG002  (as all observers)
-        self.carried += after.phase is Phase.CARRY
+    def on_phase_change(self, choice: PickChoice, before: PickState, after: PickState) -> None:  # noqa: ARG002  (as all observers)
+        self.carried += after.phase is PickPhase.CARRY
         if self.carried == 2:
             self.scene.model.dof_frictionloss[self.scene.model.joint("large").dofadr[0]] = 1e4
 
 
 def test_a_rig_that_stops_ends_the_run_and_what_was_done_is_kept(cell: Cell) -> None:
-    found = packed(cell, 2, 5, None, Jamming())
+    found = run_packing(cell, 2, 5, None, Jamming())
     assert isinstance(found.error, RigStoppedError)
     assert [len(delivery.picks) for delivery in found.deliveries] == [1]
-    assert Summary(found.deliveries).correct == 1
-    assert as_dict(cell, [found])["runs"][0]["error"] == str(found.error)
+    assert PackingSummary(found.deliveries).correct == 1
+    assert record_runs(cell, [found])["runs"][0]["error"] == str(found.error)
 
 
 class Counting(Observer):
@@ -163,7 +164,7 @@ class Counting(Observer):
 
     over = False
 
-    def ends(self, delivery: Delivery) -> None:  # noqa: ARG002  (as all observers)
+    def on_delivery_end(self, delivery: Delivery) -> None:  # noqa: ARG002  (as all observers)
         self.over = True
 
 
@@ -174,7 +175,7 @@ def test_a_delivery_that_can_t_begin_ends_the_run_and_those_before_are_kept(
     monkeypatch.setattr(
         SimulatedCamera, "picture", lambda self, *view: see(self, *view) // (50 if observer.over else 1)
     )
-    found = packed(cell, 3, 4, calibration, observer)
+    found = run_packing(cell, 3, 4, calibration, observer)
     assert isinstance(found.error, PictureError)
     assert len(found.deliveries) == 1
     assert len(found.deliveries[0].picks) == 2
@@ -187,22 +188,22 @@ class Impatient(Observer):
     def __init__(self, most: int) -> None:
         self.carried, self.most = 0, most
 
-    def phase(self, choice: Choice, before: State, after: State) -> None:  # noqa: ARG002  (as all observers)
-        self.carried += after.phase is Phase.CARRY
+    def on_phase_change(self, choice: PickChoice, before: PickState, after: PickState) -> None:  # noqa: ARG002  (as all observers)
+        self.carried += after.phase is PickPhase.CARRY
         if self.carried == self.most:
             raise KeyboardInterrupt
 
 
 def test_what_was_done_before_ctrl_c_is_kept(cell: Cell) -> None:
     for most, kept in ((2, [1]), (3, [2])):  # also in a delivery of which nothing was done yet
-        found = packed(cell, 2, 5, None, Impatient(most))
+        found = run_packing(cell, 2, 5, None, Impatient(most))
         assert isinstance(found.error, StoppedError)
         assert [len(delivery.picks) for delivery in found.deliveries] == kept
-        assert Summary(found.deliveries).correct == sum(kept)
+        assert PackingSummary(found.deliveries).correct == sum(kept)
     with pytest.raises(KeyboardInterrupt):
-        packed(cell, 2, 5, None, Impatient(1))
+        run_packing(cell, 2, 5, None, Impatient(1))
 
 
 def test_one_is_not_counted_in_the_plural() -> None:
-    assert [counted(number, "pick") for number in (0, 1, 2)] == ["0 picks", "1 pick", "2 picks"]
-    assert [counted(number, "try", "tries") for number in (1, 3)] == ["1 try", "3 tries"]
+    assert [count_noun(number, "pick") for number in (0, 1, 2)] == ["0 picks", "1 pick", "2 picks"]
+    assert [count_noun(number, "try", "tries") for number in (1, 3)] == ["1 try", "3 tries"]

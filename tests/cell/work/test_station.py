@@ -3,21 +3,20 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from layflat.cell.work.station import Arm
+from layflat.cell.work.station import CellArm
 from layflat.errors import RigStoppedError
 from layflat.machine import load
-from layflat.rig.clock import SECOND, VirtualClock
-from layflat.rig.device.virtual import VirtualDevice
-from layflat.rig.drivers.simulated import SimulatedDriver
+from layflat.rig.clock import NS_PER_SECOND, VirtualClock
+from layflat.rig.device.virtual import SimulatedDriver, VirtualDevice
 from layflat.sim.plant import SteppedPlant
 
 MACHINE = load("paper-arm-fast-tuned")
 
 
-def arm_of(seed: int = 0) -> tuple[Arm, VirtualDevice]:
+def arm_of(seed: int = 0) -> tuple[CellArm, VirtualDevice]:
     clock = VirtualClock()
     device = VirtualDevice(MACHINE, SteppedPlant(MACHINE, seed=seed, payload=1.2), clock, running=True)
-    return Arm(MACHINE, SimulatedDriver(device), clock, load=1.2, tip_speed=2.5), device
+    return CellArm(MACHINE, SimulatedDriver(device), clock, load=1.2, tip_speed=2.5), device
 
 
 def test_it_goes_where_it_is_told_and_stays_there() -> None:
@@ -62,4 +61,4 @@ def test_joints_that_shake_each_other_in_a_move_are_not_blocked() -> None:
         arm.go(tuple(target))
         for _ in range(round(1.2 / arm.cycle)):
             arm.advance()
-    assert arm.loop.clock.now() > 29 * SECOND
+    assert arm.loop.clock.now() > 29 * NS_PER_SECOND

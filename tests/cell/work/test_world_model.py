@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from layflat.cell.plan.containers import Fruit
-from layflat.cell.work.world_model import OcclusionModel, remembered, same
+from layflat.cell.plan.order import Fruit
+from layflat.cell.work.world_model import OcclusionModel, is_same_fruit, update_fruit
 
 CAMERA = np.array([0.3, 0.37, 1.5])
 ALONG_X = OcclusionModel(
@@ -47,20 +47,20 @@ def test_the_open_is_believed_and_the_hidden_is_remembered(
     before: list[tuple[float, float]], now: list[tuple[float, float]]
 ) -> None:
     known, seen = [fruit(*spot) for spot in before], [fruit(*spot) for spot in now]
-    found = remembered(known, seen, ALONG_X)
+    found = update_fruit(known, seen, ALONG_X)
     for one in found:
         assert one in known if ALONG_X.hides(one) else one in seen
     for one in seen:
         assert (one in found) == (not ALONG_X.hides(one)) or one in known
     for one in known:
         if ALONG_X.hides(one):
-            assert one in found or any(same(one, other) for other in found)
+            assert one in found or any(is_same_fruit(one, other) for other in found)
 
 
 def test_without_the_arm_the_picture_is_all_that_counts() -> None:
-    assert remembered([fruit(0.2, 0.3)], [fruit(0.5, 0.3)], None) == [fruit(0.5, 0.3)]
+    assert update_fruit([fruit(0.2, 0.3)], [fruit(0.5, 0.3)], None) == [fruit(0.5, 0.3)]
 
 
 @pytest.mark.parametrize(("apart", "is_same"), [(0.01, True), (0.02, False)])
 def test_two_sightings_near_one_another_are_of_one_fruit(apart: float, is_same: bool) -> None:
-    assert same(fruit(0.2, 0.3), fruit(0.2 + apart, 0.3)) is is_same
+    assert is_same_fruit(fruit(0.2, 0.3), fruit(0.2 + apart, 0.3)) is is_same

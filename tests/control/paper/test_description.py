@@ -4,9 +4,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from layflat.control.paper.description import PaperControllerPart, idle_gains, settings
-from layflat.control.paper.gains import Gains
-from layflat.control.paper.law import step_joint, wake_joint
+from layflat.control.paper import PaperControllerPart, idle_gains, paper_settings
+from layflat.control.paper.law import Gains, step_joint, wake_joint
 from layflat.machine import Machine, changed, load
 from layflat.machine.parameters import plant
 
@@ -17,7 +16,7 @@ CENTRE = 5.0  # V
 def of(arm: Machine) -> tuple[Gains, ...]:
     """Settings of each joint."""
     assert isinstance(arm.controller, PaperControllerPart)
-    return settings(arm.controller, arm, lambda: plant(arm)).joints
+    return paper_settings(arm.controller, arm, lambda: plant(arm)).joints
 
 
 def test_settings_are_what_the_file_says_of_each_joint() -> None:

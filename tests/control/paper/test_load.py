@@ -2,7 +2,7 @@
 
 import pytest
 
-from layflat.control.paper.gains import DescribedLoad, NoLoad, fed_back
+from layflat.control.paper.law import DescribedLoad, NoLoad, feedback_pressure
 from layflat.description.change import changed
 from layflat.machine import load
 from layflat.machine.loader import tables
@@ -11,23 +11,23 @@ from layflat.machine.parameters import arm, mass_and_pull, plant, torque_constan
 
 
 def test_nothing_is_taken_off_where_nothing_is_known() -> None:
-    assert fed_back(NoLoad(), (0.1, -0.2), (3e4, -1e4)) == (3e4, -1e4)
+    assert feedback_pressure(NoLoad(), (0.1, -0.2), (3e4, -1e4)) == (3e4, -1e4)
 
 
 def test_an_arm_that_is_held_feeds_nothing_back() -> None:
     machine, q = changed(load("paper-arm"), "arm.gravity", 9.81), (0.3, -0.4)
     _, pull = mass_and_pull(arm(machine), machine.arm.payload, q)
     held = tuple(-of / (2.0 * torque_constant(j)) * 2.0 for of, j in zip(pull, machine.joints.values(), strict=True))
-    assert fed_back(DescribedLoad(*plant(machine)), q, held) == pytest.approx((0.0, 0.0), abs=1e-6)
+    assert feedback_pressure(DescribedLoad(*plant(machine)), q, held) == pytest.approx((0.0, 0.0), abs=1e-6)
 
 
 def test_a_level_arm_needs_nothing() -> None:
-    assert fed_back(DescribedLoad(*plant(load("paper-arm"))), (0.3, -0.4), (3e4, -1e4)) == (3e4, -1e4)
+    assert feedback_pressure(DescribedLoad(*plant(load("paper-arm"))), (0.3, -0.4), (3e4, -1e4)) == (3e4, -1e4)
 
 
 def test_a_file_asks_for_it() -> None:
     plain, sources = tables("paper-arm")
-    told = {**plain, "controller": {**plain["controller"], "known_load": True}}
+    told = {**plain, "controller": {**plain["controller"], "load_compensation": True}}
     from layflat.machine import parameters
 
     assert isinstance(parameters.control(build(told, sources, "told")).load, DescribedLoad)

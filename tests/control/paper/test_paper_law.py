@@ -4,11 +4,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from layflat.control.paper.gains import Gains, Memory, Phase, Report
-from layflat.control.paper.law import step_joint, wake_joint
+from layflat.control.paper.law import FeedbackGains, Gains, Memory, Report, step_joint, wake_joint
 
 CYCLE = 0.005
-FAR, NEAR, CLOSE = Phase(20.0, 1.5e-5), Phase(30.0, 1e-5), Phase(50.0, 3e-6)
+FAR, NEAR, CLOSE = FeedbackGains(20.0, 1.5e-5), FeedbackGains(30.0, 1e-5), FeedbackGains(50.0, 3e-6)
 GAINS = Gains(
     far=FAR,
     near=NEAR,
@@ -72,7 +71,7 @@ def test_differential_pressure_opposes(dp: float) -> None:
 @pytest.mark.parametrize(
     ("error", "phase", "gains"), [(20.0, 1.0, FAR), (-20.0, 1.0, FAR), (5.0, 2.0, NEAR), (-1.0, 3.0, CLOSE)]
 )
-def test_phases_by_error(error: float, phase: float, gains: Phase) -> None:
+def test_phases_by_error(error: float, phase: float, gains: FeedbackGains) -> None:
     dp = 4e4
     memory = wake_joint(GAINS, 0.0, dp)
     after, voltage, report = cycle(memory, 0.0, radians(error), dp)

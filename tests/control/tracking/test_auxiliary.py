@@ -23,7 +23,7 @@ def test_at_rest_dither_stops_and_nothing_moves() -> None:
     assert np.all(late.dither_share[1:] == 0.0)
     assert np.all(late.velocity == 0.0)
     air = late.air_taken.sum("joint")
-    always = rollout(changed_all(load("paper-arm-tracking"), {"valve.dither.least": 1.0}), STEP, duration="4 s", seed=3)
+    always = rollout(changed_all(load("paper-arm-tracking"), {"valve.dither.min": 1.0}), STEP, duration="4 s", seed=3)
     dithered = always.sel(time=slice(2.0, None)).air_taken.sum("joint")
     assert float(air[-1] - air[0]) / 58.0 < 0.2 * float(dithered[-1] - dithered[0]) / 2.0
     assert np.all(always.dither_share == 1.0)
@@ -41,7 +41,7 @@ def test_brakes_open_for_what_moves_and_close_at_rest(arm: Machine) -> None:
     moves = np.where(t < 1.5, 0.3 * np.sin(2.0 * t), 0.3 * np.sin(3.0))
     demand = np.stack([moves, -moves], axis=1)
     run = rollout(arm, demand, duration="3 s", start=[0.0, 0.0])
-    least = arm.joint["large"].brake.calliper.least  # type: ignore[union-attr]
+    least = arm.joint["large"].brake.calliper.released_fraction  # type: ignore[union-attr]
     assert np.all(run.brake_share.sel(time=slice(0.3, 1.45)) == pytest.approx(least))
     assert np.all(run.brake_share.sel(time=slice(1.7, None)) == 1.0)
     # A calliper takes its time.

@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from layflat.control.tracking.arrival import MEMORY, MOST, Doubt, doubted
+from layflat.control.tracking.arrival import AVERAGING_TIME, MAX_MEAN_SQUARE, ModelResidual, update_residual
 from layflat.description.change import changed_all
 from layflat.machine import Machine, load
 from layflat.sim import rollout
 
 STEPS = [(0.0, [-0.35, -0.35]), (0.3, [0.35, 0.35]), (1.8, [-0.35, -0.35])]
 T = 5e-3
-CALM = Doubt(0.0, 0.0, (0.0, 0.0))
+CALM = ModelResidual(0.0, 0.0, (0.0, 0.0))
 
 
 @pytest.fixture(scope="module")
@@ -19,18 +19,18 @@ def arm() -> Machine:
 
 
 def test_a_bump_is_no_doubt_and_what_lasts_is() -> None:
-    bumped = doubted(CALM, 1e9, (0.0, 0.0), T)
+    bumped = update_residual(CALM, 1e9, (0.0, 0.0), T)
     assert bumped.held == 0.0
     doubt = CALM
-    for _ in range(round(3 * MEMORY / T)):
-        doubt = doubted(doubt, 1.5 * MOST, (0.0, 0.0), T)
+    for _ in range(round(3 * AVERAGING_TIME / T)):
+        doubt = update_residual(doubt, 1.5 * MAX_MEAN_SQUARE, (0.0, 0.0), T)
     assert doubt.held == 1.0
 
 
 def test_what_was_given_up_is_tried_again_for_another_goal() -> None:
-    held = Doubt(2.0 * MOST, 1.0, (0.2, 0.0))
-    assert doubted(held, 0.0, (0.2, 0.001), T).held == 1.0
-    assert doubted(held, 1.0, (0.3, 0.0), T).held == 0.0
+    held = ModelResidual(2.0 * MAX_MEAN_SQUARE, 1.0, (0.2, 0.0))
+    assert update_residual(held, 0.0, (0.2, 0.001), T).held == 1.0
+    assert update_residual(held, 1.0, (0.3, 0.0), T).held == 0.0
 
 
 @pytest.mark.compiled

@@ -49,7 +49,9 @@ def test_frequencies_are_those_of_masses_on_springs() -> None:
     single = [natural_rates(*parameters.plant(lighter(times)))[0] for times in (1.0, 100.0)]
     assert single[1] == pytest.approx(10.0 * single[0])
     law = parameters.control(machine)
-    stiffness = np.diag([feedback.least / 0.7 for feedback in law.feedback])  # at three quarters of the pressure
+    stiffness = np.diag(
+        [feedback.min_stiffness / 0.7 for feedback in law.feedback]
+    )  # at three quarters of the pressure
     bends = np.radians(np.linspace(-60.0, 60.0, 31))
     masses = [parameters.mass_and_pull(arm, 0.0, [0.0, bend])[0] for bend in bends]
     highest = max(eigh(stiffness, mass, eigvals_only=True)[-1] for mass in masses) ** 0.5

@@ -5,9 +5,9 @@ import pytest
 
 from benchmarks.picking import CLOSE, followed, lines, moves, places, settled
 from layflat.machine import load, parameters
-from layflat.motion.inverse import Inverse
+from layflat.motion.inverse import InverseKinematics
 from layflat.motion.kinematics import Kinematics
-from layflat.motion.limits import abilities
+from layflat.motion.limits import joint_capabilities
 from layflat.sim import Scenario
 from layflat.sim.ensemble import ensemble
 
@@ -18,7 +18,7 @@ PICKING = load("picking-arm")
 def test_the_tip_comes_to_places_within_a_second() -> None:
     postures = places(PICKING, 33, seed=11)
     tips = Kinematics(PICKING).tip(postures)
-    assert np.all(np.ptp(tips, axis=0) > 0.5 * np.ptp(Inverse(PICKING).tips, axis=0))
+    assert np.all(np.ptp(tips, axis=0) > 0.5 * np.ptp(InverseKinematics(PICKING).tips, axis=0))
     times = settled(PICKING, moves(postures, 1), seed=12)
     assert np.mean(times <= 1.0) >= 0.95
     assert np.median(times) < 0.5
@@ -57,7 +57,7 @@ def test_no_joint_is_too_light_for_feedback() -> None:
         machine = load(name)
         settings = parameters.control(machine, closed_loop=True)
         inertia, _ = parameters.mass_and_pull(parameters.arm(machine), 0.1, [0.0] * len(machine.joints))
-        most = abilities(machine).stiffness
+        most = joint_capabilities(machine).stiffness
         for j, feedback in enumerate(settings.feedback):
-            assert 0.5 * most[j] < feedback.least < 1.2 * most[j]
-            assert (feedback.stiffness * inertia[j, j] > feedback.least) == bool(heavy[j])
+            assert 0.5 * most[j] < feedback.min_stiffness < 1.2 * most[j]
+            assert (feedback.stiffness * inertia[j, j] > feedback.min_stiffness) == bool(heavy[j])

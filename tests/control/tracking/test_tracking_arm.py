@@ -66,7 +66,7 @@ def test_a_command_that_is_known_to_be_late_costs_its_delay(arm: Machine) -> Non
 
 
 def test_a_payload_is_learnt_in_the_first_move(arm: Machine) -> None:
-    unsure = changed_all(arm, {"arm.payload": 1.0, "controller.payload_spread": 0.6})
+    unsure = changed_all(arm, {"arm.payload": 1.0, "controller.payload_std": 0.6})
     payloads = np.random.default_rng(9).uniform(0.0, 2.0, RUNS)
     assert np.quantile(settled(unsure, {"scenario.payload": payloads}), 0.95) < 0.7
     for payload in (0.1, 1.9):
@@ -78,14 +78,14 @@ def test_a_light_joint_that_breaks_away_is_caught(arm: Machine) -> None:
     """Friction at rest is far above that in motion: what it takes to start a joint flings it past its goal."""
     sticks = StribeckPart(kind="stribeck", static_ratio=1.45, velocity="2 deg/s")
     plant = changed_all(arm, {"joint.small.friction": sticks, "joint.small.brake.torque": 2.7})
-    unsure = changed_all(arm, {"arm.payload": 1.0, "controller.payload_spread": 0.6})
+    unsure = changed_all(arm, {"arm.payload": 1.0, "controller.payload_std": 0.6})
     times = settled(plant, {"scenario.payload": np.full(RUNS, 0.03)}, controller=unsure)
     assert np.median(times) < 0.5
     assert np.mean(times > 0.6) < 0.35
 
 
 def test_gravity_is_borne_and_its_payload_learnt(arm: Machine) -> None:
-    upright = changed_all(arm, {"arm.gravity": 9.81, "arm.payload": 1.0, "controller.payload_spread": 0.6})
+    upright = changed_all(arm, {"arm.gravity": 9.81, "arm.payload": 1.0, "controller.payload_std": 0.6})
     run = rollout(upright, scenario=steps()[1], payload=1.8)
     tips = tip_position(upright, run.angle.values[200:])
     goal = tip_position(upright, run.demand.values[-1])
@@ -121,7 +121,7 @@ def test_an_arm_whose_goal_changes_on_its_way_stays_in_its_stroke(arm: Machine) 
 
 
 def test_an_arm_that_is_pushed_away_comes_back(arm: Machine) -> None:
-    push = [("0.3 s", {"large": "60 N m", "small": "20 N m"}), ("0.5 s", 0.0)]
+    push: Any = [("0.3 s", {"large": "60 N m", "small": "20 N m"}), ("0.5 s", 0.0)]
     run = rollout(arm, 0.0, duration="1.5 s", load=push)
     assert np.abs(run.angle.values[60:120]).max() > 0.2
     assert np.abs(run.angle.values[-60:]).max() < np.radians(0.3)

@@ -3,8 +3,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from layflat.control import FULL, Demand, Sensed, step, wake
-from layflat.control.tracking.description import TrackingControllerPart
+from layflat.control import FULL_FRACTIONS, Demand, Sensed, step, wake
+from layflat.control.tracking import TrackingControllerPart
 from layflat.description.change import changed_all, value_at
 from layflat.errors import LayflatError, MachineError
 from layflat.machine import load, parameters
@@ -27,7 +27,7 @@ def test_all_follows_from_the_machine(tmp_path: Path) -> None:
     assert (large.torque, small.torque) == pytest.approx((76.0, 23.0), rel=0.05)
     assert (large.rate, small.rate) == pytest.approx((1035.0, 850.0), rel=0.25)
     assert settings.prior.usual[-1] == arm.arm.payload
-    assert settings.prior.spread[-1] == 0.0
+    assert settings.prior.deviations[-1] == 0.0
     assert settings.plant.late == ()
 
 
@@ -68,7 +68,7 @@ def test_called_from_python_an_arm_at_its_goal_stays_there() -> None:
     for _ in range(3):
         memory, command, report = step(settings, memory, Sensed(nothing, nothing), demand, 5e-3)
     assert command.voltage == pytest.approx((5.0, 5.0), abs=0.05)
-    assert command.shares == (FULL, FULL)
+    assert command.shares == (FULL_FRACTIONS, FULL_FRACTIONS)
     assert [joint.landed for joint in report] == [1.0, 1.0]
     assert [joint.estimated_angle for joint in report] == [0.0, 0.0]
 
@@ -77,8 +77,8 @@ def test_called_from_python_an_arm_at_its_goal_stays_there() -> None:
     ("lines", "says"),
     [
         (['bandwidth = "0 1/s"'], "controller.bandwidth"),
-        (["valve_share = 1.5"], "controller.valve_share"),
-        (['payload_spread = "-1 kg"'], "controller.payload_spread"),
+        (["valve_fraction = 1.5"], "controller.valve_fraction"),
+        (['payload_std = "-1 kg"'], "controller.payload_std"),
         (["reserve = 1.2"], "controller.reserve"),
         (["averaged = true"], "averaged"),
     ],

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from layflat.design.arm import read_task
 from layflat.design.arm.sizing import SizedArm, size_arm
-from layflat.design.arm.task import read_task
 from layflat.motion.dynamics import rigid_torques
 from layflat.motion.kinematics import tip_position
 from layflat.motion.trajectory import States, quintic

@@ -10,9 +10,9 @@ from numpy.testing import assert_allclose
 from scipy.spatial.transform import Rotation
 
 from layflat.design import design_joint
+from layflat.design.arm import read_task
 from layflat.design.arm.sizing import SizedArm, size_arm
-from layflat.design.arm.task import read_task
-from layflat.design.arm.trade_off import Trial, undominated
+from layflat.design.arm.trade_off import SizingTrial, undominated
 from layflat.errors import DesignError
 from layflat.machine import load
 from layflat.motion.dynamics import rigid_torques
@@ -78,7 +78,7 @@ def test_the_built_in_arm_is_what_its_task_comes_to(picking: SizedArm) -> None:
 
 
 def test_a_slow_lift_holds_its_load_as_a_lever() -> None:
-    lift = sized(**LIFT | {"time": "20 s", "poses": [["-60 deg"], ["60 deg"]]})
+    lift = sized(**LIFT | {"time": "20 s", "configurations": [["-60 deg"], ["60 deg"]]})
     (part,), (need,) = lift.parts, lift.needs
     lever = 9.81 * 0.6 * (1.0 + part.tube.mass / 2.0)
     assert need.static == pytest.approx(lever, rel=1e-3)
@@ -98,8 +98,8 @@ def test_joints_carry_those_after_them(tmp_path: Path) -> None:
     path = tmp_path / "stretched.toml"
     link = 'axis = [0, -1, 0]\nlink = ["0.3 m", "0 m", "0 m"]'
     heading = 'name = "stretched"\ntitle = ""\npayload = "1 kg"\nsupply = "6 bar"\ntime = "30 s"\n'
-    poses = 'poses = [["-60 deg", "0 deg"], ["60 deg", "0 deg"]]\n'
-    path.write_text(f'{heading}{poses}[[joint]]\nname = "a"\n{link}\n[[joint]]\nname = "b"\n{link}\n')
+    configurations = 'configurations = [["-60 deg", "0 deg"], ["60 deg", "0 deg"]]\n'
+    path.write_text(f'{heading}{configurations}[[joint]]\nname = "a"\n{link}\n[[joint]]\nname = "b"\n{link}\n')
     arm = size_arm(read_task(path))
     first, second = arm.parts
     held = 0.6 + 0.15 * first.tube.mass + 0.45 * second.tube.mass + 0.3 * second.mass
@@ -141,7 +141,7 @@ title = "A lift and a roll"
 payload = "1 kg"
 supply = "6 bar"
 time = "2 s"
-turn = "90 deg"
+rotation = "90 deg"
 [[joint]]
 name = "lift"
 axis = [0, -1, 0]
@@ -187,11 +187,11 @@ def test_axes_and_middles_lie_any_way(tmp_path: Path, axis: tuple[float, ...], m
 @pytest.mark.parametrize(
     ("harder", "told"),
     [
-        ({"payload": "300 kg"}, "size-arm: joint 'shoulder': would have to give at least"),
-        ({"time": "0.05 s"}, "size-arm: joint 'shoulder': "),
+        ({"payload": "300 kg"}, "task: joint 'shoulder': would have to give at least"),
+        ({"time": "0.05 s"}, "task: joint 'shoulder': "),
         ({"reach": "8 m"}, "times what the widest hose gives; ask for less reach, payload or speed, or give more"),
-        ({"joints": 1, "supply": "0.5 bar", "payload": "9 kg"}, "size-arm: joint 'lift': would have to give at least"),
-        ({"poses": [["0 deg", "0 deg"]] * 2}, "size-arm: its moves go nowhere; give poses or points that differ"),
+        ({"joints": 1, "supply": "0.5 bar", "payload": "9 kg"}, "task: joint 'lift': would have to give at least"),
+        ({"configurations": [["0 deg", "0 deg"]] * 2}, "task: its moves go nowhere; give configurations or points"),
     ],
 )
 def test_what_no_joint_can_do_names_the_joint(harder: dict[str, Any], told: str) -> None:
@@ -209,5 +209,5 @@ def test_a_point_out_of_reach_names_the_nearest() -> None:
 
 
 def test_arms_that_are_heavier_and_slower_are_dominated() -> None:
-    trials = [Trial(4e5, time, mass, 0.0) for time, mass in ((1.0, 5.0), (1.2, 5.0), (1.5, 4.0), (0.9, np.inf))]
+    trials = [SizingTrial(4e5, time, mass, 0.0) for time, mass in ((1.0, 5.0), (1.2, 5.0), (1.5, 4.0), (0.9, np.inf))]
     assert undominated(trials) == [True, False, True, False]

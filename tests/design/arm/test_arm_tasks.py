@@ -7,12 +7,13 @@ from typing import Any
 import pytest
 from numpy.testing import assert_allclose
 
+from layflat.design.arm import TASK_LIBRARY, read_task
 from layflat.design.arm.sizing import size_arm
-from layflat.design.arm.task import STANDARD, TASKS, read_task
+from layflat.design.arm.task import STANDARD_CHAINS
 from layflat.errors import DesignError
 
 USUAL = {"payload": "1 kg", "supply": "6 bar", "time": "1 s"}
-REACH = USUAL | {"reach": "0.8 m"}
+REACH: dict[str, Any] = USUAL | {"reach": "0.8 m"}
 SLIDE = """
 name = "swing"
 title = "One upright joint"
@@ -34,13 +35,13 @@ def written(tmp_path: Path, text: str) -> Path:
     return path
 
 
-@pytest.mark.parametrize("name", TASKS.names)
+@pytest.mark.parametrize("name", TASK_LIBRARY.names)
 def test_built_in_tasks_say_what_they_are(name: str) -> None:
     task = read_task(name)
     assert (task.name, bool(task.title)) == (name, True)
 
 
-@pytest.mark.parametrize("count", STANDARD)
+@pytest.mark.parametrize("count", STANDARD_CHAINS)
 def test_links_of_a_standard_arm_come_to_its_reach(count: int) -> None:
     chain = read_task(**REACH, joints=count).chain
     assert len(chain) == count
@@ -66,27 +67,30 @@ def test_options_stand_over_the_file(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("given", "told"),
     [
-        ({}, "size-arm: payload: is missing; docs/sizing-arms.md shows a complete task"),
+        ({}, "task: payload: is missing; docs/sizing-arms.md shows a complete task"),
         (USUAL, "needs reach, of a standard arm, or [[joint]] tables; give one of them"),
-        (REACH | {"reach": "0.8"}, "size-arm: --reach: '0.8' is a bare number; give a length such as"),
-        (REACH | {"reach": "8 kg"}, "size-arm: --reach: '8 kg' is not a length"),
-        (REACH | {"payload": "-1 kg"}, "size-arm: --payload: '-1 kg' is out of range"),
-        (REACH | {"supply": "12 bar"}, "--supply: '12 bar' is no pressure of such joints; give 0.5 bar to 10 bar"),
+        (REACH | {"reach": "0.8"}, "task: reach: '0.8' is a bare number; give a length such as"),
+        (REACH | {"reach": "8 kg"}, "task: reach: '8 kg' is not a length"),
+        (REACH | {"payload": "-1 kg"}, "task: payload: '-1 kg' is out of range"),
+        (REACH | {"supply": "12 bar"}, "supply: '12 bar' is no pressure of such joints; give 0.5 bar to 10 bar"),
         (REACH | {"acceleration": "2 m/s^2"}, "needs time, that a move takes, or acceleration, of the tip; give one"),
-        (REACH | {"joints": 5}, "--joints: 5 is out of range; give at most 4"),
-        (REACH | {"margin": 0.9}, "--margin: 0.9 is out of range; give at least 1"),
-        (REACH | {"name": "a/b"}, "--name: 'a/b' can't be a name"),
-        (REACH | {"turn": "150 deg"}, "turn is 150 deg, and no joint turns by more than 120 deg; give less"),
+        (REACH | {"joints": 5}, "joints: 5 is out of range; give at most 4"),
+        (REACH | {"margin": 0.9}, "margin: 0.9 is out of range; give at least 1"),
+        (REACH | {"name": "a/b"}, "name: 'a/b' can't be a name"),
+        (REACH | {"rotation": "150 deg"}, "rotation is 150 deg, and no joint turns more than 120 deg; give less"),
         (REACH | {"points": [["0.5 m", "0 m", "0 m"]]}, "points has a single one, which is no move; give at least two"),
-        (REACH | {"points": [["0.5 m", "0 m"]] * 2}, "--points.0: has too few values; give 3"),
-        (REACH | {"joints": 1, "poses": [["0 deg"], ["1 deg", "2 deg"]]}, "pose 2 has 2 angles; give one a joint, 1"),
+        (REACH | {"points": [["0.5 m", "0 m"]] * 2}, "points.0: has too few values; give 3"),
         (
-            REACH | {"joints": 1, "poses": [["0 deg"], ["70 deg"]]},
-            "pose 2 turns joint 'lift' to 70 deg; its stroke is 60 deg either way, from the middle",
+            REACH | {"joints": 1, "configurations": [["0 deg"], ["1 deg", "2 deg"]]},
+            "configuration 2 has 2 angles; give one a joint, 1",
+        ),
+        (
+            REACH | {"joints": 1, "configurations": [["0 deg"], ["70 deg"]]},
+            "configuration 2 turns joint 'lift' to 70 deg; its stroke is 60 deg either way, from the middle",
         ),
         (
             REACH | {"volume": {"low": ["1 m", "0 m", "0 m"], "high": ["0 m", "1 m", "1 m"]}},
-            "--volume: low must not be above high, in any of x, y and z",
+            "volume: low must not be above high, in any of x, y and z",
         ),
     ],
 )

@@ -1,12 +1,13 @@
 """Valves of sized arms, against ISO 6358 written out and against hoses that fill in simulation."""
 
 from math import sqrt
+from typing import Any
 
 import pytest
 
+from layflat.design.arm import read_task
+from layflat.design.arm.components import NOMINAL_FLOWS, _share_of_rate, choose_valve, sold_valves
 from layflat.design.arm.sizing import size_arm
-from layflat.design.arm.task import read_task
-from layflat.design.arm.valves import NOMINAL_FLOWS, _share_of_rate, choose, sold_valves
 from layflat.errors import DesignError
 from layflat.machine import load
 
@@ -25,10 +26,10 @@ def test_a_nominal_flow_says_the_conductance() -> None:
 def test_the_smallest_that_does_is_chosen() -> None:
     sold = sold_valves(MACHINE)
     for valve in sold:
-        assert choose(sold, valve.size, "") is valve
-    assert choose(sold, 1.001 * sold[0].size, "") is sold[1]
+        assert choose_valve(sold, valve.size, "") is valve
+    assert choose_valve(sold, 1.001 * sold[0].size, "") is sold[1]
     with pytest.raises(DesignError, match=r"arm: joint 'base': needs a valve of 3000 l/min, 1.50 times the largest"):
-        choose(sold, 1.5 * sold[-1].size, "arm: joint 'base'")
+        choose_valve(sold, 1.5 * sold[-1].size, "arm: joint 'base'")
 
 
 def test_a_joint_that_gives_much_gains_more_slowly_than_it_loses() -> None:
@@ -38,7 +39,7 @@ def test_a_joint_that_gives_much_gains_more_slowly_than_it_loses() -> None:
 
 
 def test_quicker_moves_take_larger_valves() -> None:
-    asked = {"reach": "0.6 m", "joints": 1, "payload": "1 kg", "supply": "6 bar"}
+    asked: Any = {"reach": "0.6 m", "joints": 1, "payload": "1 kg", "supply": "6 bar"}
     flows = []
     for time in ("2 s", "0.4 s"):
         (part,) = size_arm(read_task(None, **asked, time=time)).parts

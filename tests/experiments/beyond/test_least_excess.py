@@ -3,7 +3,7 @@ import pytest
 from scipy.optimize import minimize
 
 from layflat.arrays import Array
-from layflat.experiments.beyond.search import least_excess
+from layflat.experiments.beyond.search import minimize_excess
 
 POINTS, UNKNOWNS, RADIUS = 6, 20, 1.0
 
@@ -23,7 +23,7 @@ def objective(x: Array, v_0: Array, A: Array, lam: float) -> float:
 def test_it_is_the_least_within_the_bounds(seed: int, lam: float) -> None:
     v_0, A = drawn(seed)
     low, high = np.full(UNKNOWNS, -1.0), np.full(UNKNOWNS, 0.5)
-    x = least_excess(v_0, A, RADIUS, lam, low, high)
+    x = minimize_excess(v_0, A, RADIUS, lam, low, high)
     assert (x >= low).all()
     assert (x <= high).all()
     bounds = list(zip(low, high, strict=True))
@@ -34,4 +34,4 @@ def test_it_is_the_least_within_the_bounds(seed: int, lam: float) -> None:
 def test_points_inside_the_disc_ask_for_nothing() -> None:
     _, A = drawn(0)
     bound = np.ones(UNKNOWNS)
-    assert not least_excess(np.full((POINTS, 2), 0.5), A, RADIUS, 1.0, -bound, bound).any()
+    assert not minimize_excess(np.full((POINTS, 2), 0.5), A, RADIUS, 1.0, -bound, bound).any()

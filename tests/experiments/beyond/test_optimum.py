@@ -4,13 +4,11 @@ import numpy as np
 import pytest
 
 from layflat.errors import InputError
-from layflat.experiments.beyond import Optimum, settling_bound
-from layflat.experiments.beyond.optimum import tracked
-from layflat.experiments.beyond.shooting import Shooting
+from layflat.experiments.beyond import Optimum, settling_bound, simulate_tracking_law
+from layflat.experiments.beyond.search import Shooting
 from layflat.machine import Machine, changed, load, parameters
 from layflat.sim import rollout
-from layflat.sim.ensemble.parallel import TIP_BAND
-from layflat.sim.metrics import tip_settling
+from layflat.sim.metrics import TIP_BAND, tip_settling
 from research.settling_floor import mass_matrix, settling_floor
 
 JOINT = load("paper-small-joint-fast")
@@ -24,21 +22,23 @@ def optimum() -> Optimum:
 
 def test_it_lies_between_the_floor_and_the_tracking_law(optimum: Optimum) -> None:
     step = Shooting(JOINT, (START,), (END,))
-    law = tracked(step, TIP_BAND)
+    law = simulate_tracking_law(step, TIP_BAND)
     assert law is not None
     assert settling_floor(step, TIP_BAND) <= optimum.settling < 0.95 * law.cycles * JOINT.cycle
 
 
 def test_its_openings_bring_the_tip_there_in_a_rollout(optimum: Optimum) -> None:
-    rest = round(optimum.rest / JOINT.cycle)
+    rest = round(optimum.step_time / JOINT.cycle)
     openings = np.zeros((round(1.5 / JOINT.cycle), 1))
     openings[rest : rest + len(optimum.openings)] = optimum.openings
     assert np.abs(openings).max() <= 1.0
     run = rollout(JOINT, duration=1.5, start=START, opening=openings, noise=False)
-    run["demand"] = run["demand"].copy(data=np.where(run["time"].to_numpy()[:, None] < optimum.rest - 1e-9, START, END))
-    assert tip_settling(run, optimum.rest, 1.5, TIP_BAND) == pytest.approx(optimum.settling)
-    assert tip_settling(optimum.run, optimum.rest, np.inf, TIP_BAND) == pytest.approx(optimum.settling)
-    assert float(optimum.run["time"][-1]) >= optimum.rest + optimum.settling + 0.95
+    run["demand"] = run["demand"].copy(
+        data=np.where(run["time"].to_numpy()[:, None] < optimum.step_time - 1e-9, START, END)
+    )
+    assert tip_settling(run, optimum.step_time, 1.5, TIP_BAND) == pytest.approx(optimum.settling)
+    assert tip_settling(optimum.run, optimum.step_time, np.inf, TIP_BAND) == pytest.approx(optimum.settling)
+    assert float(optimum.run["time"][-1]) >= optimum.step_time + optimum.settling + 0.95
 
 
 def test_it_is_the_same_every_time(optimum: Optimum) -> None:
@@ -55,7 +55,7 @@ def ideal() -> Machine:
         "valve.friction": 0.0,
         "valve.natural_frequency": 800.0,
         "joint.small.losses.damping_time": 0.0,
-        "joint.small.hose.loss_share": 0.0,
+        "joint.small.hose.loss_fraction": 0.0,
         "joint.small.brake.viscous": 0.0,
     }
     machine = load("paper-small-joint")
@@ -65,7 +65,9 @@ def ideal() -> Machine:
 
 
 def test_a_double_integrator_takes_its_known_time(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("layflat.experiments.beyond.optimum.tracked", lambda *_: None)  # slow with so fast a valve
+    monkeypatch.setattr(
+        "layflat.experiments.beyond.simulate_tracking_law", lambda *_: None
+    )  # slow with so fast a valve
     machine = ideal()
     torque = parameters.torque_constant(machine.joint["small"]) * machine.supply.pressure_gauge
     inertia, friction = mass_matrix(machine, 0.0)[0, 0], machine.joint["small"].brake.torque

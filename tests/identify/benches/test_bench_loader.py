@@ -2,26 +2,26 @@ from pathlib import Path
 
 import pytest
 
-from layflat.description.provenance import SOURCES, split
+from layflat.description.tables import SOURCE_NAMES, split_provenance
 from layflat.errors import MachineError
 from layflat.identify.benches.loader import bench_tables, load_bench
-from layflat.identify.benches.vessel.description import VesselBench
-from layflat.machine.listing import listing, to_toml
-from layflat.machine.loader import BENCHES
+from layflat.identify.benches.vessel import VesselBench
+from layflat.machine.listing import list_values, to_toml
+from layflat.machine.loader import BENCH_LIBRARY
 from layflat.physics.flow import sonic_conductance
 
-GOOD = BENCHES.text("blow-down-vessel")
+GOOD = BENCH_LIBRARY.text("blow-down-vessel")
 
 
 def test_built_in_benches_are_sound_and_say_where_each_value_comes_from() -> None:
     import tomllib
 
-    assert "blow-down-vessel" in BENCHES.names
-    for name in BENCHES.names:
+    assert "blow-down-vessel" in BENCH_LIBRARY.names
+    for name in BENCH_LIBRARY.names:
         assert load_bench(name).name == name
-        plain = tomllib.loads(BENCHES.text(name))
-        _, sources = split({key: value for key, value in plain.items() if isinstance(value, dict)}, name)
-        assert all(source.source in SOURCES[:4] and source.note for source in sources.values())
+        plain = tomllib.loads(BENCH_LIBRARY.text(name))
+        _, sources = split_provenance({key: value for key, value in plain.items() if isinstance(value, dict)}, name)
+        assert all(source.source in SOURCE_NAMES[:4] and source.note for source in sources.values())
 
 
 def test_the_built_in_vessel_is_consistent() -> None:
@@ -85,9 +85,9 @@ def test_a_file_that_is_not_there_is_one_line() -> None:
         load_bench("nowhere.toml")
 
 
-@pytest.mark.parametrize("name", BENCHES.names)
+@pytest.mark.parametrize("name", BENCH_LIBRARY.names)
 def test_benches_are_listed_and_printed_as_machines_are(name: str, tmp_path: Path) -> None:
-    lines = listing(*bench_tables(name))
+    lines = list_values(*bench_tables(name))
     assert not {"kind", "name", "title"} & {line.path for line in lines}
     assert all(line.source for line in lines)
     path = tmp_path / "copy.toml"

@@ -7,8 +7,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from layflat.identify import Model, Output, Unknown
-from layflat.identify.unknown import Shares
+from layflat.identify import Model, ModelOutput, Unknown
+from layflat.identify.model import Scaling
 
 Array = NDArray[np.float64]
 
@@ -28,7 +28,7 @@ class Decay(Model):
         exact = self.simulate(truth[None])[0]
         measured = exact + noise * np.random.default_rng(seed).standard_normal(len(self.time))
         fitted = self.time <= 0.75 * until
-        self.outputs = (Output("y", "V", "log", self.time, measured, fitted, noise),)
+        self.outputs = (ModelOutput("y", "V", "log", self.time, measured, fitted, noise),)
 
     def simulate(self, values: Array) -> Array:
         height, rate, level = values.T[:, :, None]
@@ -39,23 +39,23 @@ class ByLifetime(Decay):
     """The same, searched by 1 / rate and by height + level, that is the beginning."""
 
     @cached_property
-    def shares(self) -> Shares:
+    def scaling(self) -> Scaling:
         return _Lifetimes(self.unknowns)
 
 
-class _Lifetimes(Shares):
+class _Lifetimes(Scaling):
     def __init__(self, unknowns: Sequence[Unknown]) -> None:
         super().__init__(unknowns)
-        self.own = Shares(unknowns)
+        self.plain = Scaling(unknowns)
         height, _, level = unknowns
         self.low[0], self.high[0], self.log[:2] = height.low + level.low, height.high + level.high, False
 
-    def of(self, values: Array) -> Array:
+    def scale(self, values: Array) -> Array:
         height, rate, level = values.T
-        return super().of(np.stack([height + level, 1.0 / rate, level]).T)
+        return super().scale(np.stack([height + level, 1.0 / rate, level]).T)
 
-    def values(self, shares: Array) -> Array:
-        beginning, lifetime, level = super().values(shares).T
+    def unscale(self, shares: Array) -> Array:
+        beginning, lifetime, level = super().unscale(shares).T
         return np.stack([beginning - level, 1.0 / lifetime, level]).T
 
 
@@ -66,7 +66,7 @@ class Product(Model):
 
     def __init__(self) -> None:
         measured = 2.0 * TIME + 0.01 * np.random.default_rng(0).standard_normal(len(TIME))
-        self.outputs = (Output("y", "1", "log", TIME, measured, np.ones(len(TIME), bool), 0.01),)
+        self.outputs = (ModelOutput("y", "1", "log", TIME, measured, np.ones(len(TIME), bool), 0.01),)
 
     def simulate(self, values: Array) -> Array:
         return np.asarray(values[:, 0, None] * values[:, 1, None] * TIME)
@@ -79,9 +79,9 @@ class Linearly(Product):
         return np.asarray(values[:, 0, None] * TIME)
 
     @cached_property
-    def shares(self) -> Shares:
-        found = Shares(self.unknowns)
-        found.own, found.log = Shares(self.unknowns), np.array([True, False])
+    def scaling(self) -> Scaling:
+        found = Scaling(self.unknowns)
+        found.plain, found.log = Scaling(self.unknowns), np.array([True, False])
         return found
 
 
@@ -94,7 +94,7 @@ class Level(Model):
             Unknown("shift", "V", 0.0, -10.0, 10.0, log=False, prior=shifted),
         )
         measured = 3.0 + 0.5 * np.random.default_rng(0).standard_normal(len(TIME))
-        self.outputs = (Output("y", "V", "log", TIME, measured, np.ones(len(TIME), bool), 0.5),)
+        self.outputs = (ModelOutput("y", "V", "log", TIME, measured, np.ones(len(TIME), bool), 0.5),)
 
     def simulate(self, values: Array) -> Array:
         return np.asarray(values.sum(axis=1)[:, None] * np.ones(len(TIME)))
@@ -107,7 +107,7 @@ class TwoTones(Model):
 
     def __init__(self, given: bool) -> None:
         measured = np.sin(9.0 * TIME) + 0.05 * np.random.default_rng(0).standard_normal(len(TIME))
-        self.outputs = (Output("y", "1", "log", TIME, measured, np.ones(len(TIME), bool), 0.05),)
+        self.outputs = (ModelOutput("y", "1", "log", TIME, measured, np.ones(len(TIME), bool), 0.05),)
         self.given = given
 
     def simulate(self, values: Array) -> Array:
@@ -131,7 +131,7 @@ class Led(Model):
             measured[k] = x
             self.pushes[k] = (2.0 * np.sign(np.sin(5.0 * time)) - (rate + 3.0) * x) / push
             x += step * (rate * x + push * self.pushes[k]) + 0.005 * draw.standard_normal()
-        self.outputs = (Output("x", "1", "log", TIME, measured, TIME <= 3.0, 0.01),)
+        self.outputs = (ModelOutput("x", "1", "log", TIME, measured, TIME <= 3.0, 0.01),)
         self.lead = 0.0
 
     def at(self, lead: float) -> "Led":
@@ -142,7 +142,7 @@ class Led(Model):
     def continuations(self) -> list[list["Led"]]:
         return [[self.at(lead) for lead in (20.0, 8.0)]]
 
-    def led(self) -> "Led":
+    def tracking_model(self) -> "Led":
         found = self.at(8.0)
         found.remarks = ("It is led.",)
         return found
@@ -168,11 +168,11 @@ class Polynomial(Model):
         outputs = []
         for number, x in enumerate(self.places):
             measured = np.polynomial.polynomial.polyval(x, truth) + noise * random.standard_normal(len(x))
-            outputs.append(Output("y", "V", f"log {number}", np.arange(40.0), measured, np.ones(40, bool), noise))
+            outputs.append(ModelOutput("y", "V", f"log {number}", np.arange(40.0), measured, np.ones(40, bool), noise))
         self.outputs = tuple(outputs)
 
-    def simpler(self) -> dict[str, Model]:
-        return {"line": self.held("cd"), "parabola": self.held("d")}
+    def simpler_models(self) -> dict[str, Model]:
+        return {"line": self.hold("cd"), "parabola": self.hold("d")}
 
     def simulate(self, values: Array) -> Array:
         columns = self.columns(values)
@@ -188,11 +188,11 @@ class Twins(Model):
         self.unknowns = tuple(Unknown(name, "1/s", guess, 0.1, 10.0) for name, guess in (("fast", 1.5), ("slow", 1.4)))
         measured = self.simulate(np.array([rates]))[0]
         measured += noise * np.random.default_rng(3).standard_normal(len(TIME))
-        self.outputs = (Output("y", "V", "log", TIME, measured, np.ones(len(TIME), dtype=bool), noise),)
+        self.outputs = (ModelOutput("y", "V", "log", TIME, measured, np.ones(len(TIME), dtype=bool), noise),)
 
     def simulate(self, values: Array) -> Array:
         first, second = np.exp(-values.T[:, :, None] * TIME)
         return np.asarray(self.share * first + (1.0 - self.share) * second)
 
-    def mirrored(self, values: Array) -> Array:
+    def mirrored_values(self, values: Array) -> Array:
         return values[None, ::-1]

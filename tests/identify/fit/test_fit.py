@@ -7,8 +7,8 @@ import pytest
 
 from layflat.errors import InputError
 from layflat.identify import fit
-from layflat.identify.fit.certainty import NORMAL, PRIOR_WIDTH
-from layflat.identify.report_text import prediction, untrusted
+from layflat.identify.fit.certainty import NORMAL_QUANTILE, PRIOR_WIDTH
+from layflat.identify.report_text import describe_prediction, distrust_reason
 from tests.identify.fit.models import TIME, ByLifetime, Decay, Led, Level, Linearly, Product, Twins, TwoTones
 
 TRUTH = np.array([1.7, 0.6, 0.2])
@@ -31,10 +31,10 @@ def test_what_is_searched_in_other_values_comes_back_with_the_same_intervals() -
 
 
 def test_what_logs_do_not_tell_is_as_unsure_as_it_was_searched() -> None:
-    b = fit(Linearly(), starts=0).of("b")
+    b = fit(Linearly(), starts=0).estimate("b")
     known = PRIOR_WIDTH * (b.unknown.high - b.unknown.low) / b.value  # standard deviation of log b
     assert b.value == pytest.approx(b.unknown.guess, rel=1e-6)
-    assert np.log(b.high / b.low) == pytest.approx(2.0 * NORMAL * known, rel=1e-3)
+    assert np.log(b.high / b.low) == pytest.approx(2.0 * NORMAL_QUANTILE * known, rel=1e-3)
 
 
 def test_intervals_hold_as_often_as_they_say() -> None:
@@ -60,9 +60,9 @@ def test_intervals_hold_where_errors_last_long() -> None:
 
 def test_what_a_log_ends_too_early_for_is_not_told() -> None:
     found = fit(Decay(TRUTH, 0.02, 0, until=0.2), starts=0)
-    assert not found.of("level").identified
-    assert not found.of("rate").identified
-    assert found.of("rate").partner is not None
+    assert not found.estimate("level").identified
+    assert not found.estimate("rate").identified
+    assert found.estimate("rate").partner is not None
 
 
 def test_a_product_is_told_but_not_its_factors() -> None:
@@ -78,21 +78,21 @@ def test_a_prior_of_its_own_is_kept_where_logs_say_nothing_against_it(shifted: t
     found = fit(Level(shifted), starts=0)
     mean, spread = shifted
     # The level's own prior is wide but not without weight: it takes a little of the shift.
-    assert found.of("shift").value == pytest.approx(mean, abs=0.05 * spread)
-    assert found.of("level").value == pytest.approx(3.0 - mean, abs=0.1)
-    assert found.of("shift").high - found.of("shift").low == pytest.approx(2 * 1.96 * spread, rel=0.2)
+    assert found.estimate("shift").value == pytest.approx(mean, abs=0.05 * spread)
+    assert found.estimate("level").value == pytest.approx(3.0 - mean, abs=0.1)
+    assert found.estimate("shift").high - found.estimate("shift").low == pytest.approx(2 * 1.96 * spread, rel=0.2)
 
 
 def test_a_physical_upper_bound_is_no_fault() -> None:
     found = fit(Level((0.0, 0.1), most=2.5), starts=0)
-    assert found.of("level").value == pytest.approx(2.5, abs=0.05)
-    assert not found.of("level").at_bound
+    assert found.estimate("level").value == pytest.approx(2.5, abs=0.05)
+    assert not found.estimate("level").at_bound
 
 
 def test_a_value_at_its_bound_is_said_to_be() -> None:
     found = fit(Decay(np.array([9.0, 0.6, 0.2]), 0.05, 0), starts=0)
-    assert found.of("height").at_bound
-    assert not found.of("height").identified
+    assert found.estimate("height").at_bound
+    assert not found.estimate("height").identified
     assert not found.trusted
 
 
@@ -106,10 +106,10 @@ def test_more_starts_find_a_minimum_that_the_guess_misses() -> None:
 def test_what_runs_away_even_with_the_best_values_is_judged_as_it_is_led(rate: float, led: bool) -> None:
     found = fit(Led(rate, 2.0, seed=2), starts=0)
     assert found.trusted
-    assert (found.led is not None) == led
+    assert (found.tracking is not None) == led
     assert found.remarks == (("It is led.",) if led else ())
     for path, value in (("rate", rate), ("push", 2.0)):
-        estimate = found.of(path)
+        estimate = found.estimate(path)
         assert estimate.identified
         assert estimate.low <= value <= estimate.high
 
@@ -118,9 +118,9 @@ def test_what_is_led_and_still_misses_by_a_tenth_is_not_to_be_trusted() -> None:
     right = Led(4.0, 2.0, seed=2)
     found = fit(right, starts=0)
     off = replace(found, simulated=found.simulated + 0.1 * np.ptp(right.measured))
-    assert found.led is not None
+    assert found.tracking is not None
     assert off.mispredicted is not None
-    assert replace(off, led=None).mispredicted is None
+    assert replace(off, tracking=None).mispredicted is None
 
 
 def test_the_same_seed_gives_the_same_fit() -> None:
@@ -147,8 +147,8 @@ def test_a_run_that_diverged_where_it_was_not_fitted_is_no_prediction() -> None:
     assert lost.mispredicted is not None
     assert lost.mispredicted.diverged
     assert not lost.trusted
-    assert "not at all: the run diverged" in prediction(lost)
-    assert (untrusted(lost, []) or "").startswith("y is missed altogether, as the run diverged, where")
+    assert "not at all: the run diverged" in describe_prediction(lost)
+    assert (distrust_reason(lost, []) or "").startswith("y is missed altogether, as the run diverged, where")
 
 
 def test_samples_that_were_not_measured_do_not_count() -> None:

@@ -10,7 +10,7 @@ import numpy as np
 import xarray
 from numpy.typing import NDArray
 
-from layflat.identify.logs.mapping import Mapping, mapping_of
+from layflat.identify.logs.mapping import LogMapping, parse_mapping
 from layflat.sim import rollout
 
 Array = NDArray[np.float64]
@@ -57,10 +57,10 @@ ENTRIES: dict[str, dict[str, Any]] = {
 """The right mapping of `recorded`, by column."""
 
 
-def mapping(*left_out: str, time: str = "ms", **changed: dict[str, Any]) -> Mapping:
+def mapping(*left_out: str, time: str = "ms", **changed: dict[str, Any]) -> LogMapping:
     """The right mapping of `recorded`, with entries changed or left out."""
     entries = [{**plain, **changed.get(name, {})} for name, plain in ENTRIES.items() if name not in left_out]
-    return mapping_of({"time": {"column": "time_ms", "unit": time}, "column": entries})
+    return parse_mapping({"time": {"column": "time_ms", "unit": time}, "column": entries})
 
 
 def write_csv(path: Path, columns: dict[str, Array], delimiter: str = ",", *, header: bool = True) -> Path:

@@ -78,7 +78,7 @@ def test_what_parquet_holds_besides_is_named(tmp_path: Path) -> None:
         "scan": "has 100 items a row, and an array of more than 64 is no signal",
         "pairs": "is of type map<string, int64 ('pairs')>, which is no number",
     }
-    assert "binary" in guess_mapping(path).left["raw"]
+    assert "binary" in guess_mapping(path).ignored["raw"]
 
 
 def test_two_columns_of_one_name_in_parquet(tmp_path: Path) -> None:

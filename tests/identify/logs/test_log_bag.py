@@ -6,7 +6,7 @@ import pytest
 
 from layflat.errors import InputError
 from layflat.identify.logs import read_log, read_table
-from layflat.identify.logs.mapping import mapping_of
+from layflat.identify.logs.mapping import parse_mapping
 from tests.identify.logs.bags import Message, header, write_json, write_ros
 
 START = 1_700_000_000
@@ -50,7 +50,7 @@ def test_messages_are_flattened_by_field_number_and_name(tmp_path: Path) -> None
 
 
 def test_messages_at_different_rates_become_one_log(tmp_path: Path) -> None:
-    mapping = mapping_of(
+    mapping = parse_mapping(
         {
             "column": [
                 {"from": "joint_states.position.elbow", "signal": "angle", "joint": "elbow", "unit": "rad"},

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from layflat.errors import InputError
-from layflat.identify.logs import check, read_log, refuse, save
-from layflat.identify.logs.checks.channels import Issue, without_spikes
-from layflat.identify.logs.mapping import mapping_of
+from layflat.identify.logs import find_issues, raise_first_error, read_log, save_run
+from layflat.identify.logs.checks.channels import Issue, median_filter
+from layflat.identify.logs.mapping import parse_mapping
 from layflat.machine import changed as described
 from layflat.machine import load
 from tests.identify.logs.recordings import Array, changed, mapping, recorded, run, told, write_csv
@@ -21,7 +21,7 @@ Change = Callable[[Array], Array]
 
 def checked(folder: Path, columns: dict[str, Array], plan: Any = None, *, known: bool = True) -> list[Issue]:
     log = read_log(write_csv(folder / "rig.csv", columns), plan or mapping(), joints=["small"])
-    return check(log, SMALL if known else None)
+    return find_issues(log, SMALL if known else None)
 
 
 @pytest.mark.parametrize("changes", [{}, {"brake": 0.0}, {"payload": "4 kg"}, {"noise": False}, {"supply": "3 bar"}])
@@ -32,10 +32,10 @@ def test_a_good_log_passes_without_a_word(tmp_path: Path, changes: dict[str, Any
 
 
 def test_a_simulated_run_passes(tmp_path: Path) -> None:
-    assert check(read_log(save(run(), tmp_path / "run.nc")), SMALL) == []
-    assert [f for f in check(run(), SMALL) if f.severity == "error"] == []
+    assert find_issues(read_log(save_run(run(), tmp_path / "run.nc")), SMALL) == []
+    assert [f for f in find_issues(run(), SMALL) if f.severity == "error"] == []
     arm = run("paper-arm-fast")
-    assert check(read_log(save(arm, tmp_path / "arm.nc")), load("paper-arm-fast")) == []
+    assert find_issues(read_log(save_run(arm, tmp_path / "arm.nc")), load("paper-arm-fast")) == []
 
 
 def scaled(factor: float) -> Change:
@@ -105,7 +105,7 @@ def test_slips_of_angle_units(tmp_path: Path) -> None:
 def test_an_angle_in_another_unit_than_its_demand(tmp_path: Path) -> None:
     time = 0.01 * np.arange(500)
     columns = {"time": time, "angle": 0.01 * np.sin(time), "demand": 0.5 * np.sin(time + 0.1)}
-    issues = check(read_log(write_csv(tmp_path / "x.csv", columns)))
+    issues = find_issues(read_log(write_csv(tmp_path / "x.csv", columns)))
     expected = "moves 0.0"
     assert expected in told(issues, "error", "angle")
     assert "one of them is in deg and the other in rad" in told(issues, "error", "angle")
@@ -139,9 +139,9 @@ def test_swapped_set_points(tmp_path: Path) -> None:
     noise = 100.0 * rng.normal(size=(2, 1000))
     columns = {"time": time, "pressure_a": follows + noise[0], "pressure_b": 5e5 - follows + noise[1],
                "setpoint_a": asked, "setpoint_b": 5e5 - asked}  # fmt: skip
-    assert not check(read_log(write_csv(tmp_path / "x.csv", columns)))
+    assert not find_issues(read_log(write_csv(tmp_path / "x.csv", columns)))
     columns["setpoint_a"], columns["setpoint_b"] = columns["setpoint_b"], columns["setpoint_a"]
-    issues = check(read_log(write_csv(tmp_path / "x.csv", columns)))
+    issues = find_issues(read_log(write_csv(tmp_path / "x.csv", columns)))
     assert "falls when setpoint_a rises" in told(issues, "error", "pressure_a")
 
 
@@ -154,7 +154,7 @@ def test_units_of_voltage_temperature_brake_and_time(tmp_path: Path) -> None:
     assert "check the unit of time: a factor of 0.001 would fit" in told(issues, "error", "log")
     time = 0.1 * np.arange(100)
     columns = {"time": time, "temperature": 20.0 + np.sin(time), "brake": 50.0 + 50.0 * np.sin(time)}
-    issues = check(read_log(write_csv(tmp_path / "x.csv", columns)))
+    issues = find_issues(read_log(write_csv(tmp_path / "x.csv", columns)))
     assert 'unit = "degC" would add 273.15 K' in told(issues, "error", "temperature")
     assert 'unit = "%" instead of "1" would fit (factor 0.01)' in told(issues, "error", "brake")
 
@@ -186,7 +186,9 @@ def test_a_joint_that_is_thrown_to_its_stop_and_one_that_comes_to_it(frequency: 
     angle = np.where(time > 0.5, 1.3 * np.sin(2.0 * np.pi * frequency * (time - 0.5)), 0.0)
     angle[(time > 0.6) & (time < 0.62)] = np.nan
     angle[50] = 1.3  # a wild sample
-    told_of = [one for one in check(log.assign(angle=(log["angle"].dims, angle[:, None])), SMALL) if "stop" in one.text]
+    told_of = [
+        one for one in find_issues(log.assign(angle=(log["angle"].dims, angle[:, None])), SMALL) if "stop" in one.text
+    ]
     assert [one.channel for one in told_of] == (["angle.small"] if thrown else [])
     if thrown:
         assert told_of[0].text == "is thrown to its stop at 0.565 s"
@@ -200,16 +202,16 @@ def test_beyond_the_end_of_a_sensor_a_stop_is_supposed_only_outside_the_stroke(s
     end = np.radians(float(sensor.split(maxsplit=1)[0])) / 2.0
     angle = np.clip(1.3 * np.sin(2.0 * np.pi * 3.0 * time), -end, end)[:, None]
     machine = described(SMALL, "angle_sensor.range", sensor)
-    found = check(log.assign(angle=(log["angle"].dims, angle)), machine)
+    found = find_issues(log.assign(angle=(log["angle"].dims, angle)), machine)
     assert any("is thrown to its stop" in one.text for one in found) == thrown
 
 
 def test_a_median_of_three_leaves_a_way_as_it_is() -> None:
     way = np.sort(np.random.default_rng(0).random(50))
-    np.testing.assert_array_equal(without_spikes(way), way)
+    np.testing.assert_array_equal(median_filter(way), way)
     spiked = way.copy()
     spiked[20] = 9.0
-    assert np.abs(without_spikes(spiked) - way).max() <= np.diff(way).max()
+    assert np.abs(median_filter(spiked) - way).max() <= np.diff(way).max()
 
 
 def test_missing_samples(tmp_path: Path) -> None:
@@ -236,13 +238,13 @@ def test_missing_samples(tmp_path: Path) -> None:
 def test_missing_channels_and_joints(tmp_path: Path) -> None:
     path = write_csv(tmp_path / "rig.csv", recorded())
     log = read_log(path, mapping("theta", "valve", "ref"), joints=["large", "small"])
-    issues = check(log, load("paper-arm-fast"))
+    issues = find_issues(log, load("paper-arm-fast"))
     assert told(issues, "warning", "large").startswith("has no channel in this log")
     assert "has no angle; map its angle" in told(issues, "warning", "small")
     assert "has no command; map voltage" in told(issues, "warning", "small")
-    other = check(read_log(path, mapping(theta={"joint": "elbow"})), SMALL)
+    other = find_issues(read_log(path, mapping(theta={"joint": "elbow"})), SMALL)
     assert "is not a joint of the machine; its joints are small" in told(other, "error", "elbow")
-    commands = check(read_log(path, mapping("theta", "pA", "pB")), SMALL)
+    commands = find_issues(read_log(path, mapping("theta", "pA", "pB")), SMALL)
     assert "holds nothing that was measured" in told(commands, "error", "log")
     assert "has no pressure" in told(commands, "note", "small")
 
@@ -259,7 +261,7 @@ def test_what_does_not_move(tmp_path: Path) -> None:
     time = 0.01 * np.arange(1000)
     columns = {"time": time, "force": 5.0 + 0.1 * rng.normal(size=1000), "position": 0.1 * np.sin(time),
                "voltage": np.full(1000, 5.0)}  # fmt: skip
-    issues = check(read_log(write_csv(tmp_path / "x.csv", columns)))
+    issues = find_issues(read_log(write_csv(tmp_path / "x.csv", columns)))
     assert "moves no more than its noise" in told(issues, "warning", "force")
     assert "moves" not in told(issues, "warning", "position")
     assert "voltage never change" in told(issues, "warning", "voltage")
@@ -268,16 +270,16 @@ def test_what_does_not_move(tmp_path: Path) -> None:
 def test_errors_refuse_a_log_in_one_line_and_the_rest_does_not() -> None:
     worst = [Issue("error", "angle.a", "is dead", "repair it"), Issue("error", "b", "x"), Issue("note", "c", "y")]
     with pytest.raises(InputError) as caught:
-        refuse(worst, "rig.csv")
+        raise_first_error(worst, "rig.csv")
     assert str(caught.value) == "rig.csv: angle.a: is dead (and 1 more error); repair it"
-    refuse(worst[2:])
+    raise_first_error(worst[2:])
 
 
 def test_a_log_of_one_joint_is_checked_beside_others(tmp_path: Path) -> None:
     columns = recorded()
-    plan = mapping_of({"time": {"column": "time_ms", "unit": "ms"}, "column": [
+    plan = parse_mapping({"time": {"column": "time_ms", "unit": "ms"}, "column": [
         {"from": "theta", "signal": "angle", "joint": "small", "unit": "deg"},
         {"from": "ref", "signal": "demand", "joint": "large", "unit": "deg"},
     ]})  # fmt: skip
     log = read_log(write_csv(tmp_path / "x.csv", columns), plan, joints=["large", "small"])
-    assert not [f for f in check(log, load("paper-arm-fast")) if f.severity == "error"]
+    assert not [f for f in find_issues(log, load("paper-arm-fast")) if f.severity == "error"]

@@ -9,14 +9,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from layflat.errors import InputError
-from layflat.identify.logs import check, read_log
-from layflat.identify.logs.grid import GAP, Series, clock_of, grid_over, resampled
+from layflat.identify.logs import find_issues, read_log
+from layflat.identify.logs.grid import GAP_PERIODS, SignalSeries, build_clock, build_grid, resample
 from tests.identify.logs.recordings import Array, ticks, write_csv
 
 
-def series(signal: str, time: Array, values: Array) -> Series:
-    clock = clock_of(np.asarray(time, dtype=float), "log")
-    return Series(signal, None, clock, np.asarray(values, dtype=float)[clock.rows], {})
+def series(signal: str, time: Array, values: Array) -> SignalSeries:
+    clock = build_clock(np.asarray(time, dtype=float), "log")
+    return SignalSeries(signal, None, clock, np.asarray(values, dtype=float)[clock.rows], {})
 
 
 @st.composite
@@ -31,8 +31,8 @@ def jittered(draw: st.DrawFn) -> Array:
 @settings(max_examples=40)
 @given(time=jittered(), slope=st.floats(-5, 5), cycle=st.sampled_from([None, 2e-3]))
 def test_what_moves_in_a_line_is_not_bent_by_jitter(time: Array, slope: float, cycle: float | None) -> None:
-    grid = grid_over([clock_of(time, "log")], cycle, "log")
-    values = resampled(series("force", time, slope * (time - time[0])), grid)
+    grid = build_grid([build_clock(time, "log")], cycle, "log")
+    values = resample(series("force", time, slope * (time - time[0])), grid)
     known = np.isfinite(values)
     assert values[known] == pytest.approx(slope * grid.time[known], abs=1e-5)
     assert known.mean() > 0.7  # even jitter of 0.8 periods makes no gap of more than GAP periods
@@ -43,8 +43,8 @@ def test_what_moves_in_a_line_is_not_bent_by_jitter(time: Array, slope: float, c
 @given(time=jittered())
 def test_a_command_holds_its_last_value_and_no_other(time: Array) -> None:
     levels = np.arange(time.size, dtype=float)
-    grid = grid_over([clock_of(time, "log")], None, "log")
-    held = resampled(series("voltage", time, levels), grid)
+    grid = build_grid([build_clock(time, "log")], None, "log")
+    held = resample(series("voltage", time, levels), grid)
     for stamp, value in zip(grid.stamps, held, strict=True):
         assert time[int(value)] <= stamp + 1e-6 * grid.period + 1e-6
         assert value == levels[-1] or time[int(value) + 1] > stamp
@@ -54,17 +54,17 @@ def test_an_even_log_stays_as_it_is() -> None:
     time = ticks(0.005, 100)
     values = np.random.default_rng(0).normal(size=100)
     for cycle in (None, 0.005):
-        grid = grid_over([clock_of(time, "log")], cycle, "log")
-        assert np.array_equal(resampled(series("force", time, values), grid), values)
-        assert np.array_equal(resampled(series("voltage", time, values), grid), values)
+        grid = build_grid([build_clock(time, "log")], cycle, "log")
+        assert np.array_equal(resample(series("force", time, values), grid), values)
+        assert np.array_equal(resample(series("voltage", time, values), grid), values)
 
 
 def test_a_log_with_samples_lost_lies_on_the_grid_of_the_others() -> None:
     time = np.delete(ticks(0.005, 200), [7, 8, 30, 31, 32, 33, 34, 35, 36, 37])
-    clock = clock_of(time, "log")
+    clock = build_clock(time, "log")
     assert clock.period == pytest.approx(0.005, rel=1e-12)
     assert clock.jitter == 0.0
-    values = resampled(series("force", time, 2.0 * time), grid_over([clock], None, "log"))
+    values = resample(series("force", time, 2.0 * time), build_grid([clock], None, "log"))
     assert np.flatnonzero(np.isnan(values)).tolist() == list(range(30, 38))
     assert values[7:9] == pytest.approx([0.07, 0.08])  # a few lost ones are no gap
 
@@ -74,11 +74,11 @@ def test_missing_values_are_filled_up_to_three_and_left_open_beyond(lost: int) -
     time = ticks(0.01, 100)
     values = 3.0 * time
     values[40 : 40 + lost] = np.nan
-    grid = grid_over([clock_of(time, "log")], None, "log")
-    measured = resampled(series("angle", time, values), grid)
-    assert np.isnan(measured).sum() == (lost if lost + 1 > GAP else 0)
+    grid = build_grid([build_clock(time, "log")], None, "log")
+    measured = resample(series("angle", time, values), grid)
+    assert np.isnan(measured).sum() == (lost if lost + 1 > GAP_PERIODS else 0)
     assert np.isfinite(measured[[39, 40 + lost]]).all()
-    held = resampled(series("voltage", time, values), grid)
+    held = resample(series("voltage", time, values), grid)
     assert held[40 : 40 + lost] == pytest.approx([3.0 * 0.39] * lost)
 
 
@@ -92,8 +92,8 @@ def test_a_slow_channel_among_fast_ones_has_no_gaps(tmp_path: Path) -> None:
 
 def test_nothing_is_known_before_the_first_and_after_the_last_sample() -> None:
     long, short = ticks(0.01, 100), ticks(0.01, 60, 20)
-    grid = grid_over([clock_of(long, "log"), clock_of(short, "log")], None, "log")
-    measured, held = (resampled(series(name, short, short), grid) for name in ("force", "voltage"))
+    grid = build_grid([build_clock(long, "log"), build_clock(short, "log")], None, "log")
+    measured, held = (resample(series(name, short, short), grid) for name in ("force", "voltage"))
     assert np.isnan(measured[:20]).all()
     assert np.isnan(measured[80:]).all()
     assert np.isnan(held[:20]).all()
@@ -107,7 +107,7 @@ def rig(folder: Path, time: Array, **more: Array) -> Path:
 
 def clock_told(folder: Path, time: Array) -> tuple[dict[str, object], list[str]]:
     log = read_log(rig(folder, time))
-    issues = check(log)
+    issues = find_issues(log)
     return json.loads(log.attrs["log_clocks"])[0], [f"{f.severity}: {f.text}" for f in issues if "force" in f.channel]
 
 
@@ -152,7 +152,7 @@ def test_a_command_with_a_gap_is_held_and_told(tmp_path: Path) -> None:
     volts[100:150] = np.nan
     log = read_log(rig(tmp_path, time, voltage=volts))
     assert np.all(log["voltage"].values[100:150] == volts[99])
-    notes = [f for f in check(log) if f.channel == "voltage"]
+    notes = [f for f in find_issues(log) if f.channel == "voltage"]
     assert [(f.severity, f.right) for f in notes] == [("note", "the command is held there")]
     assert "1 gap, the longest of 0.51 s from 0.990 s" in notes[0].text
 

@@ -9,7 +9,7 @@ import pytest
 from layflat.errors import InputError
 from layflat.identify.logs import guess_mapping, read_log, read_table
 from layflat.identify.logs.clocks import unwrap_counter
-from layflat.identify.logs.guess import Guess
+from layflat.identify.logs.guess import MappingGuess
 from tests.identify.logs.recordings import Array, ticks
 
 COUNT = 120
@@ -28,7 +28,7 @@ def written(folder: Path, header: str, *columns: Array | list[str]) -> Path:
     return path
 
 
-def guessed(folder: Path, header: str, *columns: Array | list[str]) -> tuple[Guess, dict[str, Array], Array]:
+def guessed(folder: Path, header: str, *columns: Array | list[str]) -> tuple[MappingGuess, dict[str, Array], Array]:
     """The guess of a log, and what its signals and its clock are read as."""
     path = written(folder, header, *columns)
     guess = guess_mapping(path, ["small"])
@@ -81,7 +81,7 @@ def test_all_segments_of_a_labview_file(tmp_path: Path, clocked: bool, size: int
 def test_a_unit_with_a_number_or_of_another_quantity_is_asked_for(tmp_path: Path, unit: str) -> None:
     guess, read, _ = guessed(tmp_path, f"Time (s),Angle (deg),Pressure B {unit}", TIME, DEGREES, BAR)
     assert set(read) == {"angle"}
-    assert "write a mapping with" in next(iter(guess.left.values()))
+    assert "write a mapping with" in next(iter(guess.ignored.values()))
 
 
 @pytest.mark.parametrize(("name", "scale"), [("angle_mdeg", 1e3), ("angle [mdeg]", 1e3), ("angle (Deg.)", 1.0)])
@@ -94,7 +94,7 @@ def test_prefixes_and_points_of_units_are_understood(tmp_path: Path, name: str, 
 def test_numbers_that_are_no_quantity_yet_are_asked_for(tmp_path: Path, name: str) -> None:
     guess, read, _ = guessed(tmp_path, f"Time (s),Pressure A (bar abs),{name}", TIME, BAR, 1000.0 * DEGREES)
     assert set(read) == {"pressure_a"}
-    assert "write a mapping with" in guess.left[name]
+    assert "write a mapping with" in guess.ignored[name]
 
 
 @pytest.mark.parametrize("name", ["SecondsOfDay", "time of day", "Sec. since midnight", "Seconds of Day"])
@@ -277,7 +277,7 @@ def test_what_names_and_units_say_together(tmp_path: Path, names: tuple[str, str
         return
     guess = guess_mapping(path)
     assert [entry.signal for entry in guess.mapping.column] == signals
-    assert set(guess.left) == set(names) - {column for entry in guess.mapping.column for column in entry.columns}
+    assert set(guess.ignored) == set(names) - {column for entry in guess.mapping.column for column in entry.columns}
 
 
 def test_a_pressure_without_zero_follows_those_that_state_it(tmp_path: Path) -> None:
@@ -289,7 +289,7 @@ def test_a_pressure_without_zero_follows_those_that_state_it(tmp_path: Path) -> 
 @pytest.mark.parametrize("name", ["ticks", "sample counter", "tick"])
 def test_ticks_are_asked_for(tmp_path: Path, name: str) -> None:
     path = written(tmp_path, f"{name},angle_deg", 62500.0 * TIME, DEGREES)
-    with pytest.raises(InputError, match=r"counts ticks, .* \(--period\)"):
+    with pytest.raises(InputError, match=r"counts ticks, .* `period=\"5 ms\"`"):
         guess_mapping(path)
     guess_mapping(path, period="10 ms")
 

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from layflat.errors import InputError
-from layflat.identify.logs import check, guess_mapping, read_log, read_mapping, write_mapping
-from layflat.identify.logs.headers import words_of
-from layflat.identify.logs.mapping import mapping_of
-from layflat.identify.logs.vocabulary import meanings, signal_of
+from layflat.identify.logs import find_issues, guess_mapping, read_log, read_mapping, write_mapping
+from layflat.identify.logs.mapping import parse_mapping
+from layflat.identify.logs.table import split_words
+from layflat.identify.logs.vocabulary import signal_for_roles, word_roles
 from layflat.machine import load
 from tests.identify.logs.recordings import changed, mapping, recorded, ticks, write_csv
 
@@ -28,7 +28,7 @@ from tests.identify.logs.recordings import changed, mapping, recorded, ticks, wr
     ],
 )  # fmt: skip
 def test_what_names_mean(name: str, signal: str | None) -> None:
-    assert signal_of(meanings(words_of(name))) == signal
+    assert signal_for_roles(word_roles(split_words(name))) == signal
 
 
 def test_a_guess_from_units_in_headers_reads_as_the_right_mapping_would(tmp_path: Path) -> None:
@@ -41,7 +41,7 @@ def test_a_guess_from_units_in_headers_reads_as_the_right_mapping_would(tmp_path
     log = read_log(path, read_mapping(write_mapping(guess.mapping, tmp_path / "m.toml", guess.notes)), joints=["small"])
     for name in right.data_vars:
         assert log[name].values == pytest.approx(right[name].values, rel=1e-12), name
-    assert not check(log, load("paper-small-joint-fast"))
+    assert not find_issues(log, load("paper-small-joint-fast"))
     assert "its name says nothing that is known here" in guess.notes["comment"]
     assert guess.notes["theta_deg"] == "angle by its name; unit as in the header"
 
@@ -122,7 +122,7 @@ def test_own_names_make_no_other_column_vanish(tmp_path: Path) -> None:
         guess = guess_mapping(text_log(tmp_path, header, *columns), ["small"])
         found = {entry.signal: entry.unit for entry in guess.mapping.column}
         assert found == {"angle": "deg", "pressure_a": "kPa", "pressure_b": "kPa", "voltage": "V"}, header
-        assert not guess.left
+        assert not guess.ignored
 
 
 def test_a_clock_is_never_a_column_of_another_unit(tmp_path: Path) -> None:
@@ -132,11 +132,11 @@ def test_a_clock_is_never_a_column_of_another_unit(tmp_path: Path) -> None:
     ):
         guess_mapping(path, ["small"])
     guess = guess_mapping(path, ["small"], "5 ms")
-    assert "Zeit" in guess.left
+    assert "Zeit" in guess.ignored
     mapping = write_mapping(guess.mapping, tmp_path / "m.toml")
     assert read_log(path, mapping).attrs["log_period"] == pytest.approx(0.005)
     with pytest.raises(InputError, match=r"column 'Zeit' of log.csv holds words, such as 'gestern 0'; write numbers"):
-        read_log(path, mapping_of({"time": {"period": "5 ms"}, "column": [
+        read_log(path, parse_mapping({"time": {"period": "5 ms"}, "column": [
             {"from": "Zeit", "signal": "force", "unit": "N"}]}))  # fmt: skip
 
 
@@ -157,8 +157,8 @@ def test_two_columns_for_one_signal_are_asked_about_unless_one_is_ahead(tmp_path
     path = text_log(tmp_path, header, "i / 100", "sin(i)", "2 * sin(i)", "200 + i", "201 + i", "1", "2")
     guess = guess_mapping(path, ["small"])
     assert [entry.columns for entry in guess.mapping.column] == [("angle_raw [deg]",)]
-    assert "p_a [kPa] and Druck A [kPa] may all be pressure_a.small: name one" in guess.left["p_a [kPa]"]
-    assert "p (column 6) and p (column 7) may all be pressure" in guess.left["p (column 7)"]
+    assert "p_a [kPa] and Druck A [kPa] may all be pressure_a.small: name one" in guess.ignored["p_a [kPa]"]
+    assert "p (column 6) and p (column 7) may all be pressure" in guess.ignored["p (column 7)"]
 
 
 def test_a_clock_with_a_missing_cell(tmp_path: Path) -> None:
@@ -167,7 +167,7 @@ def test_a_clock_with_a_missing_cell(tmp_path: Path) -> None:
     guess = guess_mapping(path, ["small"])
     assert guess.mapping.time is not None
     assert guess.mapping.time.unit == "ms"
-    texts = [issue.text for issue in check(read_log(path, guess.mapping, joints=["small"]))]
+    texts = [issue.text for issue in find_issues(read_log(path, guess.mapping, joints=["small"]))]
     assert "1 sample without stamp, first sample 4, left out" in texts
 
 
@@ -175,14 +175,14 @@ def test_a_clock_in_days_is_told_with_the_right_factor(tmp_path: Path) -> None:
     path = text_log(tmp_path, "time,angle [deg]", "i * 0.005 / 86400", "sin(i)")
     plain = {"time": {"column": "time", "unit": "s"}, "column": [
         {"from": "angle [deg]", "signal": "angle", "unit": "deg", "joint": "small"}]}  # fmt: skip
-    issues = check(read_log(path, mapping_of(plain), joints=["small"]), load("paper-small-joint-fast"))
+    issues = find_issues(read_log(path, parse_mapping(plain), joints=["small"]), load("paper-small-joint-fast"))
     assert any("a factor of 86400 would fit" in issue.right for issue in issues)
 
 
 def test_what_an_own_name_can_not_be_is_no_dead_end(tmp_path: Path) -> None:
     guess = guess_mapping(text_log(tmp_path, "t,brake [%],angle [%]", "i / 100", "i", "i"), ["small"])
     assert [entry.signal for entry in guess.mapping.column] == ["brake"]
-    assert "'%' is not a unit of it" in guess.left["angle [%]"]
+    assert "'%' is not a unit of it" in guess.ignored["angle [%]"]
     falling = text_log(tmp_path, "time [s],angle [deg]", "-i / 100", "sin(i)")
     with pytest.raises(InputError, match=r"column 'time \[s\]' falls 59 times, first at sample 2"):
         guess_mapping(falling, ["small"])

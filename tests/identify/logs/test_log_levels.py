@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 from layflat.errors import InputError
-from layflat.identify.logs import check, read_log
+from layflat.identify.logs import find_issues, read_log
 from layflat.identify.logs.checks.channels import Issue
-from layflat.identify.logs.checks.signs import lag_of
-from layflat.identify.logs.grid import clock_of, grid_over
-from layflat.identify.logs.mapping import mapping_of
+from layflat.identify.logs.checks.signs import estimate_lag
+from layflat.identify.logs.grid import build_clock, build_grid
+from layflat.identify.logs.mapping import parse_mapping
 from layflat.machine import load
 from tests.identify.logs.recordings import ENTRIES, Array, changed, entry, mapping, recorded, run, ticks, write_csv
 
@@ -23,7 +23,7 @@ ATMOSPHERE = 1.01325  # bar
 
 def checked(folder: Path, columns: dict[str, Array], plan: Any, *, known: bool = False) -> list[Issue]:
     log = read_log(write_csv(folder / "rig.csv", columns), plan, joints=["small"])
-    return [issue for issue in check(log, SMALL if known else None) if issue.severity != "note"]
+    return [issue for issue in find_issues(log, SMALL if known else None) if issue.severity != "note"]
 
 
 def lifted(columns: dict[str, Array], by: float) -> dict[str, Array]:
@@ -48,7 +48,7 @@ def test_a_gauge_pressure_beside_the_difference_is_an_error(tmp_path: Path) -> N
     columns = {**changed(columns, "pA", lambda x: x + ATMOSPHERE), "dp": columns["pA"] - columns["pB"]}
     entries = [*mapping(pA={"gauge": False}, pB={"gauge": False}).model_dump(by_alias=True)["column"]]
     plain = {"time": {"column": "time_ms", "unit": "ms"}, "column": [*entries, entry("dp", "measured_pressure", "bar")]}
-    (issue,) = [i for i in checked(tmp_path, columns, mapping_of(plain)) if i.severity == "error"]
+    (issue,) = [i for i in checked(tmp_path, columns, parse_mapping(plain)) if i.severity == "error"]
     assert issue.channel == "pressure_b.small"
     assert "about ambient pressure, and measured_pressure.small says otherwise" in issue.text
 
@@ -57,7 +57,7 @@ def test_a_set_point_from_another_level_is_an_error(tmp_path: Path) -> None:
     columns = lifted(recorded(), 1.2)
     columns["set"] = np.round(columns["pA"], 1) + ATMOSPHERE
     both = [{**ENTRIES["pA"], "gauge": False}, entry("set", "setpoint_a", "bar", gauge=False), ENTRIES["theta"]]
-    plan = mapping_of({"time": {"column": "time_ms", "unit": "ms"}, "column": both})
+    plan = parse_mapping({"time": {"column": "time_ms", "unit": "ms"}, "column": both})
     errors = [issue for issue in checked(tmp_path, columns, plan) if "lies" in issue.text]
     assert [issue.severity for issue in errors] == ["error"]
     assert errors[0].text.startswith("lies 1.0")
@@ -78,7 +78,7 @@ def test_a_set_point_from_another_level_is_an_error(tmp_path: Path) -> None:
 def test_an_ambient_pressure_that_can_not_be(tmp_path: Path, ambient: str, severity: str, expected: str) -> None:
     plain = {**mapping().model_dump(by_alias=True, exclude={"ambient"}, exclude_none=True), "ambient": ambient}
     issues = [
-        i for i in checked(tmp_path, recorded(), mapping_of(plain), known=True) if "ambient pressure of" in i.text
+        i for i in checked(tmp_path, recorded(), parse_mapping(plain), known=True) if "ambient pressure of" in i.text
     ]
     assert [issue.severity for issue in issues] == [severity] * bool(severity)
     assert all(expected in issue.text for issue in issues)
@@ -116,29 +116,29 @@ def test_good_logs_have_no_lag(machine: str, changes: dict[str, Any]) -> None:
     simulated = run(machine, **changes)
     for joint in simulated["joint"].values:
         one = simulated.sel(joint=joint)
-        assert lag_of(one["measured_angle"].values, one["measured_pressure"].values, 0.005) is None
+        assert estimate_lag(one["measured_angle"].values, one["measured_pressure"].values, 0.005) is None
 
 
 @pytest.mark.parametrize("size", [0, 3, 50, 400])
 def test_little_tells_no_lag(size: int) -> None:
     noise = np.random.default_rng(0).normal(size=(2, size))
-    assert lag_of(noise[0], noise[1], 0.005) is None
-    assert lag_of(np.zeros(size), np.zeros(size), 0.005) is None
-    assert lag_of(np.full(size, np.nan), noise[0], 0.005) is None
+    assert estimate_lag(noise[0], noise[1], 0.005) is None
+    assert estimate_lag(np.zeros(size), np.zeros(size), 0.005) is None
+    assert estimate_lag(np.full(size, np.nan), noise[0], 0.005) is None
 
 
 def test_few_samples_that_move_tell_no_lag() -> None:
     """At 30 Hz a joint may move in so few samples that some lags have enough of them and others have not."""
     simulated = run().sel(joint="small")
     angle, pressure = simulated["measured_angle"].values[::6], simulated["measured_pressure"].values[::6]
-    assert lag_of(angle, pressure, 0.03) is None
+    assert estimate_lag(angle, pressure, 0.03) is None
 
 
 def test_a_lag_is_found_beside_gaps() -> None:
     simulated = run().sel(joint="small")
     angle, pressure = late(0.1)(simulated["measured_angle"].values), simulated["measured_pressure"].values.copy()
     angle[200:260], pressure[400:410] = np.nan, np.nan
-    assert lag_of(angle, pressure, 0.005) == pytest.approx(0.1, abs=0.011)
+    assert estimate_lag(angle, pressure, 0.005) == pytest.approx(0.1, abs=0.011)
 
 
 def test_a_cycle_that_makes_no_sense_is_refused_before_work(tmp_path: Path) -> None:
@@ -153,6 +153,6 @@ def test_a_cycle_that_makes_no_sense_is_refused_before_work(tmp_path: Path) -> N
 
 
 def test_signals_that_do_not_fit_into_memory_are_refused_before_work() -> None:
-    clock = clock_of(np.array([0.0, 1.0, 400.0]), "log")
+    clock = build_clock(np.array([0.0, 1.0, 400.0]), "log")
     with pytest.raises(InputError, match=r"20 signals at 40000001 instants are 6.4 GB; cut the log, map fewer columns"):
-        grid_over([*[clock] * 19, clock_of(np.append(ticks(1e-5, 3), 400.0), "log")], None, "log")
+        build_grid([*[clock] * 19, build_clock(np.append(ticks(1e-5, 3), 400.0), "log")], None, "log")

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from layflat.errors import InputError
 from layflat.identify.logs import read_log, read_mapping, write_mapping
-from layflat.identify.logs.mapping import Mapping, mapping_of, mapping_text
+from layflat.identify.logs.mapping import LogMapping, format_mapping, parse_mapping
 from layflat.identify.logs.vocabulary import SIGNALS
 from tests.identify.logs.recordings import ENTRIES, mapping, recorded, write_csv
 
@@ -58,27 +58,27 @@ def test_a_value_is_sign_times_raw_less_offset_times_scale_times_unit_above_ambi
 def test_units(tmp_path: Path, signal: str, unit: str, raw: float, expected: float) -> None:
     path = write_csv(tmp_path / "x.csv", {"t": np.arange(2.0), "x": np.full(2, raw)})
     plain = {"time": {"column": "t", "unit": "s"}, "column": [{"from": "x", "signal": signal, "unit": unit}]}
-    assert read_log(path, mapping_of(plain))[signal].values == pytest.approx([expected] * 2)
+    assert read_log(path, parse_mapping(plain))[signal].values == pytest.approx([expected] * 2)
 
 
 def test_several_columns_of_one_thing_are_its_mean(tmp_path: Path) -> None:
     path = write_csv(tmp_path / "x.csv", {"t": np.arange(3.0), "x": np.arange(3.0), "y": np.full(3, 4.0)})
     plain = {"time": {"column": "t", "unit": "s"}, "column": [{"from": ["x", "y"], "signal": "force", "unit": "N"}]}
-    assert read_log(path, mapping_of(plain))["force"].values == pytest.approx([2.0, 2.5, 3.0])
+    assert read_log(path, parse_mapping(plain))["force"].values == pytest.approx([2.0, 2.5, 3.0])
 
 
 def test_of_optional_columns_those_that_are_there_are_used(tmp_path: Path) -> None:
     path = write_csv(tmp_path / "x.csv", {"t": np.arange(2.0), "x": np.arange(2.0), "y": np.ones(2)})
     entries = [{"from": name, "signal": "force", "unit": "N", "optional": True} for name in ("x", "z")]
     plain: dict[str, Any] = {"time": {"column": "t", "unit": "s"}, "column": entries}
-    assert read_log(path, mapping_of(plain))["force"].values == pytest.approx([0.0, 1.0])
+    assert read_log(path, parse_mapping(plain))["force"].values == pytest.approx([0.0, 1.0])
     entries[1]["from"] = "y"
     with pytest.raises(InputError, match="x and y are both force; both are in this log: keep one"):
-        read_log(path, mapping_of(plain))
+        read_log(path, parse_mapping(plain))
 
 
 @st.composite
-def mappings(draw: st.DrawFn) -> Mapping:
+def mappings(draw: st.DrawFn) -> LogMapping:
     words = st.text("abc_ .[]\"'5/", min_size=1, max_size=8)
     names = draw(st.lists(words, min_size=3, max_size=3, unique=True))
     signals = draw(st.permutations(["angle", "pressure_a", "supply", "force"]))
@@ -96,16 +96,16 @@ def mappings(draw: st.DrawFn) -> Mapping:
             "sign": draw(st.sampled_from([1, -1])),
         }
         entries.append(entry | {"optional": draw(st.booleans())})
-    return mapping_of({"ambient": "0.9 bar", "time": {"column": names[2], "unit": "ms"}, "column": entries})
+    return parse_mapping({"ambient": "0.9 bar", "time": {"column": names[2], "unit": "ms"}, "column": entries})
 
 
 @settings(max_examples=30)
 @given(mapping=mappings())
-def test_a_written_mapping_reads_as_it_was(mapping: Mapping, tmp_path_factory: pytest.TempPathFactory) -> None:
+def test_a_written_mapping_reads_as_it_was(mapping: LogMapping, tmp_path_factory: pytest.TempPathFactory) -> None:
     notes = {entry.columns[0]: "why" for entry in mapping.column} | {"": "the clock", "other": "left\nout"}
     path = write_mapping(mapping, tmp_path_factory.mktemp("m") / "m.toml", notes, "a head")
     assert read_mapping(path) == mapping
-    assert "# why" in mapping_text(mapping, notes)
+    assert "# why" in format_mapping(mapping, notes)
 
 
 @pytest.mark.parametrize(
@@ -155,10 +155,10 @@ def test_entries_that_contradict_each_other(tmp_path: Path, more: str, expected:
     assert expected in str(caught.value)
 
 
-def test_mappings_among_the_examples_are_sound() -> None:
-    examples = sorted((Path(__file__).parents[3] / "examples" / "logs").glob("*.toml"))
-    assert [path.stem for path in examples] == ["affetto", "vessel", "zillen"]
-    assert all(read_mapping(path).time is not None for path in examples)
+def test_mappings_of_measured_logs_are_sound() -> None:
+    mappings = sorted((Path(__file__).parents[3] / "research" / "measured_logs").glob("*.toml"))
+    assert [path.stem for path in mappings] == ["affetto", "vessel", "zillen"]
+    assert all(read_mapping(path).time is not None for path in mappings)
 
 
 def test_a_mapping_that_is_not_there(tmp_path: Path) -> None:
@@ -195,12 +195,12 @@ def test_a_clock_that_is_not_there(tmp_path: Path, time: dict[str, str] | None, 
     path = write_csv(tmp_path / "rig.csv", recorded())
     plain = {"column": [ENTRIES["theta"]]} | ({"time": time} if time else {})
     with pytest.raises(InputError) as caught:
-        read_log(path, mapping_of(plain))
+        read_log(path, parse_mapping(plain))
     assert expected in str(caught.value)
 
 
 def test_the_only_joint_goes_without_saying(tmp_path: Path) -> None:
     path = write_csv(tmp_path / "rig.csv", recorded())
     plain = {"time": {"column": "time_ms", "unit": "ms"}, "column": [{**ENTRIES["theta"], "joint": None}]}
-    assert list(read_log(path, mapping_of(plain), joints=["small"])["joint"].values) == ["small"]
-    assert read_log(path, mapping_of(plain))["angle"].dims == ("time",)
+    assert list(read_log(path, parse_mapping(plain), joints=["small"])["joint"].values) == ["small"]
+    assert read_log(path, parse_mapping(plain))["angle"].dims == ("time",)

@@ -15,8 +15,8 @@ import zstandard
 from mcap.writer import CompressionType, Writer
 
 from layflat.errors import InputError
-from layflat.identify.logs import check, guess_mapping, read_log, read_table
-from layflat.identify.logs.mapping import mapping_of
+from layflat.identify.logs import find_issues, guess_mapping, read_log, read_table
+from layflat.identify.logs.mapping import parse_mapping
 from layflat.rig.recorder.repair import repair
 from tests.identify.logs.bags import Message, header, write_json, write_ros
 
@@ -166,7 +166,9 @@ def test_what_can_not_be_decoded_hides_nothing(tmp_path: Path) -> None:
     assert table.words["text"] == "its messages hold no numbers"
     assert table.words["image.data"] == "100 items, and an array of more than 64 is no signal"
     good_alone = {"column": [{"from": "good.v", "signal": "force", "unit": "N"}]}
-    notes = [issue for issue in check(read_log(path, mapping_of(good_alone))) if "makes no column" in issue.text]
+    notes = [
+        issue for issue in find_issues(read_log(path, parse_mapping(good_alone))) if "makes no column" in issue.text
+    ]
     assert len(notes) == 1
     assert "1 of 3 messages can't be decoded" in notes[0].text
 
@@ -215,7 +217,7 @@ def log_of(path: Path, clock: str | None, *columns: str, unit: str = "s") -> Any
     entries = [{"from": name, "signal": signal, "unit": "N" if signal == "force" else "m"}
                for name, signal in zip(columns, ("force", "position"), strict=False)]  # fmt: skip
     time = {"time": {"column": clock, "unit": unit}} if clock else {}
-    return read_log(path, mapping_of({**time, "column": entries}))
+    return read_log(path, parse_mapping({**time, "column": entries}))
 
 
 def stamped(path: Path, late: Callable[[int], float], *more: Message) -> Path:
@@ -264,7 +266,7 @@ def test_a_guess_tells_what_of_a_bag_it_leaves_out(tmp_path: Path) -> None:
         "/camera": ("protobuf", "protobuf", "", [b""]),
     }
     guess = guess_mapping(bag_of(tmp_path / "x.mcap", topics))
-    assert "protobuf" in guess.left["camera"]
+    assert "protobuf" in guess.ignored["camera"]
 
 
 def sqlite_bag(path: Path, kind: str, messages: list[bytes], definition: str = "") -> Path:

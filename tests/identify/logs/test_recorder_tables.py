@@ -244,7 +244,7 @@ def test_units_of_a_labelled_row_go_with_the_names_below(tmp_path: Path) -> None
     path.write_text("Vertical Units,V,V\nLabel,valve,pA\nTIME,CH1,CH2\n" + "".join(f"{t},{t},{t}\n" for t in TIME))
     guess = guess_mapping(path)
     assert [entry.signal for entry in guess.mapping.column] == ["voltage"]
-    assert "'V' is not a unit of it" in next(iter(guess.left.values()))
+    assert "'V' is not a unit of it" in next(iter(guess.ignored.values()))
 
 
 @pytest.mark.parametrize("form", ["[{}]", "({})", "{{{}}}", "[{}],"])
@@ -302,7 +302,7 @@ def test_joints_that_only_names_tell_are_asked_for(tmp_path: Path) -> None:
     path = tmp_path / "log.csv"
     rows = (f"{t},{a},{a / 2.0}\n" for t, a in zip(TIME, DEGREES, strict=True))
     path.write_text("time_s,shoulder_deg,elbow_deg\n" + "".join(rows))
-    with pytest.raises(InputError, match=r"say which joints the names may have \(--machine\)"):
+    with pytest.raises(InputError, match=r"say which joints the names may have \(`joints`\)"):
         guess_mapping(path)
     guess = guess_mapping(path, ["shoulder", "elbow"])
     assert [entry.channel for entry in guess.mapping.column] == ["angle.shoulder", "angle.elbow"]

@@ -9,11 +9,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from layflat.errors import LayflatError
-from layflat.identify.logs import check, guess_mapping, read_log, read_mapping, read_table, write_mapping
-from layflat.identify.logs.headers import header_of, words_of
-from layflat.identify.logs.text.numbers import number, read_numbers
+from layflat.identify.logs import find_issues, guess_mapping, read_log, read_mapping, read_table, write_mapping
+from layflat.identify.logs.table import parse_header, split_words
+from layflat.identify.logs.text.numbers import find_decimal_sign, parse_number, read_numbers
 from layflat.identify.logs.text.stamps import read_stamps
-from layflat.identify.logs.vocabulary import meanings, signal_of
+from layflat.identify.logs.vocabulary import signal_for_roles, word_roles
 from tests.identify.logs.recordings import Array
 
 PRESSURE_UNITS = {
@@ -97,7 +97,9 @@ def test_nothing_but_our_errors_comes_of_any_text(content: bytes) -> None:
         path.write_bytes(content)
         try:
             guess = guess_mapping(path, ["small"])
-            check(read_log(path, read_mapping(write_mapping(guess.mapping, Path(folder) / "m.toml", guess.notes))))
+            find_issues(
+                read_log(path, read_mapping(write_mapping(guess.mapping, Path(folder) / "m.toml", guess.notes)))
+            )
         except LayflatError as error:
             told = str(error)
     assert "\n" not in told
@@ -121,18 +123,36 @@ def test_nothing_but_our_errors_comes_of_any_text(content: bytes) -> None:
     ],
 )  # fmt: skip
 def test_units_and_hoses_come_from_whole_words(header: str, signal: str, unit: str, gauge: bool | None) -> None:
-    read = header_of(header)
-    assert (read.unit, read.gauge, signal_of(meanings(words_of(read.stem)))) == (unit, gauge, signal)
+    read = parse_header(header)
+    assert (read.unit, read.gauge, signal_for_roles(word_roles(split_words(read.stem)))) == (unit, gauge, signal)
 
 
 @pytest.mark.parametrize("header", ["p_a [counts]", "Winkel [grad]", "p_a [raw]", "p_a [Furlong]"])
 def test_a_unit_that_is_not_understood_is_said_and_nothing_is_guessed(header: str, tmp_path: Path) -> None:
-    assert header_of(header).unknown == header[header.index("[") + 1 : -1]
+    assert parse_header(header).unknown == header[header.index("[") + 1 : -1]
     path = tmp_path / "x.csv"
     path.write_text(f"t [s],angle [deg],{header}\n" + "".join(f"{i / 10},{i},{i * 100}\n" for i in range(20)))
     guess = guess_mapping(path, ["small"])
     assert [entry.signal for entry in guess.mapping.column] == ["angle"]
-    assert "is not known: write a mapping with a unit" in guess.left[header]
+    assert "is not known: write a mapping with a unit" in guess.ignored[header]
+
+
+@pytest.mark.parametrize(
+    ("cells", "sign"),
+    [
+        (["0.5", "0.25", "7"], "."),
+        (["7", "0,5", "1.234"], ","),
+        (["1.234", "7", "", "x"], None),
+        (["1.234.567", "7"], ","),
+        (["0.5", "1.234.567"], None),
+        (["0,5", "1,234,567"], None),
+        (["0.5", "8", "0,5"], None),
+        (["1.234,5"], ","),
+        (["np.float64(0.5)", "1,234"], "."),
+    ],
+)
+def test_one_cell_that_reads_otherwise_proves_a_decimal_sign(cells: list[str], sign: str | None) -> None:
+    assert find_decimal_sign(cells) == find_decimal_sign(cells[::-1]) == sign
 
 
 @pytest.mark.parametrize(
@@ -147,7 +167,7 @@ def test_a_unit_that_is_not_understood_is_said_and_nothing_is_guessed(header: st
     ],
 )  # fmt: skip
 def test_numbers_with_either_decimal_sign(text: str, point: float | None, comma: float | None) -> None:
-    assert (number(text, "."), number(text, ",")) == (point, comma)
+    assert (parse_number(text, "."), parse_number(text, ",")) == (point, comma)
 
 
 def test_a_doubtful_sign_follows_the_rest_or_is_said() -> None:
@@ -243,6 +263,6 @@ def test_cells_that_are_no_numbers_are_named_and_rows_that_are_broken(tmp_path: 
         "1 row of another length left out, the first: line 122 ('1.2,3') has 2 values in place of 3",
     )
     log = read_log(path, guess_mapping(table, ["small"]).mapping, joints=["small"])
-    told = [issue.text for issue in check(log)]
+    told = [issue.text for issue in find_issues(log)]
     assert any("column pA [kPa]: 2 cells hold no number" in text for text in told)
     assert any("1 row of another length left out" in text for text in told)

@@ -13,7 +13,8 @@ import pytest
 from layflat.errors import InputError
 from layflat.machine import changed, load
 from layflat.motion.demand_file import read_demand, write_demand
-from layflat.motion.learning import Learnt, begin, read_learnt, write_learnt
+from layflat.motion.learning import LearntCorrections, begin_learning
+from layflat.motion.learning.file import read_learnt, write_learnt
 
 ARM = load("paper-arm-tracking")
 
@@ -26,23 +27,23 @@ def motion(size: float = 0.3) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 @pytest.fixture
-def learnt() -> Learnt:
-    learnt = begin(ARM, motion())
+def learnt() -> LearntCorrections:
+    learnt = begin_learning(ARM, motion())
     for cycles in (3, 2, 4):
-        learnt = learnt.after(np.roll(learnt.demand().angles, cycles, axis=0))
+        learnt = learnt.learn_from(np.roll(learnt.demand().angles, cycles, axis=0))
     return learnt
 
 
-def test_it_comes_back_whole(learnt: Learnt, tmp_path: Path) -> None:
+def test_it_comes_back_whole(learnt: LearntCorrections, tmp_path: Path) -> None:
     path = write_learnt(learnt, tmp_path / "move.learnt")
-    read = read_learnt(path, ARM, learnt.wanted)
+    read = read_learnt(path, ARM, learnt.motion)
     assert read.history == learnt.history
-    assert read.how == learnt.how
+    assert read.filter == learnt.filter
     for name in ("sent", "best", "step"):
         assert np.array_equal(getattr(read, name), getattr(learnt, name))
     assert [entry.name for entry in tmp_path.iterdir()] == ["move.learnt"]
     again = np.roll(learnt.demand().angles, 1, axis=0)
-    assert np.array_equal(read.after(again).sent, learnt.after(again).sent)
+    assert np.array_equal(read.learn_from(again).sent, learnt.learn_from(again).sent)
     assert path.read_text() == write_learnt(read, tmp_path / "again.learnt").read_text()
 
 
@@ -50,11 +51,11 @@ def test_a_motion_is_the_same_after_a_demand_file(tmp_path: Path) -> None:
     q, v, a = motion()
     time = ARM.cycle * np.arange(len(q), dtype=np.float64)
     path = write_demand(ARM, time, q, tmp_path / "move.csv", velocity=v, acceleration=a)
-    first = begin(ARM, read_demand(ARM, path, ARM.cycle)).wanted.fingerprint
-    assert first == begin(ARM, read_demand(ARM, path, ARM.cycle)).wanted.fingerprint
+    first = begin_learning(ARM, read_demand(ARM, path, ARM.cycle)).motion.fingerprint
+    assert first == begin_learning(ARM, read_demand(ARM, path, ARM.cycle)).motion.fingerprint
 
 
-def test_another_machine_or_motion_is_refused(learnt: Learnt, tmp_path: Path) -> None:
+def test_another_machine_or_motion_is_refused(learnt: LearntCorrections, tmp_path: Path) -> None:
     path = write_learnt(learnt, tmp_path / "move.learnt")
     other = load("paper-arm-fast-tuned")
     with pytest.raises(InputError, match="was learnt with another machine, 'paper-arm-tracking'; give that machine"):
@@ -62,8 +63,8 @@ def test_another_machine_or_motion_is_refused(learnt: Learnt, tmp_path: Path) ->
     heavier = changed(ARM, "arm.payload", "1.6 kg")
     with pytest.raises(InputError, match="was learnt with another description of paper-arm-tracking; give"):
         read_learnt(path, heavier)
-    with pytest.raises(InputError, match="was learnt of another motion; give that motion, or learn anew"):
-        read_learnt(path, ARM, begin(ARM, motion(0.31)).wanted)
+    with pytest.raises(InputError, match="was learnt for another motion; give that motion, or learn anew"):
+        read_learnt(path, ARM, begin_learning(ARM, motion(0.31)).motion)
 
 
 def put(*keys: str, value: Any) -> Callable[[dict[str, Any]], None]:
@@ -90,7 +91,7 @@ def put(*keys: str, value: Any) -> Callable[[dict[str, Any]], None]:
     ],
 )
 def test_bad_files_are_refused(
-    change: Callable[[dict[str, Any]], None], expected: str, learnt: Learnt, tmp_path: Path
+    change: Callable[[dict[str, Any]], None], expected: str, learnt: LearntCorrections, tmp_path: Path
 ) -> None:
     path = write_learnt(learnt, tmp_path / "move.learnt")
     content = json.loads(path.read_text())
@@ -105,5 +106,5 @@ def test_bad_files_are_refused(
 def test_what_is_no_such_file_is_refused(text: str, tmp_path: Path) -> None:
     path = tmp_path / "no.learnt"
     path.write_text(text, encoding="utf-8")
-    with pytest.raises(InputError, match="give a file that `layflat learn` has written"):
+    with pytest.raises(InputError, match="give a file that `layflat motion learn` has written"):
         read_learnt(path, ARM)

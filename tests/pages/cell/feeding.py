@@ -4,9 +4,9 @@ FED = """
 import signal, threading
 from collections import Counter
 from multiprocessing import Pipe
-from layflat.pages.cell.serving import serve_run
-from layflat.pages.cell.snapshot import ROWS, About, Figures, Requests, Snapshot, Stage
-from layflat.pages.server.place import Place
+from layflat.pages.cell.link import serve_run
+from layflat.pages.cell.snapshot import MAX_PICK_ROWS, PickFigures, RunRequests, RunSnapshot, RunStage, RunSubject
+from layflat.pages.server.place import Endpoint
 
 COLUMNS = ("pick", "fruit", "result", "time", "air", "remark")
 mine, its = Pipe()
@@ -21,17 +21,17 @@ def feed():
         mine.send(("overview", bytes(40_000)))
         if count % 3 == 0:
             mine.send(("camera", bytes(90_000)))
-        rows = tuple(tuple(f"{name} {count - row}" for name in COLUMNS) for row in range(ROWS))
-        figures = Figures(Counter(correct=count, dropped=count // 9), air=0.5 * count, time=8.0 * count)
-        mine.send(("snapshot", Snapshot(
-            Stage.PACKS, delivery=1 + count // 50, time=0.125 * count, pace=1.0, fruit=f"tomato {count}",
-            doing="The arm lifts the fruit.", seen="apple 2, tomato 5", figures=figures, rows=rows,
+        rows = tuple(tuple(f"{name} {count - row}" for name in COLUMNS) for row in range(MAX_PICK_ROWS))
+        figures = PickFigures(Counter(correct=count, dropped=count // 9), air=0.5 * count, time=8.0 * count)
+        mine.send(("snapshot", RunSnapshot(
+            RunStage.PACKS, delivery=1 + count // 50, time=0.125 * count, pace=1.0, fruit=f"tomato {count}",
+            doing="The arm lifts the fruit.", fruit_counts="apple 2, tomato 5", figures=figures, rows=rows,
             remarks=tuple(f"remark {count - row}" for row in range(9)),
         )))
     mine.close()
 
 threading.Thread(target=feed).start()
-serve_run(About("cell", "arm", 1, 10**6, COLUMNS), Place(port=0), its, Requests())
+serve_run(RunSubject("cell", "arm", 1, 10**6, COLUMNS), Endpoint(port=0), its, RunRequests.shared())
 raise SystemExit(0)
 """
 """In place of a command that serves a page."""

@@ -27,7 +27,7 @@ def cut_off(page: Any) -> bool:
 
 def alone(cell: Path, out: Path, *words: str) -> dict[str, Any]:
     """The results of a run without a page."""
-    done = layflat("pack", "--cell", str(cell), "--out", str(out), "--film", "none", *words)
+    done = layflat("cell", "pack", "--cell", str(cell), "--out", str(out), "--film", "none", *words)
     assert done.returncode == 0, done.stderr
     return results(out)
 

@@ -7,9 +7,9 @@ import pytest
 from PIL import Image
 
 from layflat.cell.perception import Observation
-from layflat.cell.plan.containers import Fruit
-from layflat.cell.vision import Detection, draw
-from layflat.pages.cell.frames import detection_of, drawn, jpeg
+from layflat.cell.plan.order import Fruit
+from layflat.cell.vision import Detection, draw_detections
+from layflat.pages.cell.watcher import detection_of, draw_observation, encode_jpeg
 
 ROUND = np.linspace(0.0, 2.0 * np.pi, 40, endpoint=False)
 
@@ -27,8 +27,8 @@ def observation() -> Observation:
 
 def test_the_chosen_fruit_is_marked_and_no_other(observation: Observation) -> None:
     assert observation.picture is not None
-    plain = draw(observation.picture, observation.detections)
-    marked = drawn(observation, Fruit(0.402, 0.198, 0.06, "tomato", "first"))
+    plain = draw_detections(observation.picture, observation.detections)
+    marked = draw_observation(observation, Fruit(0.402, 0.198, 0.06, "tomato", "first"))
     changed = np.argwhere((plain != marked).any(axis=2))
     assert len(changed) > 100
     assert np.linalg.norm(changed - [140, 220], axis=1).max() < 80.0
@@ -37,8 +37,8 @@ def test_the_chosen_fruit_is_marked_and_no_other(observation: Observation) -> No
 
 def test_a_ring_near_the_edge_has_its_word_below(observation: Observation) -> None:
     assert observation.picture is not None
-    plain = draw(observation.picture, observation.detections)
-    marked = drawn(observation, Fruit(0.3, 0.2, 0.06, "tomato", "first"))
+    plain = draw_detections(observation.picture, observation.detections)
+    marked = draw_observation(observation, Fruit(0.3, 0.2, 0.06, "tomato", "first"))
     down = np.argwhere((plain != marked).any(axis=2))[:, 0]
     assert down.max() > 40 + 30 + 20
 
@@ -46,12 +46,12 @@ def test_a_ring_near_the_edge_has_its_word_below(observation: Observation) -> No
 def test_what_the_image_does_not_show_is_not_marked(observation: Observation) -> None:
     hidden = Fruit(0.34, 0.2, 0.06, "tomato", "first")
     assert detection_of(observation, hidden) is None
-    assert (drawn(observation, hidden) == drawn(observation, None)).all()
+    assert (draw_observation(observation, hidden) == draw_observation(observation, None)).all()
     assert detection_of(Observation(0.0, ()), hidden) is None
 
 
 def test_images_become_small_files(observation: Observation) -> None:
-    made = jpeg(drawn(observation, None))
+    made = encode_jpeg(draw_observation(observation, None))
     opened = Image.open(BytesIO(made))
     assert (opened.format, opened.size) == ("JPEG", (320, 240))
     assert len(made) < 20_000

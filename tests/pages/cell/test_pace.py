@@ -4,7 +4,7 @@ from math import isnan
 
 import pytest
 
-from layflat.pages.cell.watcher import LAG, SPAN, Pace
+from layflat.pages.cell.watcher import MAX_CATCH_UP, PACE_WINDOW, Pace
 
 
 class Clock:
@@ -39,7 +39,7 @@ def test_what_computes_quickly_is_held_to_real_time(pace: Pace, clock: Clock) ->
 
 
 def test_a_short_delay_is_made_up_for_and_a_long_one_is_not(pace: Pace, clock: Clock) -> None:
-    clock.time += 0.5 * LAG
+    clock.time += 0.5 * MAX_CATCH_UP
     pace.hold(0.01, fast=False)
     pace.hold(1.0, fast=False)
     assert clock.time == pytest.approx(101.0)
@@ -59,16 +59,16 @@ def test_nothing_waits_where_it_is_to_go_fast_nor_later_for_what_was_gained(pace
 def test_a_delivery_begins_at_nought(pace: Pace, clock: Clock) -> None:
     pace.hold(3.0, fast=False)
     clock.time += 5.0
-    pace.begin()
+    pace.begin_delivery()
     pace.hold(1.0, fast=False)
     assert clock.time == pytest.approx(109.0)
 
 
 def test_the_pace_is_that_of_the_last_seconds(pace: Pace, clock: Clock) -> None:
-    assert isnan(pace.measured(0.0))
+    assert isnan(pace.ratio(0.0))
     clock.time += 1.0
-    assert pace.measured(3.0) == pytest.approx(3.0)
+    assert pace.ratio(3.0) == pytest.approx(3.0)
     for second in range(1, 5):
-        clock.time += SPAN / 2
-        assert pace.measured(3.0 + 0.5 * second * SPAN / 2) >= 0.5 - 1e-9
-    assert pace.measured(3.0 + SPAN) == pytest.approx(0.5)
+        clock.time += PACE_WINDOW / 2
+        assert pace.ratio(3.0 + 0.5 * second * PACE_WINDOW / 2) >= 0.5 - 1e-9
+    assert pace.ratio(3.0 + PACE_WINDOW) == pytest.approx(0.5)

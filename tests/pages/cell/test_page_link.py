@@ -13,16 +13,16 @@ import pytest
 
 from layflat.errors import InputError
 from layflat.pages.cell.link import PageLink
-from layflat.pages.cell.snapshot import About, Figures, Stage
-from layflat.pages.server import Place
+from layflat.pages.cell.snapshot import PickFigures, RunStage, RunSubject
+from layflat.pages.server import Endpoint
 
 pytest.importorskip("nicegui", reason="needs the extra 'panel'")
-ABOUT = About("few", "paper-arm", 0, 3, ("pick", "result"))
+ABOUT = RunSubject("few", "paper-arm", 0, 3, ("pick", "result"))
 
 
 @pytest.fixture(scope="module")
 def link() -> Iterator[PageLink]:
-    with PageLink(ABOUT, Place(port=0)) as found:
+    with PageLink(ABOUT, Endpoint(port=0)) as found:
         yield found
 
 
@@ -54,7 +54,7 @@ def until(condition: Callable[[], bool]) -> None:
 
 
 def test_images_are_for_those_with_the_link(link: PageLink) -> None:
-    link.show(stage=Stage.PACKS, figures=Figures(Counter(correct=2)))
+    link.show(stage=RunStage.PACKS, figures=PickFigures(Counter(correct=2)))
     guest, stranger = Visitor(link.link), Visitor(link.link)
     guest.enter()
     assert guest.ask("/run/camera.jpg")[0] == 404
@@ -70,12 +70,12 @@ def test_a_port_in_use_is_said_at_once() -> None:
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = taken.getsockname()[1]
         with pytest.raises(InputError, match=f"port {port} can't be had") as raised:
-            PageLink(ABOUT, Place(port=port))
+            PageLink(ABOUT, Endpoint(port=port))
     assert raised.value.where == "port"
 
 
 def test_a_run_goes_on_without_its_page() -> None:
-    with PageLink(ABOUT, Place(port=0)) as link:
+    with PageLink(ABOUT, Endpoint(port=0)) as link:
         process = link._process.pid
         assert process is not None
         os.kill(process, signal.SIGKILL)

@@ -13,12 +13,11 @@ from layflat.cell import Cell, load
 from layflat.cell.perception import Observation
 from layflat.cell.scene import Scene
 from layflat.cell.work.observer import Observer
-from layflat.cell.work.results import Summary, as_dict
-from layflat.cell.work.run import Run, packed
+from layflat.cell.work.results import PackingSummary, record_runs
+from layflat.cell.work.run import PackingRun, run_packing
 from layflat.errors import StoppedError
-from layflat.pages.cell.frames import FRAME, MARKED, UNMARKED
-from layflat.pages.cell.snapshot import Requests, Snapshot, Stage
-from layflat.pages.cell.watcher import Pace, Watcher
+from layflat.pages.cell.snapshot import RunRequests, RunSnapshot, RunStage
+from layflat.pages.cell.watcher import MARKED_IMAGE_TIME, MIN_FRAME_TIME, UNMARKED_IMAGE_TIME, Pace, Watcher
 
 SEED, PICKS = 2, 3
 
@@ -27,15 +26,15 @@ class Shown:
     """Keeps all that is shown, and asks for a stop at a given number of picks of a given delivery."""
 
     def __init__(self, stop: tuple[int, int] | None = None) -> None:
-        self.asked, self.shots = Requests(), [Snapshot()]
+        self.requests, self.shots = RunRequests.shared(), [RunSnapshot()]
         self.images: list[str] = []
-        self.asked.fast, self._stop = True, stop
+        self.requests.full_speed, self._stop = True, stop
 
     def show(self, **changes: Any) -> None:
         shot = replace(self.shots[-1], **changes)
         self.shots.append(shot)
         if self._stop is not None and (shot.delivery, shot.figures.picks) == self._stop:
-            self.asked.stop = True
+            self.requests.stop = True
 
     def image(self, name: str, jpeg: bytes) -> None:
         assert jpeg
@@ -48,19 +47,19 @@ def cell(few: Path) -> Cell:
 
 
 @pytest.fixture(scope="module")
-def watched(cell: Cell) -> tuple[Run, Shown]:
+def watched(cell: Cell) -> tuple[PackingRun, Shown]:
     shown = Shown()
-    return packed(cell, SEED, PICKS, None, Watcher(shown)), shown
+    return run_packing(cell, SEED, PICKS, None, Watcher(shown)), shown
 
 
-def test_the_run_is_that_without_a_page(watched: tuple[Run, Shown], cell: Cell) -> None:
-    alone = packed(cell, SEED, PICKS, None, Observer())
-    assert as_dict(cell, [watched[0]]) == as_dict(cell, [alone])
+def test_the_run_is_that_without_a_page(watched: tuple[PackingRun, Shown], cell: Cell) -> None:
+    alone = run_packing(cell, SEED, PICKS, None, Observer())
+    assert record_runs(cell, [watched[0]]) == record_runs(cell, [alone])
 
 
-def test_figures_grow_to_what_the_results_say(watched: tuple[Run, Shown]) -> None:
+def test_figures_grow_to_what_the_results_say(watched: tuple[PackingRun, Shown]) -> None:
     run, shown = watched
-    figures, found = [shot.figures for shot in shown.shots], Summary(run.deliveries)
+    figures, found = [shot.figures for shot in shown.shots], PackingSummary(run.deliveries)
     picks = [one.picks for one in figures]
     assert picks == sorted(picks)
     assert set(picks) == {0, 1, 2, 3}
@@ -75,7 +74,7 @@ def test_figures_grow_to_what_the_results_say(watched: tuple[Run, Shown]) -> Non
     assert times[-1] == pytest.approx(sum(delivery.time for delivery in run.deliveries))
 
 
-def test_what_the_arm_does_is_said(watched: tuple[Run, Shown]) -> None:
+def test_what_the_arm_does_is_said(watched: tuple[PackingRun, Shown]) -> None:
     _, shown = watched
     said = [shot.doing for shot in shown.shots]
     assert "The arm lifts the fruit." in said
@@ -83,12 +82,12 @@ def test_what_the_arm_does_is_said(watched: tuple[Run, Shown]) -> None:
     picking = {(shot.delivery, shot.fruit) for shot in shown.shots if shot.fruit}
     assert len(picking) == PICKS
     assert all("tomato, first, " in fruit and " of tomatoes" in fruit for _, fruit in picking)
-    assert {shot.stage for shot in shown.shots[1:]} == {Stage.PACKS}
+    assert {shot.stage for shot in shown.shots[1:]} == {RunStage.PACKS}
     assert not shown.shots[-1].images
     assert shown.images == []
 
 
-def test_the_last_picks_stand_first(watched: tuple[Run, Shown]) -> None:
+def test_the_last_picks_stand_first(watched: tuple[PackingRun, Shown]) -> None:
     _, shown = watched
     assert [row[0] for row in shown.shots[-1].rows] == ["2.1", "1.2", "1.1"]
     assert shown.shots[-1].rows[0][1] == "tomato, first"
@@ -96,15 +95,15 @@ def test_the_last_picks_stand_first(watched: tuple[Run, Shown]) -> None:
 
 @pytest.mark.parametrize(("at", "kept"), [((1, 1), [1]), ((2, 2), [2]), ((2, 3), [2, 1])])
 def test_a_stop_keeps_what_was_done(cell: Cell, at: tuple[int, int], kept: list[int]) -> None:
-    run = packed(cell, SEED, 9, None, Watcher(Shown(stop=at)))
+    run = run_packing(cell, SEED, 9, None, Watcher(Shown(stop=at)))
     assert isinstance(run.error, StoppedError)
     assert [len(delivery.picks) for delivery in run.deliveries] == kept
-    assert Summary(run.deliveries).correct == sum(kept)
+    assert PackingSummary(run.deliveries).correct == sum(kept)
 
 
 def test_a_stop_before_the_first_pick_leaves_nothing(cell: Cell) -> None:
     with pytest.raises(KeyboardInterrupt):
-        packed(cell, SEED, 9, None, Watcher(Shown(stop=(1, 0))))
+        run_packing(cell, SEED, 9, None, Watcher(Shown(stop=(1, 0))))
 
 
 class Lens:
@@ -118,19 +117,19 @@ class Lens:
 def test_images_are_as_few_as_can_be_seen(cell: Cell) -> None:
     now = 50.0
     shown = Shown()
-    shown.asked.fast = False
+    shown.requests.full_speed = False
     watcher = Watcher(shown, Pace(lambda: now, time.sleep))
     scene, lens = Scene(cell, 0), Lens()
-    watcher.begins(scene, lens)  # type: ignore[arg-type]  # as a camera does
+    watcher.on_delivery_start(scene, lens)  # type: ignore[arg-type]  # as a camera does
     observation = Observation(0.0, (), np.zeros((9, 12, 3), np.uint8))
     for _ in range(20):
-        watcher.cycle(0.0)
-        watcher.observed(observation)
+        watcher.on_control_cycle(0.0)
+        watcher.on_image(observation)
     assert shown.images == ["overview", "camera"]
-    now += FRAME
-    watcher.cycle(0.0)
+    now += MIN_FRAME_TIME
+    watcher.on_control_cycle(0.0)
     assert shown.images == ["overview", "camera", "overview"]
-    now += max(UNMARKED, MARKED)
-    watcher.cycle(0.0)
+    now += max(UNMARKED_IMAGE_TIME, MARKED_IMAGE_TIME)
+    watcher.on_control_cycle(0.0)
     assert shown.images[3:] == ["overview", "camera"]
-    assert shown.shots[-1].seen == "nothing"
+    assert shown.shots[-1].fruit_counts == "nothing"

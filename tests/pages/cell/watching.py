@@ -1,4 +1,4 @@
-"""`layflat pack --watch` in a process of its own, and browsers that look on."""
+"""`layflat cell pack --watch` in a process of its own, and browsers that look on."""
 
 import json
 import os
@@ -15,7 +15,7 @@ import pytest
 
 from tests.pages.browsers import Served, link_from
 
-COMMAND = [sys.executable, "-c", "from layflat.cli import main; main()", "pack", "--watch", "--no-browser"]
+COMMAND = [sys.executable, "-c", "from layflat.cli import main; main()", "cell", "pack", "--watch", "--no-browser"]
 
 
 class Ended:
@@ -58,8 +58,9 @@ def text(page: Any, name: str) -> str:
 
 
 def picks(page: Any) -> int:
-    """How many picks a page says were done."""
-    return int(text(page, "picks").split()[0])
+    """How many picks a page says were done; none before it was shown anything."""
+    number, *_ = text(page, "picks").split()
+    return int(number) if number != "-" else 0
 
 
 def width(page: Any, name: str) -> int:

@@ -3,7 +3,7 @@
 import asyncio
 import time
 
-from layflat.pages.look.pieces import Queue
+from layflat.pages.look.pieces import TurnQueue
 
 TASKS, PIECES, WORK = 30, 4, 0.004
 
@@ -11,14 +11,14 @@ TASKS, PIECES, WORK = 30, 4, 0.004
 def test_one_piece_in_a_turn_in_order() -> None:
     done: list[int] = []
 
-    async def build(number: int, queue: Queue) -> None:
+    async def build(number: int, queue: TurnQueue) -> None:
         for _ in range(PIECES):
             await queue.wait()
             done.append(number)
             time.sleep(WORK)
 
     async def go() -> int:
-        queue = Queue()
+        queue = TurnQueue()
         tasks = [asyncio.create_task(build(number, queue)) for number in range(TASKS)]
         tasks[3].cancel()
         most, before = 0, 0
@@ -34,12 +34,12 @@ def test_one_piece_in_a_turn_in_order() -> None:
 def test_whose_page_goes_while_it_waits_holds_up_nobody() -> None:
     done: list[str] = []
 
-    async def build(name: str, queue: Queue) -> None:
+    async def build(name: str, queue: TurnQueue) -> None:
         await queue.wait()
         done.append(name)
 
     async def go() -> None:
-        queue = Queue()
+        queue = TurnQueue()
         first, second, third = (asyncio.create_task(build(name, queue)) for name in ("a", "b", "c"))
         await asyncio.sleep(0)
         first.cancel()

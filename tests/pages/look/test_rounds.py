@@ -7,7 +7,7 @@ from collections import Counter
 
 import pytest
 
-from layflat.pages.look.rounds import OTHERS, Rounds
+from layflat.pages.look.pieces import MAX_ROUND_TIME, Rounds
 
 PAGES = 40
 WORK = 0.01  # of one page, s
@@ -37,7 +37,7 @@ def test_the_page_that_drives_comes_first_and_all_others_have_their_turn() -> No
     others = [shown[f"page {number}"] for number in range(PAGES) if number != 7]
     assert shown["page 7"] > 10
     assert max(others) - min(others) <= 1
-    assert sum(others) < shown["page 7"] * (OTHERS / WORK + 2)
+    assert sum(others) < shown["page 7"] * (MAX_ROUND_TIME / WORK + 2)
 
 
 def test_a_page_that_can_t_be_shown_stops_no_other(caplog: pytest.LogCaptureFixture) -> None:

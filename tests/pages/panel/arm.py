@@ -15,14 +15,14 @@ PATIENCE = 8.0  # without a renewal, where the time until a lease lapses is that
 ANSWERED = 0.1  # from Stop to the page that tells it, s
 LAPSES = """
 import time
-from layflat.rig import lease as _lease
+from layflat.rig import session as _session
 _gaps = open("gaps.jsonl", "a", buffering=1)
 def _renew(self):
     age = self.age
     self._renewed = time.monotonic()
-    if age > 0.5 * _lease.HELD_AFTER:
+    if age > 0.5 * _session.HELD_AFTER:
         _gaps.write(json.dumps([self._renewed, age if age < 1e9 else 0.0]) + "\\n")
-_lease.Lease.renew = _renew
+_session.HostLease.renew = _renew
 """
 """After KEPT, before a command that serves a panel: long times between two renewals of the lease are kept, too."""
 

@@ -5,10 +5,9 @@ import pytest
 from layflat.description.change import changed, paths, value_at
 from layflat.errors import LayflatError
 from layflat.machine import Machine, load
-from layflat.pages.panel.controller_view import PREFIXES, _changed, named
+from layflat.pages.panel.controller_view import PREFIXES, _changed_value, describe_path
 from layflat.pages.panel.desk import written_values
-from layflat.pages.studio.field import Field
-from layflat.pages.studio.fields import field_at
+from layflat.pages.studio.field import Field, field_at
 
 SI = {"rad", "V/rad", "V/Pa", "Pa", "m", "rad/s", "V/rad/s"}
 
@@ -27,19 +26,19 @@ def test_every_number_has_a_unit_that_people_write_and_stays_what_it_is(name: st
     for field, value in numbers(machine):
         assert (field.unit == "") == (field.quantity is None)
         assert field.unit not in SI, field.path
-        assert _changed(field, field.number(value), value) is None
-        text = _changed(field, 1.01 * field.number(value) + 1e-9, value)
-        if value > 0.0 and "share" not in field.path and "trust" not in field.path:
+        assert _changed_value(field, field.number(value), value) is None
+        text = _changed_value(field, 1.01 * field.number(value) + 1e-9, value)
+        if value > 0.0 and "fraction" not in field.path and "observer_gain" not in field.path:
             assert value_at(changed(machine, field.path, text), field.path) == pytest.approx(1.01 * value, rel=1e-6)
 
 
 def test_names_are_words() -> None:
-    assert named("joint.large.gains.near_below.speed") == "Large: near below speed"
-    assert named("controller.drift_time") == "Drift time"
+    assert describe_path("joint.large.gains.near_below.speed") == "Large: near below speed"
+    assert describe_path("controller.drift_time") == "Drift time"
 
 
 @pytest.mark.parametrize("value", [None, "", "banana", True, float("nan")])
 def test_what_is_no_number_is_told_by_the_value_s_name(value: object) -> None:
     field, before = numbers(load("paper-arm"))[0]
     with pytest.raises(LayflatError, match="Large: far error: holds no number; give one"):
-        _changed(field, value, before)
+        _changed_value(field, value, before)

@@ -10,15 +10,16 @@ import pytest
 
 from layflat.errors import LayflatError
 from layflat.machine import load
-from layflat.pages.panel.controls import Controls
-from layflat.pages.panel.moves import Step
+from layflat.pages.panel.desk import Controls
+from layflat.pages.panel.moves import SequenceStep
 
 ARM = load("paper-arm")
 GIVEN: dict[str, dict[str, Any]] = {
-    "switch": {"output": "gripper", "on": True}, "jog": {"velocities": [0.1, 0.0]}, "go": {"steps": [Step((0.1, 0.1))]},
+    "switch": {"output": "gripper", "on": True}, "jog": {"velocities": [0.1, 0.0]},
+    "start_sequence": {"steps": [SequenceStep((0.1, 0.1))]},
     "change": {"machine": ARM}, "check": {"air": True, "tell": print},
 }  # fmt: skip
-TELL = {"go", "change", "check"}
+TELL = {"start_sequence", "change", "check"}
 ACTIONS = [name for name, _ in inspect.getmembers(Controls, inspect.isfunction) if not name.startswith("_")]
 
 
@@ -64,17 +65,17 @@ def test_a_page_that_drives_does_it(name: str) -> None:
 def test_a_move_through_no_places_is_told() -> None:
     hand, called = controls(drives=True)
     with pytest.raises(LayflatError, match="no steps"):
-        hand.go([])
+        hand.start_sequence([])
     assert called == []
 
 
 def test_each_page_moves_at_its_own_speed() -> None:
     shares: list[float] = []
     operators = SimpleNamespace(drives=lambda _: True)
-    pilot = SimpleNamespace(go=lambda _, share, repeats: not repeats and not shares.append(share))  # type: ignore[func-returns-value]
+    pilot = SimpleNamespace(start_sequence=lambda _, share, repeats: not repeats and not shares.append(share))  # type: ignore[func-returns-value]
     desk: Any = SimpleNamespace(operators=operators, pilot=pilot)
     first, second = Controls(desk, "a", 0.3), Controls(desk, "b", 0.3)
     first.share = 1.0
     for one in (first, second):
-        one.go([Step(tuple(np.zeros(2)))])
+        one.start_sequence([SequenceStep(tuple(np.zeros(2)))])
     assert shares == [1.0, 0.3]

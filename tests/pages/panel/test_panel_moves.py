@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from layflat.arrays import Array
 from layflat.machine import load
 from layflat.motion.path import half_strokes
-from layflat.pages.panel.moves import ARRIVES, Course, Jog, Step
+from layflat.pages.panel.moves import ARRIVAL_TIMEOUT, JogMotion, SequenceMotion, SequenceStep
 
 ARM = load("paper-arm-tracking")
 HALF = half_strokes(ARM)
@@ -43,33 +43,33 @@ class Asked:
 def test_a_jog_stays_inside_the_stroke_gathers_way_smoothly_and_rests_once_released(
     wishes: list[tuple[float, float, int]],
 ) -> None:
-    jog, asked, now = Jog(ARM, np.zeros(2)), Asked(), 0.0
+    jog, asked, now = JogMotion(ARM, np.zeros(2)), Asked(), 0.0
     for large, small, looks in [*wishes, (0.0, 0.0, 60)]:
-        jog.wanted = np.array([large, small])
+        jog.demand_velocity = np.array([large, small])
         for _ in range(looks):
-            jog.ask(asked, asked, now)  # type: ignore[arg-type]
+            jog.send_demand(asked, asked, now)  # type: ignore[arg-type]
             now += 0.02
     angles, velocities = np.array(asked.angles), np.array(asked.velocities)
     assert (np.abs(angles) <= HALF + 1e-12).all()
     assert np.abs(np.diff(angles, axis=0)).max() <= 1.0 * 0.02 + 1e-9
     assert not velocities[-1].any()
-    assert jog.over
+    assert jog.is_over
 
 
 def test_a_jog_has_its_speed_after_a_quarter_of_a_second() -> None:
-    jog, asked = Jog(ARM, np.zeros(2)), Asked()
-    jog.wanted = np.array([0.3, 0.0])
+    jog, asked = JogMotion(ARM, np.zeros(2)), Asked()
+    jog.demand_velocity = np.array([0.3, 0.0])
     for k in range(20):
-        jog.ask(asked, asked, 0.02 * k)  # type: ignore[arg-type]
+        jog.send_demand(asked, asked, 0.02 * k)  # type: ignore[arg-type]
     assert asked.velocities[-1][0] == pytest.approx(0.3)
     assert not asked.velocities[0].any()
 
 
 def test_a_course_goes_through_its_places_and_pauses() -> None:
-    steps = [Step((0.4, -0.3), 0.5), Step((-0.2, 0.1))]
-    course, asked, now = Course(ARM, np.zeros(2), steps, 0.4), Asked(), 10.0
-    while not course.over:
-        course.ask(asked, asked, now)  # type: ignore[arg-type]
+    steps = [SequenceStep((0.4, -0.3), 0.5), SequenceStep((-0.2, 0.1))]
+    course, asked, now = SequenceMotion(ARM, np.zeros(2), steps, 0.4), Asked(), 10.0
+    while not course.is_over:
+        course.send_demand(asked, asked, now)  # type: ignore[arg-type]
         now += 0.02
         assert now < 20.0
     angles = np.array(asked.angles)
@@ -84,10 +84,10 @@ def test_a_course_switches_outputs_where_it_has_come_to_a_place() -> None:
     grips = ARM.model_copy(update={"interface": ARM.interface.model_copy(update={"outputs": ("gripper",)})})
     closed, opened = frozenset({"gripper"}), frozenset[str]()
     places = [((0.2, 0.0), None), ((0.3, 0.1), closed), ((0.1, 0.1), closed), ((0.0, 0.0), opened)]
-    course = Course(grips, np.zeros(2), [Step(angles, 0.1, outputs) for angles, outputs in places], 0.5)
+    course = SequenceMotion(grips, np.zeros(2), [SequenceStep(angles, 0.1, outputs) for angles, outputs in places], 0.5)
     asked, now = Asked(), 0.0
-    while not course.over:
-        course.ask(asked, asked, now)  # type: ignore[arg-type]
+    while not course.is_over:
+        course.send_demand(asked, asked, now)  # type: ignore[arg-type]
         now += 0.02
     (first, second) = asked.switched
     assert first[:2] == ("gripper", True)
@@ -98,19 +98,23 @@ def test_a_course_switches_outputs_where_it_has_come_to_a_place() -> None:
 
 def test_a_course_switches_nothing_where_it_has_not_come() -> None:
     grips = ARM.model_copy(update={"interface": ARM.interface.model_copy(update={"outputs": ("gripper",)})})
-    course, asked, now = Course(grips, np.zeros(2), [Step((0.2, 0.2), 0.0, frozenset({"gripper"}))], 1.0), Asked(), 0.0
+    course, asked, now = (
+        SequenceMotion(grips, np.zeros(2), [SequenceStep((0.2, 0.2), 0.0, frozenset({"gripper"}))], 1.0),
+        Asked(),
+        0.0,
+    )
     held = {"averaged_angle": np.zeros(2), "averaged_velocity": np.zeros(2), "outputs": 0}  # something holds the arm
-    while not course.over:
-        course.ask(asked, held, now)  # type: ignore[arg-type]
+    while not course.is_over:
+        course.send_demand(asked, held, now)  # type: ignore[arg-type]
         now += 0.02
     assert asked.switched == []
 
 
 def test_a_course_again_and_again_begins_anew_and_does_not_wait_for_ever() -> None:
-    course, asked, now = Course(ARM, np.zeros(2), [Step((0.2, 0.2))], 1.0, repeats=True), Asked(), 0.0
+    course, asked, now = SequenceMotion(ARM, np.zeros(2), [SequenceStep((0.2, 0.2))], 1.0, repeats=True), Asked(), 0.0
     held = {"averaged_angle": np.zeros(2), "averaged_velocity": np.zeros(2)}  # something holds the arm
     while course.rounds < 2:
-        course.ask(asked, held, now)  # type: ignore[arg-type]
+        course.send_demand(asked, held, now)  # type: ignore[arg-type]
         now += 0.02
-        assert now < 2 * ARRIVES + 5.0
-    assert not course.over
+        assert now < 2 * ARRIVAL_TIMEOUT + 5.0
+    assert not course.is_over

@@ -13,7 +13,7 @@ from urllib.parse import urlsplit
 import pytest
 
 from layflat.rig.recorder.run import read_run
-from layflat.rig.safety.states import State
+from layflat.rig.safety.faults import RigState
 from tests.pages.browsers import PATIENT, PATIENT_ARM, PATIENT_HOST, Served, chromium, kill_pages, launched, served
 from tests.pages.panel.driving import (
     angle,
@@ -141,7 +141,7 @@ def test_a_fault_is_shown_with_what_to_do_and_a_reset_ends_it(
     assert next_step in found
 
 
-def held_and_stopped(folder: Path, browser: Any) -> dict[State, float]:
+def held_and_stopped(folder: Path, browser: Any) -> dict[RigState, float]:
     """How long after a page was killed that was jogging the arm was held, and stopped, by the rig's log, s."""
     (folder / "arm.toml").write_text(PATIENT_ARM, encoding="utf-8")
     with served(folder, "panel", "arm.toml") as panel:
@@ -156,7 +156,7 @@ def held_and_stopped(folder: Path, browser: Any) -> dict[State, float]:
         page.context.close()
     run = read_run(next(folder.rglob("*-panel.mcap")))
     wall, mode = run["wall"].to_numpy() - killed, run["mode"].to_numpy()
-    reached = (State.HOLDING, State.STOPPED)
+    reached = (RigState.HOLDING, RigState.STOPPED)
     return {one: min(wall[(wall > 0.0) & (mode == one)], default=math.inf) for one in reached}
 
 
@@ -165,7 +165,7 @@ def test_a_tab_that_is_killed_while_jogging_leaves_an_arm_that_holds_and_stops(t
     for attempt in "abcde":  # a busy computer may take time from loop and server just then
         (folder := tmp_path / attempt).mkdir()
         took = held_and_stopped(folder, browser)
-        if took[State.HOLDING] < 0.25 and took[State.STOPPED] < 1.0:
+        if took[RigState.HOLDING] < 0.25 and took[RigState.STOPPED] < 1.0:
             return
     raise AssertionError(took)
 

@@ -9,16 +9,14 @@ import numpy as np
 import pytest
 
 from layflat.machine import load
-from layflat.pages.panel.moves import Step
+from layflat.pages.panel.moves import SequenceStep
 from layflat.pages.panel.pilot import Pilot
-from layflat.rig.lease import Lease
-from layflat.rig.record import Layout
-from layflat.rig.safety.faults import Fault
-from layflat.rig.safety.states import State
-from layflat.rig.session import Session, Snapshot
+from layflat.rig.record import RowLayout
+from layflat.rig.safety.faults import Fault, RigState
+from layflat.rig.session import HostLease, RigSession, RigSnapshot
 
 ARM = load("paper-arm-tracking")
-LAYOUT = Layout.of(ARM)
+LAYOUT = RowLayout.for_machine(ARM)
 
 
 class Rig:
@@ -27,18 +25,18 @@ class Rig:
     machine = ARM
 
     def __init__(self) -> None:
-        self.state, self.heard, self.asked = State.READY, list[str](), list[Any]()
+        self.state, self.heard, self.asked = RigState.READY, list[str](), list[Any]()
         self.session: Any = self
         self.lapsed, self.lapses, self.fault = False, 0, Fault.NONE
 
-    def snapshot(self) -> Snapshot | None:
+    def snapshot(self) -> RigSnapshot | None:
         if self.session is None:
             return None
         row = np.zeros(LAYOUT.width)
         LAYOUT.named(row, "mode")[...] = self.state
         LAYOUT.named(row, "fault")[...] = self.fault
         LAYOUT.named(row, "time")[...] = time.monotonic()
-        return Snapshot(LAYOUT, row)
+        return RigSnapshot(LAYOUT, row)
 
     def ask(self, angles: Any, velocities: Any = None, *_: Any, **__: Any) -> None:
         self.asked.append((np.array(angles), velocities))
@@ -48,7 +46,7 @@ class Rig:
 def _telling(monkeypatch: pytest.MonkeyPatch) -> None:
     """A session's methods are called by their names: they note them."""
     for name in ("start", "hold", "stop", "reset"):
-        monkeypatch.setattr(Session, name, lambda rig, name=name: rig.heard.append(name))
+        monkeypatch.setattr(RigSession, name, lambda rig, name=name: rig.heard.append(name))
 
 
 @pytest.fixture
@@ -59,11 +57,11 @@ def rig() -> Rig:
 @pytest.fixture
 def lease() -> Any:
     """One that lives until it is told to lapse."""
-    return SimpleNamespace(lives=True)
+    return SimpleNamespace(active=True)
 
 
 @pytest.fixture
-def pilot(rig: Rig, lease: Lease) -> Iterator[Pilot]:
+def pilot(rig: Rig, lease: HostLease) -> Iterator[Pilot]:
     made = Pilot(rig, lease)  # type: ignore[arg-type]
     yield made
     made.close()
@@ -91,48 +89,48 @@ def test_a_jog_moves_until_it_is_asked_for_nothing(pilot: Pilot, rig: Rig) -> No
 def test_a_course_ends_where_the_lease_lapses_or_the_rig_does_not_obey(
     pilot: Pilot, rig: Rig, lease: Any, lapses: bool
 ) -> None:
-    assert pilot.go([Step((0.5, 0.5)), Step((0.0, 0.0))], repeats=True)
+    assert pilot.start_sequence([SequenceStep((0.5, 0.5)), SequenceStep((0.0, 0.0))], repeats=True)
     until(lambda: len(rig.asked) > 3)
     if lapses:
-        lease.lives = False
+        lease.active = False
     else:
-        rig.state = State.FAULT
-    until(lambda: pilot.course is None)
+        rig.state = RigState.FAULT
+    until(lambda: pilot.sequence is None)
     count = len(rig.asked)
-    assert not pilot.go([Step((0.1, 0.1))])
+    assert not pilot.start_sequence([SequenceStep((0.1, 0.1))])
     time.sleep(0.1)
     assert len(rig.asked) == count
 
 
 def test_stop_and_vent_end_a_course_at_once(pilot: Pilot, rig: Rig) -> None:
-    for what, heard in ((pilot.stop, "hold"), (pilot.vent, "stop")):
-        assert pilot.go([Step((0.5, 0.5))])
+    for what, heard in ((pilot.hold, "hold"), (pilot.controlled_stop, "stop")):
+        assert pilot.start_sequence([SequenceStep((0.5, 0.5))])
         what()
-        assert pilot.course is None
+        assert pilot.sequence is None
         assert rig.heard[-1] == heard
 
 
 def test_a_start_is_wished_for_until_the_lease_lives(pilot: Pilot, rig: Rig, lease: Any) -> None:
-    lease.lives = False
+    lease.active = False
     pilot.start()
     time.sleep(0.1)
     assert rig.heard == []
-    lease.lives = True
+    lease.active = True
     until(lambda: rig.heard == ["start"])
-    lease.lives = False
+    lease.active = False
     pilot.start()
-    pilot.stop()
-    lease.lives = True
+    pilot.hold()
+    lease.active = True
     time.sleep(0.1)
     assert rig.heard == ["start", "hold"], "a stop takes the wish away"
 
 
 def test_where_the_rig_is_gone_nothing_is_asked_and_the_charts_begin_anew(pilot: Pilot, rig: Rig) -> None:
-    until(lambda: pilot.history.seen() is not None)
+    until(lambda: pilot.history.samples() is not None)
     rig.session = None
-    until(lambda: pilot.history.seen() is None)
-    assert not pilot.go([Step((0.1, 0.1))])
-    pilot.stop()
+    until(lambda: pilot.history.samples() is None)
+    assert not pilot.start_sequence([SequenceStep((0.1, 0.1))])
+    pilot.hold()
     pilot.jog([1.0, 0.0])
     time.sleep(0.1)
     assert rig.heard == []
@@ -140,31 +138,31 @@ def test_where_the_rig_is_gone_nothing_is_asked_and_the_charts_begin_anew(pilot:
 
 
 def test_an_arm_that_was_held_by_nobody_s_wish_says_why_until_it_goes_on(pilot: Pilot, rig: Rig) -> None:
-    rig.state = State.MOVING
+    rig.state = RigState.MOVING
     time.sleep(0.1)
     rig.lapsed, rig.lapses = True, 1
-    rig.state = State.HOLDING
-    until(lambda: "was not heard" in pilot.why)
-    rig.state = State.STOPPED
+    rig.state = RigState.HOLDING
+    until(lambda: "was not heard" in pilot.hold_reason)
+    rig.state = RigState.STOPPED
     time.sleep(0.1)
-    assert "was not heard" in pilot.why
-    rig.lapsed, rig.state = False, State.STARTING
-    until(lambda: pilot.why == "")
+    assert "was not heard" in pilot.hold_reason
+    rig.lapsed, rig.state = False, RigState.STARTING
+    until(lambda: pilot.hold_reason == "")
 
 
 def test_a_fault_that_is_over_is_still_told_and_a_person_s_stop_needs_no_reason(pilot: Pilot, rig: Rig) -> None:
-    rig.state, rig.fault = State.STOPPED, Fault.SETPOINT_STALE
-    until(lambda: pilot.why == Fault.SETPOINT_STALE.title)
+    rig.state, rig.fault = RigState.STOPPED, Fault.SETPOINT_STALE
+    until(lambda: pilot.hold_reason == Fault.SETPOINT_STALE.title)
     rig.fault = Fault.NONE
     time.sleep(0.1)
-    assert pilot.why == Fault.SETPOINT_STALE.title
-    rig.state = State.READY
-    until(lambda: pilot.why == "")
+    assert pilot.hold_reason == Fault.SETPOINT_STALE.title
+    rig.state = RigState.READY
+    until(lambda: pilot.hold_reason == "")
     rig.lapses = 3
-    pilot.stop()
-    rig.state = State.HOLDING
+    pilot.hold()
+    rig.state = RigState.HOLDING
     time.sleep(0.1)
-    assert pilot.why == ""
+    assert pilot.hold_reason == ""
     rig.lapses = 4
-    rig.state = State.STOPPED
-    until(lambda: "was not heard" in pilot.why)
+    rig.state = RigState.STOPPED
+    until(lambda: "was not heard" in pilot.hold_reason)

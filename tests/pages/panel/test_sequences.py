@@ -10,16 +10,15 @@ from hypothesis import strategies as st
 
 from layflat.errors import LayflatError
 from layflat.machine import load
-from layflat.pages.panel.moves import Step
-from layflat.pages.panel.sequences import (
+from layflat.pages.panel.moves import (
     MAX_LISTED,
     MAX_STEPS,
+    SequenceStep,
     load_sequence,
     newest_names,
-    place_of,
+    read_target,
     save_sequence,
-    sequence_names,
-    target,
+    sequence_file,
 )
 
 ARM = load("paper-arm")
@@ -31,9 +30,9 @@ def test_a_sequence_comes_back(
     tmp_path_factory: pytest.TempPathFactory, rows: list[tuple[float, float, float]]
 ) -> None:
     folder = tmp_path_factory.mktemp("saved")
-    steps = [Step((a, b), pause) for a, b, pause in rows]
+    steps = [SequenceStep((a, b), pause) for a, b, pause in rows]
     save_sequence(folder, "to and fro", ARM, steps)
-    assert sequence_names(folder) == ["to and fro"]
+    assert newest_names(folder)[0] == ["to and fro"]
     for found, step in zip(load_sequence(folder, "to and fro", ARM), steps, strict=True):
         assert found.angles == pytest.approx(step.angles, abs=radians(1e-3))
         assert found.pause == pytest.approx(step.pause, abs=1e-3)
@@ -43,7 +42,7 @@ GRIPS = ARM.model_copy(update={"interface": ARM.interface.model_copy(update={"ou
 
 
 def test_outputs_of_steps_come_back_and_others_are_refused(tmp_path: Path) -> None:
-    steps = [Step((0.1, 0.2), 0.5, outputs) for outputs in (frozenset({"gripper"}), frozenset[str](), None)]
+    steps = [SequenceStep((0.1, 0.2), 0.5, outputs) for outputs in (frozenset({"gripper"}), frozenset[str](), None)]
     save_sequence(tmp_path, "grip", GRIPS, steps)
     assert [step.outputs for step in load_sequence(tmp_path, "grip", GRIPS)] == [step.outputs for step in steps]
     with pytest.raises(LayflatError, match=r"step 1: outputs: .*leave them out: the machine has none"):
@@ -55,7 +54,7 @@ def test_outputs_of_steps_come_back_and_others_are_refused(tmp_path: Path) -> No
 )
 def test_names_stay_in_the_folder(tmp_path: Path, name: str) -> None:
     with pytest.raises(LayflatError, match=r"is empty|can't be a name|is reserved by some systems|more than 100 bytes"):
-        place_of(tmp_path, name)
+        sequence_file(tmp_path, name)
 
 
 @pytest.mark.parametrize(
@@ -71,7 +70,7 @@ def test_names_stay_in_the_folder(tmp_path: Path, name: str) -> None:
     ],
 )
 def test_nonsense_is_named(tmp_path: Path, text: str, words: str) -> None:
-    place_of(tmp_path, "one").write_text(text)
+    sequence_file(tmp_path, "one").write_text(text)
     with pytest.raises(LayflatError, match=words) as raised:
         load_sequence(tmp_path, "one", ARM)
     assert "one.sequence.toml" in str(raised.value)
@@ -83,15 +82,15 @@ def test_a_sequence_that_is_not_there_is_named(tmp_path: Path) -> None:
 
 
 def test_targets_are_inside_the_stroke() -> None:
-    assert target(ARM, {"large": 10.0, "small": -HALF}) == pytest.approx((radians(10.0), radians(-HALF)))
+    assert read_target(ARM, {"large": 10.0, "small": -HALF}) == pytest.approx((radians(10.0), radians(-HALF)))
     with pytest.raises(LayflatError, match="outside the working stroke"):
-        target(ARM, {"large": 10.0, "small": HALF + 1.0})
+        read_target(ARM, {"large": 10.0, "small": HALF + 1.0})
     with pytest.raises(LayflatError, match="lacks an angle"):
-        target(ARM, {"large": 10.0, "small": None})
+        read_target(ARM, {"large": 10.0, "small": None})
 
 
 def test_a_sequence_that_could_not_be_loaded_is_not_written(tmp_path: Path) -> None:
-    steps = [Step(tuple(0.1 for _ in ARM.joints))] * MAX_STEPS
+    steps = [SequenceStep(tuple(0.1 for _ in ARM.joints))] * MAX_STEPS
     save_sequence(tmp_path, "long", ARM, steps)
     assert len(load_sequence(tmp_path, "long", ARM)) == MAX_STEPS
     with pytest.raises(LayflatError, match=f"long: has {MAX_STEPS + 1} steps; give {MAX_STEPS} at most"):

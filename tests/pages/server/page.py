@@ -9,7 +9,7 @@ from collections.abc import Callable
 from pathlib import Path
 from threading import Event, Thread
 
-from layflat.pages.server import Place, serve
+from layflat.pages.server import Endpoint, serve
 
 
 def root() -> None:
@@ -45,7 +45,7 @@ def main(root: Callable[[], None]) -> None:
     certificate, key = (Path(file) for file in files) if files else (None, None)
     serve(
         root,
-        Place(port=int(port), certificate=certificate, key=key),
+        Endpoint(port=int(port), certificate=certificate, key=key),
         title="A page for tests",
         started=add_route_that_reads,
         ready=say,

@@ -7,8 +7,8 @@ from threading import Thread
 
 import pytest
 
-from layflat.pages.server import Place, connections
-from layflat.pages.server.connections import MOST, Listener
+from layflat.pages.server import Endpoint, place
+from layflat.pages.server.place import MAX_CONNECTIONS, Listener
 from tests.pages.server.serving import Served
 
 FLOOD = 1000
@@ -16,7 +16,7 @@ FLOOD = 1000
 
 @pytest.fixture
 def listener() -> Iterator[Listener]:
-    with Place(port=0).listen() as made:
+    with Endpoint(port=0).listen() as made:
         yield made
 
 
@@ -39,7 +39,7 @@ def is_ended(coming: socket.socket) -> bool:
 
 
 def test_strangers_that_stay_silent_are_sent_away(listener: Listener, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(connections, "PATIENCE", 0.05)
+    monkeypatch.setattr(place, "ADMISSION_TIMEOUT", 0.05)
     stranger, serving = connected(listener)
     known, kept = connected(listener)
     with stranger, serving, known, kept:
@@ -55,7 +55,7 @@ def test_strangers_that_stay_silent_are_sent_away(listener: Listener, monkeypatc
 def test_the_oldest_stranger_makes_room(listener: Listener) -> None:
     with ExitStack() as ends:
         coming = []
-        for count in range(MOST + 2):
+        for count in range(MAX_CONNECTIONS + 2):
             one, serving = connected(listener)
             ends.enter_context(one)
             ends.enter_context(serving)
@@ -67,7 +67,7 @@ def test_the_oldest_stranger_makes_room(listener: Listener) -> None:
 
 def test_there_is_no_room_among_those_who_may_stay(listener: Listener) -> None:
     with ExitStack() as ends:
-        for _ in range(MOST):
+        for _ in range(MAX_CONNECTIONS):
             one, serving = connected(listener)
             ends.enter_context(one)
             ends.enter_context(serving)
@@ -121,4 +121,4 @@ def test_a_flood_locks_nobody_out(served: Served, many_files: None) -> None:
     for one in idle:
         one.close()
     assert longest < 1.0
-    assert most < before + MOST + 10
+    assert most < before + MAX_CONNECTIONS + 10

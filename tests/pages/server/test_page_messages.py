@@ -10,8 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from websockets.exceptions import InvalidStatus
 
-from layflat.pages.server.logs import MAX_LENGTH, one_line
-from layflat.pages.server.messages import FOR_LOG, problem_of
+from layflat.pages.server.logs import MAX_LENGTH, format_record
+from layflat.pages.server.messages import FOR_LOG, frame_problem
 from tests.pages.server.serving import Served, serving
 from tests.pages.visitor import Visitor
 
@@ -55,23 +55,23 @@ FRAMES = st.one_of(
 
 @pytest.mark.parametrize("text", MALFORMED, ids=range(len(MALFORMED)))
 def test_what_no_page_sends_is_told_from_what_pages_send(text: str) -> None:
-    assert problem_of(text)
+    assert frame_problem(text)
 
 
 @pytest.mark.parametrize("text", ["1", "3", "40", '40{"token":"x"}', "41", *(frame(*one) for one in RIGHT.items())])
 def test_what_pages_send_passes(text: str) -> None:
-    assert problem_of(text) == ""
-    assert problem_of(text.replace("42[", "4217[")) == ""
+    assert frame_problem(text) == ""
+    assert frame_problem(text.replace("42[", "4217[")) == ""
 
 
 def test_what_is_no_text_and_what_is_for_a_log_does_not_pass() -> None:
-    assert problem_of(b"\xff") == problem_of(None) == "is not text"
-    assert problem_of(frame("log", {"client_id": "c", "level": "error", "message": "\x1b[31m"})) == FOR_LOG
+    assert frame_problem(b"\xff") == frame_problem(None) == "is not text"
+    assert frame_problem(frame("log", {"client_id": "c", "level": "error", "message": "\x1b[31m"})) == FOR_LOG
 
 
 @given(FRAMES)
 def test_any_frame_is_judged_without_an_error(text: str | bytes) -> None:
-    assert isinstance(problem_of(text), str)
+    assert isinstance(frame_problem(text), str)
 
 
 def test_a_page_goes_on_while_others_send_what_they_should_not(tmp_path: Path) -> None:
@@ -129,8 +129,8 @@ def test_an_error_of_a_library_is_one_line_that_no_terminal_obeys() -> None:
         raise ValueError("wrong\nin two lines \x1b[31m")
     except ValueError as error:
         record = logging.LogRecord("nicegui", 40, "x.py", 1, error, None, (type(error), error, error.__traceback__))
-    line = one_line(record)
+    line = format_record(record)
     assert line.startswith("ValueError: wrong at test_page_messages.py:")
     assert line.isprintable()
     record = logging.LogRecord("asyncio", 40, "x.py", 1, "Task \x1b failed\nfuture: ...%s", ("a" * 999,), None)
-    assert one_line(record) == "Task   failed"
+    assert format_record(record) == "Task   failed"

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from layflat.errors import InputError
-from layflat.pages.server import Place, serve
+from layflat.pages.server import Endpoint, serve
 
 
 @pytest.fixture(scope="module")
@@ -28,19 +28,19 @@ def certificate(folder: Path) -> tuple[Path, Path]:
 
 @pytest.mark.parametrize("host", ["127.0.0.1", "127.1.2.3", "::1", "localhost", "LOCALHOST"])
 def test_this_computer_alone_needs_no_certificate(host: str) -> None:
-    assert Place(host).alone
+    assert Endpoint(host).is_loopback
 
 
 @pytest.mark.parametrize("host", ["192.168.1.5", "robot.local", "0.0.0.0", "::", "", "127.0.0.1.evil.example"])
 def test_others_are_served_under_a_certificate_only(host: str) -> None:
     with pytest.raises(InputError, match="can be reached from other computers; give a certificate and its key") as told:
-        Place(host)
+        Endpoint(host)
     assert told.value.where == "host"
     assert "\n" not in str(told.value)
 
 
 def test_with_a_certificate_others_are_served(files: tuple[Path, Path]) -> None:
-    place = Place("Robot.local", 8443, *files)
+    place = Endpoint("Robot.local", 8443, *files)
     assert place.address(8443) == "https://robot.local:8443"
     assert place.hosts(8443) == {"robot.local:8443"}
     assert place.hosts(443) == {"robot.local:443", "robot.local"}
@@ -49,19 +49,19 @@ def test_with_a_certificate_others_are_served(files: tuple[Path, Path]) -> None:
 @pytest.mark.parametrize("host", ["0.0.0.0", "::", ""])
 def test_an_address_that_no_browser_can_open_is_refused(host: str, files: tuple[Path, Path]) -> None:
     with pytest.raises(InputError, match="not an address that a browser can open; give the address or name"):
-        Place(host, 8443, *files)
+        Endpoint(host, 8443, *files)
 
 
 def test_certificate_and_key_come_together_and_are_there(files: tuple[Path, Path], tmp_path: Path) -> None:
     certificate, key = files
     with pytest.raises(InputError, match="key: is missing; give both"):
-        Place(certificate=certificate)
+        Endpoint(certificate=certificate)
     with pytest.raises(InputError, match="certificate: is missing; give both"):
-        Place(key=key)
+        Endpoint(key=key)
     with pytest.raises(InputError, match=r"none\.pem: no such file; give the path of the key"):
-        Place(certificate=certificate, key=tmp_path / "none.pem")
+        Endpoint(certificate=certificate, key=tmp_path / "none.pem")
     with pytest.raises(InputError, match="no such file; give the path of the certificate"):
-        Place(certificate=tmp_path, key=key)
+        Endpoint(certificate=tmp_path, key=key)
 
 
 def test_files_of_another_kind_are_refused(files: tuple[Path, Path], tmp_path: Path) -> None:
@@ -72,14 +72,14 @@ def test_files_of_another_kind_are_refused(files: tuple[Path, Path], tmp_path: P
     subprocess.run(command, check=True, capture_output=True)
     for pair in ((key, certificate), (certificate, tmp_path / "words.pem"), (certificate, locked)):
         with pytest.raises(InputError, match="can't be used with the key") as told:
-            Place("192.168.1.5", 8443, *pair)
+            Endpoint("192.168.1.5", 8443, *pair)
         assert "\n" not in str(told.value)
 
 
 def test_addresses_are_as_browsers_write_them() -> None:
-    assert Place("localhost").address(8080) == "http://127.0.0.1:8080"
-    assert Place("0:0::1").address(8080) == "http://[::1]:8080"
-    assert Place("127.1.2.3").hosts(8080) == {
+    assert Endpoint("localhost").address(8080) == "http://127.0.0.1:8080"
+    assert Endpoint("0:0::1").address(8080) == "http://[::1]:8080"
+    assert Endpoint("127.1.2.3").hosts(8080) == {
         f"{name}:8080" for name in ("127.1.2.3", "127.0.0.1", "localhost", "[::1]")
     }
 
@@ -87,7 +87,7 @@ def test_addresses_are_as_browsers_write_them() -> None:
 def test_a_place_that_is_not_here_is_refused(files: tuple[Path, Path]) -> None:
     for host in ("192.0.2.1", f"{64 * 'x'}.local"):
         with pytest.raises(InputError, match=rf"host: '{host}' can't be had \(.*\); give an address of this computer"):
-            Place(host, 8443, *files).listen()
+            Endpoint(host, 8443, *files).listen()
 
 
 def test_a_port_in_use_is_told_before_anything_starts() -> None:
@@ -95,12 +95,12 @@ def test_a_port_in_use_is_told_before_anything_starts() -> None:
         port = other.getsockname()[1]
         told = rf"port: port {port} can't be had \(Address already in use\); give another, or 0 for any that is free"
         with pytest.raises(InputError, match=told):
-            serve(lambda: None, Place(port=port), title="none", ready=print, stopped=lambda: True)
+            serve(lambda: None, Endpoint(port=port), title="none", ready=print, stopped=lambda: True)
     with pytest.raises(InputError, match="port: port 99999 can't be had"):
-        Place(port=99999).listen()
+        Endpoint(port=99999).listen()
 
 
 def test_only_the_address_that_was_given_listens() -> None:
-    with Place(port=0).listen() as listener, socket.socket() as other:
+    with Endpoint(port=0).listen() as listener, socket.socket() as other:
         assert listener.getsockname()[0] == "127.0.0.1"
         assert other.connect_ex(("127.0.0.2", listener.getsockname()[1])) != 0

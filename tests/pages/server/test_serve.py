@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 from websockets.exceptions import ConnectionClosed
 
-from layflat.pages.server.connections import MOST
+from layflat.pages.server.place import MAX_CONNECTIONS
 from tests.pages.browsers import chromium
 from tests.pages.server.serving import SOCKET, Served, serving
 from tests.pages.server.test_place import certificate
@@ -39,9 +39,9 @@ def test_pages_are_served_by_tls(tmp_path: Path) -> None:
         assert served.ask("/", served.allowed(Origin=served.origin)).status == 200
         assert served.ask("/", served.allowed(Origin=served.origin.replace("https", "http"))).status == 403
         before = served.descriptors()
-        idle = [socket.create_connection(("127.0.0.1", served.port)) for _ in range(2 * MOST)]
+        idle = [socket.create_connection(("127.0.0.1", served.port)) for _ in range(2 * MAX_CONNECTIONS)]
         assert served.ask("/", served.allowed()).status == 200
-        assert served.descriptors() < before + MOST + 10
+        assert served.descriptors() < before + MAX_CONNECTIONS + 10
         for one in idle:
             one.close()
 

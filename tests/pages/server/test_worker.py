@@ -10,12 +10,12 @@ from typing import Any
 import pytest
 
 from layflat.errors import InputError, LayflatError
-from layflat.pages.server.worker import Worker
+from layflat.pages.server.worker import ProcessWorker
 
 
 @pytest.fixture
-def worker() -> Iterator[Worker]:
-    made = Worker("layflat-test")
+def worker() -> Iterator[ProcessWorker]:
+    made = ProcessWorker("layflat-test")
     yield made
     made.end()
 
@@ -24,11 +24,11 @@ def refuse(value: int) -> int:
     raise InputError(f"{value} is too much", where="value", right="give less")
 
 
-def call(worker: Worker, function: object, *arguments: object, limit: float = 30.0) -> object:
+def call(worker: ProcessWorker, function: object, *arguments: object, limit: float = 30.0) -> object:
     return asyncio.run(worker.call(function, *arguments, limit=limit, what="the work"))  # type: ignore[arg-type]
 
 
-def test_results_and_errors_come_back_from_one_process(worker: Worker) -> None:
+def test_results_and_errors_come_back_from_one_process(worker: ProcessWorker) -> None:
     assert call(worker, sum, [1, 2, 3]) == 6
     pid = call(worker, getpid)
     assert pid not in (getpid(), None)
@@ -40,7 +40,7 @@ def test_results_and_errors_come_back_from_one_process(worker: Worker) -> None:
     assert call(worker, getpid) == pid
 
 
-def test_what_takes_too_long_ends_and_another_process_goes_on(worker: Worker) -> None:
+def test_what_takes_too_long_ends_and_another_process_goes_on(worker: ProcessWorker) -> None:
     pid = call(worker, getpid)
     begun = time.monotonic()
     with pytest.raises(LayflatError, match=r"the work took longer than 0\.2 s and was ended"):
@@ -49,7 +49,7 @@ def test_what_takes_too_long_ends_and_another_process_goes_on(worker: Worker) ->
     assert call(worker, getpid) != pid
 
 
-def test_what_is_cancelled_ends_and_another_process_goes_on(worker: Worker) -> None:
+def test_what_is_cancelled_ends_and_another_process_goes_on(worker: ProcessWorker) -> None:
     call(worker, getpid)
 
     async def cancelled() -> None:
@@ -63,20 +63,20 @@ def test_what_is_cancelled_ends_and_another_process_goes_on(worker: Worker) -> N
     assert call(worker, sum, [1]) == 1
 
 
-def test_a_process_that_dies_is_told_and_begun_again(worker: Worker) -> None:
+def test_a_process_that_dies_is_told_and_begun_again(worker: ProcessWorker) -> None:
     with pytest.raises(LayflatError, match="the work has ended with its process: try again"):
         call(worker, _exit, 3)
     assert call(worker, sum, [1]) == 1
 
 
 def test_a_worker_that_was_ended_says_so() -> None:
-    worker = Worker("layflat-test")
+    worker = ProcessWorker("layflat-test")
     worker.end()
     with pytest.raises(LayflatError, match="being closed"):
         call(worker, sum, [1])
 
 
-def test_who_cancels_ends_what_it_asked_for_and_nothing_else(worker: Worker) -> None:
+def test_who_cancels_ends_what_it_asked_for_and_nothing_else(worker: ProcessWorker) -> None:
     async def cancelled() -> list[object]:
         mine, yours = object(), object()
 
@@ -114,7 +114,7 @@ def kept_value() -> object:
 
 def test_a_process_has_what_is_shared_with_it_from_its_beginning() -> None:
     number = get_context("spawn").Value("d", 2.5)
-    worker = Worker("layflat-test", first=keep, shared=(number,))
+    worker = ProcessWorker("layflat-test", first=keep, shared=(number,))
     try:
         assert call(worker, kept_value) == 2.5
         number.value = 3.5
@@ -123,7 +123,7 @@ def test_a_process_has_what_is_shared_with_it_from_its_beginning() -> None:
         worker.end()
 
 
-def test_a_worker_ends_while_a_call_that_is_larger_than_a_pipe_waits(worker: Worker) -> None:
+def test_a_worker_ends_while_a_call_that_is_larger_than_a_pipe_waits(worker: ProcessWorker) -> None:
     async def ended() -> None:
         first = asyncio.ensure_future(worker.call(time.sleep, 60.0, limit=50.0, what="the work"))
         second = asyncio.ensure_future(worker.call(len, bytes(10**7), limit=50.0, what="the work"))
@@ -137,7 +137,7 @@ def test_a_worker_ends_while_a_call_that_is_larger_than_a_pipe_waits(worker: Wor
     assert time.monotonic() - begun < 20.0
 
 
-def test_calls_of_who_is_gone_are_not_made_and_the_one_that_goes_on_is(worker: Worker) -> None:
+def test_calls_of_who_is_gone_are_not_made_and_the_one_that_goes_on_is(worker: ProcessWorker) -> None:
     async def left() -> list[object]:
         await worker.call(getpid, limit=30.0, what="the beginning")
         mine = [worker.call(time.sleep, seconds, limit=50.0, what="the work", by="me") for seconds in (0.3, 60.0, 60.0)]

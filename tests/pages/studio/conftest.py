@@ -1,7 +1,6 @@
 import pytest
 
-from layflat.pages.studio.design import Design
-from layflat.pages.studio.opened import open_description
+from layflat.pages.studio.design import Design, open_description
 
 
 @pytest.fixture

@@ -1,5 +1,6 @@
 """Every button of the studio, as the page lists it, with hard values in all fields."""
 
+import time
 from pathlib import Path
 
 import pytest
@@ -13,6 +14,7 @@ pytestmark = [pytest.mark.compiled, pytest.mark.realtime]
 BOUND = 0.04  # of the loop's work in one turn, s; the longest is half of it where nobody else works
 UNCHANGED = "Back to "  # before the names of buttons that are there once their value was changed
 FOUND = "Take these gains"  # which are found after minutes
+UNDO, REDO = "Undo (Ctrl-Z)", "Redo (Ctrl-Shift-Z)"
 SECTION = "nicegui-expansion"
 SECTIONS = ("Hose", "Controller", "Brake", "Arm")  # whose values are on the page
 
@@ -42,6 +44,15 @@ def edit(visitor: Visitor, turn: int) -> None:
     put(visitor, sliders[(5 * turn) % len(sliders)], turn % 2)
 
 
+def make_undoable(visitor: Visitor) -> None:
+    """Edit until there is something to undo: nothing is where a reload of the file came last."""
+    for turn in range(100):
+        if visitor.enabled(UNDO):
+            return
+        edit(visitor, turn)
+        time.sleep(0.2)
+
+
 def is_shown(visitor: Visitor) -> bool:
     """Whether results are shown."""
     return visitor.text_of("st-value") not in {"", "..."}
@@ -59,7 +70,8 @@ def test_every_button_with_hard_values(tmp_path: Path) -> None:
         presser = Presser(visitor, lambda turn: edit(visitor, turn))
         presser.press_all(quiet=3.0)
         after_edits = Presser(visitor, lambda _: None)
-        for name in ("Undo (Ctrl-Z)", "Redo (Ctrl-Shift-Z)"):
+        make_undoable(visitor)
+        for name in (UNDO, REDO):
             visitor.until(lambda name=name: visitor.enabled(name))  # type: ignore[misc]
             after_edits.press(name)
         left = {name for name in presser.left - after_edits.pressed.keys() if not name.startswith(UNCHANGED)}

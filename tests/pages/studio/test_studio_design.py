@@ -6,10 +6,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from layflat.description.provenance import Provenance
+from layflat.description.tables import Provenance
 from layflat.errors import InputError
-from layflat.pages.studio.design import MOST_UNDONE, Change, Design, message
-from layflat.pages.studio.opened import open_description
+from layflat.pages.studio.design import MAX_UNDONE, Change, Design, error_text, open_description
 
 WIDTH = "joint.large.hose.width"
 OPENED = open_description("paper-arm")
@@ -37,7 +36,7 @@ def test_undo_and_redo_go_through_the_same_states(edits: list[tuple[str, object]
         else:
             before = design.machine
             if path == "back":
-                design.back(WIDTH)
+                design.revert(WIDTH)
             else:
                 design.edit(path, value)
             if design.machine != before:
@@ -45,7 +44,9 @@ def test_undo_and_redo_go_through_the_same_states(edits: list[tuple[str, object]
         assert design.machine == states[at]
         assert (design.can_undo, design.can_redo) == (at > 0, at < len(states) - 1)
         changed = {
-            one for one in (WIDTH, "arm.payload", "joint.small.strap.layers") if design.was(one) != design.value(one)
+            one
+            for one in (WIDTH, "arm.payload", "joint.small.strap.layers")
+            if design.opened_value(one) != design.value(one)
         }
         assert set(design.changes) == changed
 
@@ -62,13 +63,13 @@ def test_a_drag_is_one_edit(design: Design) -> None:
 
 
 def test_history_is_bounded(design: Design) -> None:
-    for i in range(MOST_UNDONE + 5):
+    for i in range(MAX_UNDONE + 5):
         design.edit("arm.payload", f"{1 + i} kg")
     done = 0
     while design.can_undo:
         design.undo()
         done += 1
-    assert done == MOST_UNDONE
+    assert done == MAX_UNDONE
 
 
 @pytest.mark.parametrize(
@@ -85,7 +86,7 @@ def test_nonsense_is_refused_with_the_words_of_a_file(design: Design, path: str,
     before = design.machine
     with pytest.raises(InputError) as refused:
         design.edit(path, value)
-    assert message(refused.value, path).startswith(said)
+    assert error_text(refused.value, path).startswith(said)
     assert design.machine == before
     assert not design.can_undo
 

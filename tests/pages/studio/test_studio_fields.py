@@ -4,10 +4,8 @@ import pytest
 
 from layflat.description.change import paths, value_at
 from layflat.machine import names
-from layflat.pages.studio.design import Change, Design
-from layflat.pages.studio.field import Field, place_of, sentence, titled
-from layflat.pages.studio.fields import fields_of
-from layflat.pages.studio.opened import open_description
+from layflat.pages.studio.design import Change, Design, open_description
+from layflat.pages.studio.field import Field, describe_value, fields_of, key_title, section_name
 
 
 @pytest.mark.parametrize("name", names())
@@ -15,9 +13,9 @@ def test_what_is_shown_is_read_as_it_was(name: str) -> None:
     opened = open_description(name)
     design = Design(opened)
     fields = [field for field in design.fields if field.shape not in {"fixed", "switch"}]
-    design.edit_all({one.path: Change(one.read(one.shown(design.value(one.path)))) for one in fields})
+    design.edit_all({one.path: Change(one.read(one.format_value(design.value(one.path)))) for one in fields})
     for field in fields:
-        value, was = design.value(field.path), design.was(field.path)
+        value, was = design.value(field.path), design.opened_value(field.path)
         assert value == (pytest.approx(was, rel=1e-6) if field.shape in {"number", "whole", "list"} else was)
 
 
@@ -70,23 +68,23 @@ def test_a_bare_number_has_the_unit_of_the_field(design: Design, path: str, type
 
 def test_limits_are_said_in_the_unit_that_is_shown(design: Design) -> None:
     assert field_at(design, "joint.large.hose.wrap").limits == "above 0 to 720 deg"
-    assert field_at(design, "joint.large.hose.loss_share").limits == "0 to 1"
+    assert field_at(design, "joint.large.hose.loss_fraction").limits == "0 to 1"
     assert field_at(design, "joint.large.hose.width").limits == "0.001 to 20 m"
     assert field_at(design, "valve.critical_ratio").limits == "0 to below 0.99"
 
 
 def test_names_are_as_people_write_them(design: Design) -> None:
-    assert titled("pressure_gauge") == "Pressure (gauge)"
+    assert key_title("pressure_gauge") == "Pressure (gauge)"
     assert field_at(design, "joint.large.gains.far.error").label == "Far error"
     assert field_at(design, "joint.large.gains.far.error").section == "joint.large.gains"
     assert field_at(design, "joint.large.valve_size").section == "joint.large"
     assert field_at(design, "title").section == ""
     places = ["joint.large.link", "joint.large", "arm.link.base", "angle_sensor", ""]
-    assert [place_of(one) for one in places] == [
+    assert [section_name(one) for one in places] == [
         "Joint large, link",
         "Joint large",
         "Arm, link base",
         "Angle sensor",
         "",
     ]
-    assert sentence("of `valve`", "0 to 1") == "Of valve; 0 to 1"
+    assert describe_value("of `valve`", "0 to 1") == "Of valve; 0 to 1"

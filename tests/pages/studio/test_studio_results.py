@@ -1,11 +1,11 @@
-"""Figures of a design follow from it, and are those of `layflat design`."""
+"""Figures of a design follow from it, and are those of `layflat joint design`."""
 
 import numpy as np
 import pytest
 
 from layflat.design import design_joint
 from layflat.pages.studio.design import Design
-from layflat.pages.studio.results import Designer, Quantity, differences, drawing, share
+from layflat.pages.studio.results import Designer, DesignQuantity, design_drawing, differences, relative_difference
 
 WIDTH = "joint.large.hose.width"
 
@@ -41,7 +41,7 @@ def test_a_joint_that_can_not_be_made_is_a_finding(design: Design) -> None:
     figures = Designer().figures(design.machine, "large")
     assert figures.design is None
     assert (figures.findings[0].severity, figures.findings[0].rule) == ("error", "design")
-    assert not drawing(figures)
+    assert not design_drawing(figures)
     assert not figures.quantities
     assert not len(figures.torque[0])
 
@@ -51,18 +51,18 @@ def test_drawings_show_a_cam_beside_another(design: Design) -> None:
     before = designer.figures(design.machine, "large")
     design.edit(WIDTH, "200 mm")
     after = designer.figures(design.machine, "large")
-    assert drawing(after, before).count("<path") == drawing(after).count("<path") + 1
-    assert "cylinder" in drawing(after, layout=True)
+    assert design_drawing(after, before).count("<path") == design_drawing(after).count("<path") + 1
+    assert "cylinder" in design_drawing(after, layout=True)
     design.edit("joint.large.output.kind", "roller")
-    assert not drawing(designer.figures(design.machine, "large"))
+    assert not design_drawing(designer.figures(design.machine, "large"))
 
 
 def test_differences_are_said_with_their_share() -> None:
-    now, other = [Quantity("mass", 6.0, "kg")], [Quantity("mass", 5.0, "kg")]
+    now, other = [DesignQuantity("mass", 6.0, "kg")], [DesignQuantity("mass", 5.0, "kg")]
     assert differences(now, other)[0][2] == "+1 kg (+20 %)"
     assert differences(now, now)[0][2] == "same"
     assert differences(now, [])[0][1:] == (None, "")
-    assert share(now[0], other[0]) == "+20.0 % against A"
-    assert share(now[0], now[0]) == "as A"
-    assert share(now[0], Quantity("mass", np.nan, "kg")) == ""
-    assert Quantity("radius", np.nan, "mm").text == "none"
+    assert relative_difference(now[0], other[0]) == "+20.0 % against A"
+    assert relative_difference(now[0], now[0]) == "as A"
+    assert relative_difference(now[0], DesignQuantity("mass", np.nan, "kg")) == ""
+    assert DesignQuantity("radius", np.nan, "mm").text == "none"

@@ -4,6 +4,7 @@ import asyncio
 import pickle
 from collections.abc import Awaitable, Callable, Iterator
 from multiprocessing import active_children
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,44 +12,45 @@ import pytest
 
 from layflat.errors import LayflatError
 from layflat.machine import Machine
-from layflat.pages.server.worker import Worker as Beside
-from layflat.pages.studio.cloud import Cloud, Step, Tolerances, cloud
+from layflat.machine.loader import load
+from layflat.pages.server.worker import ProcessWorker as Beside
+from layflat.pages.studio.cloud import JointStep, StepCloud, Tolerances, simulate_cloud
 from layflat.pages.studio.design import Design
-from layflat.pages.studio.report import Content, report
-from layflat.pages.studio.session import Session
-from layflat.pages.studio.worker import Worker
+from layflat.pages.studio.report import ReportContent, render_report
+from layflat.pages.studio.session import StudioSession
+from layflat.pages.studio.worker import StudioProcesses, open_design
 
 pytestmark = pytest.mark.compiled
 WIDTH = "joint.large.hose.width"
 
 
 class InThread(Beside):
-    """Does work in a thread."""
+    """Does work in a thread, on copies, as another process does."""
 
     async def call(self, function: Any, *arguments: Any, limit: float, what: str, by: object = None) -> Any:  # noqa: ARG002
-        return await asyncio.to_thread(function, *arguments)
+        return await asyncio.to_thread(function, *pickle.loads(pickle.dumps(arguments)))
 
 
-class Immediate(Worker):
+class Immediate(StudioProcesses):
     """Simulates a few runs at once; a request that is overtaken has no result."""
 
     def __init__(self) -> None:
         super().__init__()
-        self.beside = InThread("")
+        self.helper = InThread("")
         self.newest: dict[int, int] = {}
 
     def overtake(self, tab: int, number: int) -> None:
         self.newest[tab] = number
 
     async def cloud(
-        self, tab: int, number: int, machine: Machine, step: Step, tolerances: Tolerances
-    ) -> Cloud | LayflatError | None:
+        self, tab: int, number: int, machine: Machine, step: JointStep, tolerances: Tolerances
+    ) -> StepCloud | LayflatError | None:
         self.overtake(tab, number)
         await asyncio.sleep(0.01)
-        return cloud(machine, step, tolerances, runs=8) if number >= self.newest.get(tab, 0) else None
+        return simulate_cloud(machine, step, tolerances, runs=8) if number >= self.newest.get(tab, 0) else None
 
 
-def followed(session: Session, act: Callable[[], Awaitable[None]]) -> None:
+def followed(session: StudioSession, act: Callable[[], Awaitable[None]]) -> None:
     """Do something while a session follows."""
 
     async def run() -> None:
@@ -60,7 +62,7 @@ def followed(session: Session, act: Callable[[], Awaitable[None]]) -> None:
     asyncio.run(run())
 
 
-async def current(session: Session) -> None:
+async def current(session: StudioSession) -> None:
     """Wait until all results belong to the newest request."""
 
     def is_current() -> bool:
@@ -78,11 +80,11 @@ async def current(session: Session) -> None:
 
 
 @pytest.fixture
-def session(design: Design) -> Session:
-    return Session(design, Immediate())
+def session(design: Design) -> StudioSession:
+    return StudioSession(design, Immediate())
 
 
-def test_results_belong_to_the_newest_edit(session: Session) -> None:
+def test_results_belong_to_the_newest_edit(session: StudioSession) -> None:
     seen: list[tuple[str, bool]] = []
     session.listen(lambda what: seen.append((what, session.shown.cloud_number == session.number)))
 
@@ -95,11 +97,11 @@ def test_results_belong_to_the_newest_edit(session: Session) -> None:
             assert session.shown.cloud_number < session.number
             await asyncio.sleep(0.0)
         await current(session)
-        assert isinstance(first, Cloud)
-        assert isinstance(session.shown.cloud, Cloud)
+        assert isinstance(first, StepCloud)
+        assert isinstance(session.shown.cloud, StepCloud)
         assert not np.array_equal(first.angle, session.shown.cloud.angle)
         assert session.shown.cloud.angle[0] == pytest.approx(
-            cloud(session.design.machine, session.step, runs=8).angle[0]
+            simulate_cloud(session.design.machine, session.step, runs=8).angle[0]
         )
 
     followed(session, act)
@@ -107,19 +109,42 @@ def test_results_belong_to_the_newest_edit(session: Session) -> None:
     assert ("design", True) not in seen
 
 
-def test_a_is_kept_while_the_design_goes_on(session: Session) -> None:
+@pytest.mark.parametrize("work", ["save", "reload"])
+def test_an_edit_while_the_file_is_at_work_stays(tmp_path: Path, work: str) -> None:
+    path = tmp_path / "mine.toml"
+    path.write_text('extends = "paper-arm"\nname = "mine"\n')
+    session = StudioSession(open_design(str(path)), Immediate())
+    session.design.edit(WIDTH, "150 mm")
+
+    async def edit_meanwhile() -> None:
+        task = asyncio.create_task(session.save(path) if work == "save" else session.reload())
+        for width in ("140 mm", "130 mm"):
+            await asyncio.sleep(0.0)
+            session.design.edit(WIDTH, width)
+        await task
+
+    asyncio.run(edit_meanwhile())
+    assert session.design.value(WIDTH) == pytest.approx(0.13)
+    assert session.design.can_undo == (work == "save")  # what was edited before a reload can't be taken back
+    assert not session.design.opened.changed_on_disk()
+    if work == "save":
+        assert session.design.opened.rewritten
+        assert load(str(path)).joint["large"].hose.width == pytest.approx(0.15)
+
+
+def test_a_is_kept_while_the_design_goes_on(session: StudioSession) -> None:
     async def act() -> None:
         await current(session)
-        session.keep()
+        session.keep_as_a()
         session.design.edit(WIDTH, "200 mm")
         session.renew()
         await current(session)
         assert session.kept is not None
-        assert isinstance(session.kept.shown.cloud, Cloud)
+        assert isinstance(session.kept.shown.cloud, StepCloud)
         before = session.kept.shown.cloud
-        session.look_at("small")
+        session.show_joint("small")
         await current(session)
-        assert isinstance(session.kept.shown.cloud, Cloud)
+        assert isinstance(session.kept.shown.cloud, StepCloud)
         assert session.kept.shown.cloud.step.joint == "small"
         assert before.step.joint == "large"
         session.drop()
@@ -128,7 +153,7 @@ def test_a_is_kept_while_the_design_goes_on(session: Session) -> None:
     followed(session, act)
 
 
-def test_a_page_that_ends_late_takes_no_result_with_it(session: Session) -> None:
+def test_a_page_that_ends_late_takes_no_result_with_it(session: StudioSession) -> None:
     """A page that is loaded again follows before the one that it was has ended, whose request may be the newest."""
 
     async def act() -> None:
@@ -146,16 +171,16 @@ def test_a_page_that_ends_late_takes_no_result_with_it(session: Session) -> None
     asyncio.run(act())
 
 
-def test_a_report_needs_nothing_else(session: Session) -> None:
+def test_a_report_needs_nothing_else(session: StudioSession) -> None:
     async def act() -> None:
         session.design.edit(WIDTH, "200 mm")
-        session.keep()
+        session.keep_as_a()
         session.design.edit(WIDTH, "210 mm")
         session.renew()
         await current(session)
 
     followed(session, act)
-    text = report(pickle.loads(pickle.dumps(Content.of(session))))
+    text = render_report(pickle.loads(pickle.dumps(ReportContent.from_session(session))))
     assert text.count("<figure") == 3
     assert "210 mm" in text
     assert "now less A" in text
@@ -165,27 +190,29 @@ def test_a_report_needs_nothing_else(session: Session) -> None:
 
 
 @pytest.fixture(scope="module")
-def worker() -> Iterator[Worker]:
-    made = Worker()
+def worker() -> Iterator[StudioProcesses]:
+    made = StudioProcesses()
     yield made
     made.end()
 
 
-def test_another_process_simulates_the_same(worker: Worker, design: Design) -> None:
+def test_another_process_simulates_the_same(worker: StudioProcesses, design: Design) -> None:
     async def ask(*given: Any) -> Any:
         return await worker.cloud(worker.tab(), 1, *given)
 
-    step = Step("large", lasts=0.5)
+    step = JointStep("large", duration=0.5)
     found = asyncio.run(ask(design.machine, step, Tolerances()))
-    here = cloud(design.machine, step)
+    here = simulate_cloud(design.machine, step)
     assert np.array_equal(found.angle, here.angle)
     assert found.quantities == here.quantities
-    wrong = asyncio.run(ask(design.machine, Step("large", size=3.0), Tolerances()))
+    wrong = asyncio.run(ask(design.machine, JointStep("large", size=3.0), Tolerances()))
     assert "outside the working stroke" in str(wrong)
 
 
-def test_what_is_overtaken_has_no_result_and_a_lost_process_begins_again(worker: Worker, design: Design) -> None:
-    step = Step("large", lasts=0.2)
+def test_what_is_overtaken_has_no_result_and_a_lost_process_begins_again(
+    worker: StudioProcesses, design: Design
+) -> None:
+    step = JointStep("large", duration=0.2)
 
     async def both() -> tuple[Any, Any]:
         tab = worker.tab()
@@ -200,17 +227,19 @@ def test_what_is_overtaken_has_no_result_and_a_lost_process_begins_again(worker:
 
     old, new = asyncio.run(both())
     assert old is None
-    assert isinstance(new, Cloud)
+    assert isinstance(new, StepCloud)
 
 
-def test_a_law_that_fails_is_said_and_the_next_edit_goes_on(session: Session, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_law_that_fails_is_said_and_the_next_edit_goes_on(
+    session: StudioSession, monkeypatch: pytest.MonkeyPatch
+) -> None:
     async def act() -> None:
         await current(session)
         with monkeypatch.context() as patch:
             patch.setattr("layflat.pages.studio.results.design_joint", lambda *_, **__: 1 / 0)
             session.design.edit(WIDTH, "200 mm")
             session.renew()
-            for _ in range(100):
+            for _ in range(1000):
                 await asyncio.sleep(0.01)
                 if session.findings and session.findings[0].rule == "results":
                     break

@@ -12,16 +12,15 @@ import pytest
 
 from layflat.machine.listing import to_toml
 from layflat.machine.loader import tables
-from layflat.pages.studio.design import Design
-from layflat.pages.studio.opened import open_description
-from layflat.pages.studio.tuning import Progress, TuningRun, _tune
+from layflat.pages.studio.design import Design, open_description
+from layflat.pages.studio.tuning import TuningProgress, TuningRun, _tune
 
 pytestmark = pytest.mark.compiled
 
 
-def ended(run: TuningRun) -> Progress:
+def ended(run: TuningRun) -> TuningProgress:
     deadline = time.monotonic() + 60.0
-    while not run.progress.ended:
+    while not run.progress.has_ended:
         assert time.monotonic() < deadline
         time.sleep(0.02)
     return run.progress
@@ -36,7 +35,7 @@ def test_gains_that_are_found_can_be_taken_and_undone() -> None:
     assert found.first is not None
     assert found.best is not None
     assert found.best < found.first
-    design.edit_all(found.found)
+    design.edit_all(found.changes)
     assert design.source("joint.small.gains.far.error").source == "calibrated"
     design.undo()
     assert set(design.changes) == {"joint.small.gains.far.error"}

@@ -19,7 +19,7 @@ from layflat.physics.arms.planar import (
     two_link_gravity,
     two_link_mass,
 )
-from layflat.sim.kernel import Timing
+from layflat.sim.loop import Timing
 from tests.physics.plants import CYCLE, PASSIVE, Floats, kinetic_energy, run, signals
 
 mujoco: Any = pytest.importorskip("mujoco")

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from layflat.physics.friction.stribeck import KIND, Stribeck
-from layflat.sim.kernel import Timing
+from layflat.sim.loop import Timing
 from tests.physics.plants import CYCLE, JOINTS, PASSIVE, TWO_LINKS, Floats, Run, kinetic_energy, run, signals
 
 BRAKES, PAYLOAD = np.array([6.7, 2.2]), 1.5

@@ -5,7 +5,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
-from layflat.physics.friction import level, levels, rub
+from layflat.physics.friction import slip_torque, slip_torques, solve_friction
 from layflat.physics.friction.coulomb import Coulomb
 from layflat.physics.friction.stribeck import KIND, Stribeck, StribeckPart, parameters
 from layflat.physics.step import STEP
@@ -17,28 +17,28 @@ speeds = st.floats(0.0, 50.0)
 
 @given(speeds, speeds, st.floats(0.0, 10.0), st.floats(0.0, 100.0))
 def test_friction_falls_with_speed_and_grows_with_load(v: float, more: float, brake: float, pull: float) -> None:
-    slow, fast = level(FALLING, brake, v, pull), level(FALLING, brake, v + more, pull)
+    slow, fast = slip_torque(FALLING, brake, v, pull), slip_torque(FALLING, brake, v + more, pull)
     kinetic = brake + 0.3 + 0.01 * pull
     assert kinetic <= fast <= slow <= 1.4 * kinetic * (1.0 + 1e-12)
-    assert level(FALLING, brake, v, pull + 1.0) >= slow + 0.01 * (1.0 - 1e-6)
+    assert slip_torque(FALLING, brake, v, pull + 1.0) >= slow + 0.01 * (1.0 - 1e-6)
 
 
 def test_half_of_the_difference_is_gone_at_the_stribeck_velocity() -> None:
-    assert level(FALLING, 2.0, 0.0, 0.0) == pytest.approx(1.4 * 2.3)
-    assert level(FALLING, 2.0, 0.05, 0.0) == pytest.approx(1.2 * 2.3)
-    assert level(FALLING, 2.0, 1e6, 0.0) == pytest.approx(2.3)
+    assert slip_torque(FALLING, 2.0, 0.0, 0.0) == pytest.approx(1.4 * 2.3)
+    assert slip_torque(FALLING, 2.0, 0.05, 0.0) == pytest.approx(1.2 * 2.3)
+    assert slip_torque(FALLING, 2.0, 1e6, 0.0) == pytest.approx(2.3)
 
 
 def test_friction_is_what_its_description_says() -> None:
-    said = {"kind": "stribeck", "static_ratio": 1.4, "velocity": "0.05 rad/s", "drag": "0.3 N m", "load_share": 0.01}
+    said = {"kind": "stribeck", "static_ratio": 1.4, "velocity": "0.05 rad/s", "drag": "0.3 N m", "load_ratio": 0.01}
     assert parameters(StribeckPart.model_validate(said)) == pytest.approx(FALLING)
     unloaded = StribeckPart.model_validate({key: said[key] for key in ("kind", "static_ratio", "velocity")})
-    assert parameters(unloaded) == pytest.approx(FALLING._replace(drag=0.0, load_share=0.0))
+    assert parameters(unloaded) == pytest.approx(FALLING._replace(drag=0.0, load_ratio=0.0))
 
 
 @given(st.floats(0.0, 10.0), speeds, st.floats(0.0, 100.0))
 def test_without_excess_drag_and_load_it_is_coulombs(brake: float, v: float, pull: float) -> None:
-    assert level(KIND.plain, brake, v, pull) == level(Coulomb(), brake, v, pull) == brake
+    assert slip_torque(KIND.plain, brake, v, pull) == slip_torque(Coulomb(), brake, v, pull) == brake
 
 
 @pytest.mark.parametrize(
@@ -46,9 +46,9 @@ def test_without_excess_drag_and_load_it_is_coulombs(brake: float, v: float, pul
     [(0.0, 0.7, 0.0), (0.2, 0.3, 0.3), (-0.2, -0.3, 0.3), (0.2, -0.1, 0.0), (-0.2, 0.1, 0.0)],
 )
 def test_the_level_is_that_in_the_middle_of_the_step(before: float, extrapolated: float, speed: float) -> None:
-    sliding, held = levels(FALLING, 2.0, before, extrapolated, 0.0)
-    assert sliding == level(FALLING, 2.0, speed, 0.0)
-    assert held == level(FALLING, 2.0, 0.0, 0.0)
+    sliding, held = slip_torques(FALLING, 2.0, before, extrapolated, 0.0)
+    assert sliding == slip_torque(FALLING, 2.0, speed, 0.0)
+    assert held == slip_torque(FALLING, 2.0, 0.0, 0.0)
 
 
 BRAKE, MASS, SPRING, PULLED, SECONDS = 2.0, 0.02, 20.0, 0.2, 1.5  # N m, kg m2, N m/rad, rad/s, s
@@ -61,8 +61,8 @@ def stick_slip(friction: Stribeck, h: float) -> tuple[Floats, Floats, Floats]:
     for i in range(round(SECONDS / h)):
         middle = q + 0.5 * h * v
         p = MASS * v + h * SPRING * (PULLED * (i + 0.5) * h - middle)
-        sliding, held = levels(friction, BRAKE, v, v + 0.5 * change, 0.0)
-        (after,), (J,) = rub(friction, (MASS,), (p,), (v,), (h * sliding,), (h * held,))
+        sliding, held = slip_torques(friction, BRAKE, v, v + 0.5 * change, 0.0)
+        (after,), (J,) = solve_friction(friction, (MASS,), (p,), (v,), (h * sliding,), (h * held,))
         heat -= 0.5 * J * (v + after)
         q, v, change = middle + 0.5 * h * after, after, after - v
         rows.append((q, v, heat))
@@ -74,11 +74,11 @@ def reference(friction: Stribeck, instants: Floats) -> Floats:
     """The same, slip by slip, each of them smooth."""
 
     def rates(t: float, y: Floats) -> list[float]:
-        return [y[1], (SPRING * (PULLED * t - y[0]) - level(friction, BRAKE, abs(y[1]), 0.0)) / MASS]
+        return [y[1], (SPRING * (PULLED * t - y[0]) - slip_torque(friction, BRAKE, abs(y[1]), 0.0)) / MASS]
 
     t, q, times, angles = 0.0, 0.0, [0.0], [0.0]
     while True:
-        t = (level(friction, BRAKE, 0.0, 0.0) / SPRING + q) / PULLED
+        t = (slip_torque(friction, BRAKE, 0.0, 0.0) / SPRING + q) / PULLED
         if t >= instants[-1]:
             break
 
@@ -112,8 +112,8 @@ def test_stick_slip_is_of_second_order_and_fine_at_the_default_step(velocity: fl
 def test_the_steepest_fall_makes_no_energy(velocity: float, h: float, excess: float, v: float, change: float) -> None:
     friction = Stribeck(excess, 1.0 / velocity**2, 0.0, 0.0)
     for _ in range(30):
-        sliding, held = levels(friction, BRAKE, v, v + 0.5 * change, 0.0)
-        (after,), _ = rub(friction, (MASS,), (MASS * v,), (v,), (h * sliding,), (h * held,))
+        sliding, held = slip_torques(friction, BRAKE, v, v + 0.5 * change, 0.0)
+        (after,), _ = solve_friction(friction, (MASS,), (MASS * v,), (v,), (h * sliding,), (h * held,))
         assert abs(after) <= abs(v)
         assert after * v >= 0.0
         v, change = after, after - v

@@ -11,7 +11,7 @@ from scipy.optimize import lsq_linear
 from layflat.jit import kernel
 from layflat.lanes import join
 from layflat.physics.friction.pivoting import brake_many
-from layflat.physics.friction.turning import brake_one, brake_two, keep, slide
+from layflat.physics.friction.turning import brake_one, brake_two, solve_constant_friction, solve_varying_friction
 
 MANY = 1000  # steps that take the place of one
 SIZES, SEEDS, COUPLINGS = st.integers(1, 5), st.integers(0, 100_000), st.sampled_from([0.0, 0.5, 2.0])
@@ -35,7 +35,7 @@ def given_to(M: np.ndarray, *vectors: np.ndarray) -> Tuples:
 
 def step(M: np.ndarray, u: np.ndarray, push: np.ndarray, B: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     triangle, *others = given_to(M, M @ u + push, u, B)
-    w, J = keep(None, triangle, *others, others[-1])
+    w, J = solve_constant_friction(None, triangle, *others, others[-1])
     return np.array(w), np.array(J)
 
 
@@ -84,10 +84,10 @@ def test_a_step_is_as_many_short_ones_where_one_joint_turns(n: int, seed: int, c
 def test_friction_of_any_levels_only_takes_energy(n: int, seed: int, coupling: float, ratio: float) -> None:
     M, u, push, B = problem(n, seed, coupling)
     triangle, p, of, B_, S = given_to(M, M @ u, u, B, ratio * B)
-    w, J = (np.array(found) for found in slide(None, triangle, p, of, B_, S))
+    w, J = (np.array(found) for found in solve_varying_friction(None, triangle, p, of, B_, S))
     assert energy(M, w) <= energy(M, u) * (1.0 + 1e-9)
     triangle, p, of, B_, S = given_to(M, M @ u + push, u, B, ratio * B)
-    w, J = (np.array(found) for found in slide(None, triangle, p, of, B_, S))
+    w, J = (np.array(found) for found in solve_varying_friction(None, triangle, p, of, B_, S))
     assert M @ w == pytest.approx(M @ u + push + J, abs=1e-8)
     assert np.all(np.abs(J) <= ratio * B)
 
@@ -105,7 +105,7 @@ def test_where_none_comes_to_rest_it_is_solved_at_once(n: int, seed: int, coupli
         w_1, w_2, J_1, J_2 = brake_two(*triangle, *p, *low, *B_)
         w, J = (w_1, w_2), (J_1, J_2)
     assume(all(before * after > 0.0 or before == 0.0 for before, after in zip(of, w, strict=True)))
-    velocities, impulses = keep(None, triangle, p, of, B_, B_)
+    velocities, impulses = solve_constant_friction(None, triangle, p, of, B_, B_)
     assert velocities == w
     # What moves has all of its friction, to the last bit; what is solved for is that but for rounding.
     assert impulses == tuple(j if v == 0.0 else -np.sign(v) * most for v, j, most in zip(of, J, B_, strict=True))
@@ -116,7 +116,10 @@ def test_where_none_comes_to_rest_it_is_solved_at_once(n: int, seed: int, coupli
 def test_where_static_friction_is_kinetic_friction_it_is_coulombs(n: int, seed: int, coupling: float) -> None:
     M, u, push, B = problem(n, seed, coupling)
     triangle, p, of, B_ = given_to(M, M @ u + push, u, B)
-    one, other = slide(None, triangle, p, of, B_, B_), keep(None, triangle, p, of, B_, B_)
+    one, other = (
+        solve_varying_friction(None, triangle, p, of, B_, B_),
+        solve_constant_friction(None, triangle, p, of, B_, B_),
+    )
     assert np.array(one) == pytest.approx(np.array(other), abs=1e-9)
 
 
@@ -132,7 +135,7 @@ def test_where_static_friction_is_kinetic_friction_it_is_coulombs(n: int, seed: 
     ],
 )
 def test_a_joint_holds_more_than_it_slides_at(u: float, p: float, J: float) -> None:
-    (v,), (found,) = slide(None, (0.3,), (p,), (u,), (0.5,), (1.0,))
+    (v,), (found,) = solve_varying_friction(None, (0.3,), (p,), (u,), (0.5,), (1.0,))
     assert found == pytest.approx(J)
     assert v == pytest.approx((p + J) / 0.3, abs=1e-12)
     assert (v == 0.0) == (abs(p + J) < 1e-12)
@@ -150,8 +153,8 @@ def some(n: int) -> list[Tuples]:
 def test_arms_side_by_side_are_as_each_alone(n: int) -> None:
     given_ = some(n)
     joined: Any = join(join(given_[0], given_[1]), join(given_[2], given_[3]))
-    alone = [keep(None, *one) for one in given_]
-    assert keep(None, *joined) == join(join(alone[0], alone[1]), join(alone[2], alone[3]))
+    alone = [solve_constant_friction(None, *one) for one in given_]
+    assert solve_constant_friction(None, *joined) == join(join(alone[0], alone[1]), join(alone[2], alone[3]))
 
 
 @given(st.integers(2, 4), SEEDS, COUPLINGS)
@@ -160,19 +163,21 @@ def test_it_does_not_matter_which_arm_comes_to_rest_beside_it(n: int, seed: int,
     resting = given_to(np.eye(n), np.full(n, 0.5), np.ones(n), np.ones(n), np.ones(n))
     M, u, push, B = problem(n, seed, coupling)
     one = given_to(M, M @ u + push, u, B, B)
-    assert keep(None, *join(one, resting)) == join(keep(None, *one), keep(None, *resting))
+    assert solve_constant_friction(None, *join(one, resting)) == join(
+        solve_constant_friction(None, *one), solve_constant_friction(None, *resting)
+    )
 
 
 @kernel
 def compiled(M: Any, p: Any, u: Any, B: Any, S: Any) -> Any:
-    return slide(0.0, M, p, u, B, S)
+    return solve_varying_friction(0.0, M, p, u, B, S)
 
 
 @pytest.mark.compiled
 @pytest.mark.parametrize("n", [1, 2, 4])
 def test_compiled_it_has_the_same_bits(n: int) -> None:
     for one in some(n):
-        assert compiled(*one) == slide(0.0, *one)
+        assert compiled(*one) == solve_varying_friction(0.0, *one)
 
 
 momenta = st.floats(-5.0, 5.0)

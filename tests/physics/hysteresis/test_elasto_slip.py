@@ -4,7 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from layflat.physics.hysteresis.elasto_slip import ElastoSlip, Elements, slip, slip_all, stored_energy
+from layflat.physics.hysteresis.elasto_slip import ElastoSlip, ElementTorques, slip_all, slip_element, stored_energy
 from tests.physics.plants import losses
 
 Floats = NDArray[np.float64]
@@ -16,7 +16,7 @@ TRAVEL = 20.0
 
 def walk(path: Floats, loss: ElastoSlip = LOSS, p_g: float = P_G) -> Floats:
     """Torque at every point of a path that starts at an untouched hose."""
-    f, torques = Elements((0.0, 0.0, 0.0)), [0.0]
+    f, torques = ElementTorques((0.0, 0.0, 0.0)), [0.0]
     for turn in np.diff(path):
         f = slip_all(loss, f, turn, p_g, 1.0)
         torques.append(sum(f.torque))
@@ -36,7 +36,7 @@ def lost(path: Floats, torque: Floats) -> float:
 
 @given(st.lists(st.floats(-0.3, 0.3), min_size=1, max_size=30), st.floats(0.0, 6e5))
 def test_dissipation_is_never_negative(turns: list[float], p_g: float) -> None:
-    f = Elements((0.0, 0.0, 0.0))
+    f = ElementTorques((0.0, 0.0, 0.0))
     for turn in turns:
         before, f = f, slip_all(LOSS, f, turn, p_g, 1.0)
         work = sum(f.torque) * turn
@@ -85,8 +85,8 @@ def test_loss_as_a_share_of_torque_falls_with_pressure() -> None:
 
 @given(st.floats(-5.0, 5.0), st.floats(1.0, 100.0), st.floats(0.0, 5.0), st.floats(-1.0, 1.0))
 def test_an_element_never_carries_more_than_its_slip_torque(f: float, k: float, Y: float, turn: float) -> None:
-    assert abs(slip(f, k, Y, turn)) <= Y
+    assert abs(slip_element(f, k, Y, turn)) <= Y
 
 
 def test_an_absent_element_stores_nothing() -> None:
-    assert stored_energy(ElastoSlip(*[(0.0, 0.0, 0.0)] * 3), Elements((0.0, 0.0, 0.0))) == 0.0
+    assert stored_energy(ElastoSlip(*[(0.0, 0.0, 0.0)] * 3), ElementTorques((0.0, 0.0, 0.0))) == 0.0

@@ -15,9 +15,9 @@ from layflat.lanes import mapped
 from layflat.machine import Machine, changed, load
 from layflat.machine.parameters import hose
 from layflat.motion.scenario import Scenario
-from layflat.physics.hysteresis import HYSTERESIS, at_rest, loaded, spectrum, stored, torques, turned
+from layflat.physics.hysteresis import HYSTERESIS, at_rest, elasto_slip, loaded, stored, torques, turned
 from layflat.sim import rollout
-from layflat.sim.ensemble.parallel import traced
+from layflat.sim.ensemble.parallel import simulate_traces
 
 Floats = NDArray[np.float64]
 LIMIT, P_G = 10.0, 3e5
@@ -101,7 +101,7 @@ def test_both_ways_are_alike(kind: str) -> None:
 
 @pytest.mark.parametrize("slope", [-1.5, 0.0, 0.7])
 def test_the_weights_of_a_spectrum_go_with_a_power_of_the_deflection(slope: float) -> None:
-    deflections, weights = spectrum.elements(described("elasto-slip-spectrum", slope=slope))
+    deflections, weights = elasto_slip.spectrum_elements(described("elasto-slip-spectrum", slope=slope))
     assert sum(weights) == pytest.approx(1.0)
     assert deflections[-1] / deflections[0] == pytest.approx(40.0)
     assert np.diff(np.log(deflections)) == pytest.approx(np.log(40.0) / 5)
@@ -204,7 +204,7 @@ def test_an_ensemble_with_every_kind_in_parallel_repeats_a_run_bit_for_bit() -> 
     parts = {kind: {"kind": kind, **DESCRIBED[kind]} for kind in DESCRIBED if kind != "parallel"}
     every = machine("parallel", parts=parts)
     run = rollout(every, scenario=CASE).isel(joint=0)
-    angles = traced(every, CASE, {"seed": np.array([3.0, 3.0])}, ("angle",))[:, :, 0, 0]
+    angles = simulate_traces(every, CASE, {"seed": np.array([3.0, 3.0])}, ("angle",))[:, :, 0, 0]
     assert np.array_equal(angles[1], run["angle"].to_numpy()[: angles.shape[1]])
     assert np.ptp(angles) > 0.1
 
@@ -233,7 +233,7 @@ def test_what_varies_from_run_to_run_may_be_any_number_of_any_kind() -> None:
         ("maxwell", {"weights": [0.5]}, "as many as times"),
         ("maxwell", {"weights": [0.5, -0.1]}, "greater than or equal to 0"),
         ("creep", {"last": "1 ms"}, "greater than first"),
-        ("parallel", {"shares": {"other": 0.5}}, "no part 'other'"),
+        ("parallel", {"fractions": {"other": 0.5}}, "no part 'other'"),
         ("parallel", {"parts": {"slip": SLIP}}, "at least 2"),
         ("parallel", {"parts": {"slip": SLIP, "creep": CREEP | {"damping_time": "1 ms"}}}, "give it to the whole"),
         ("parallel", {"parts": {"slip": SLIP, "more": {"kind": "parallel", "parts": {}}}}, "parallel"),
@@ -256,7 +256,7 @@ def test_a_part_has_the_pressure_of_the_whole_unless_it_says_otherwise() -> None
 def test_parts_in_parallel_add_up_whatever_their_number(count: int) -> None:
     kinds = ("elasto-slip", "creep", "bouc-wen", "maxwell")[:count]
     parts = {kind: {"kind": kind, **DESCRIBED[kind]} for kind in kinds}
-    whole = described("parallel", parts=parts, shares={"creep": 0.3})
+    whole = described("parallel", parts=parts, fractions={"creep": 0.3})
     path = np.cumsum(np.random.default_rng(count).normal(0.0, 0.01, 60))
     alone = [HYSTERESIS.parameters(whole.parts[kind], (0.3 if kind == "creep" else 1.0) * LIMIT) for kind in kinds]
     assert walk(HYSTERESIS.parameters(whole, LIMIT), path) == pytest.approx(sum(walk(one, path) for one in alone))

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
-from layflat.physics.valves.spool_motion import Spool, StictionSpool, advance_spool
+from layflat.physics.valves.spool_laws import Spool, StictionSpool, advance_spool
 
 WN = 2 * pi * 80.0
 SPOOL = Spool(WN, 0.7, 0.05)

@@ -3,18 +3,23 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from layflat.physics.valves import VALVES, at_rest, move, net_opening, start_wave, weaken_wave
-from layflat.physics.valves.spool_motion import SpoolState
-from layflat.physics.valves.spool_ports import MeanSpool, Share, averaged, path_conductance
+from layflat.physics.valves import VALVE_KINDS, at_rest, move, net_opening, start_wave, weaken_wave
+from layflat.physics.valves.spool_laws import (
+    DitherFraction,
+    MeanSpool,
+    SpoolState,
+    average_over_dither,
+    path_conductance,
+)
 from tests.physics.plants import VALVE
 
-MEAN: MeanSpool = averaged(VALVE)
+MEAN: MeanSpool = average_over_dither(VALVE)
 PERIOD = np.linspace(0.0, 2.0 * np.pi, 2001)[:-1]
 
 
 def settled(opening: float, share: float) -> tuple[float, float]:
     """Conductances of both paths once the spool is at an opening."""
-    _, fills, vents = move(MEAN, SpoolState(opening, 0.0), opening, Share(share), 1e-3)
+    _, fills, vents = move(MEAN, SpoolState(opening, 0.0), opening, DitherFraction(share), 1e-3)
     return fills, vents
 
 
@@ -35,9 +40,9 @@ def test_without_dither_it_is_the_spool(opening: float) -> None:
 def test_it_is_a_valve_of_the_table() -> None:
     state = at_rest(MEAN)
     wave = start_wave(MEAN, 0.3, 1e-3)
-    assert wave == Share(1.0)
-    assert weaken_wave(MEAN, wave, 0.3) == Share(0.3)
+    assert wave == DitherFraction(1.0)
+    assert weaken_wave(MEAN, wave, 0.3) == DitherFraction(0.3)
     for _ in range(40):
         state, _, _ = move(MEAN, state, 0.4, wave, 1e-3)
     assert net_opening(MEAN, state) == pytest.approx(0.4, abs=1e-3)
-    assert VALVES.of(VALVE).mean is not None
+    assert VALVE_KINDS.kind_of(VALVE).mean is not None

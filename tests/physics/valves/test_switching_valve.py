@@ -90,7 +90,7 @@ def test_two_parts_of_a_step_make_the_step(
 def test_duty_grows_from_the_least_pulse_to_one() -> None:
     assert duty(PAIR, -0.5) == duty(PAIR, 0.0) == duty(PAIR, PAIR.dead_band) == 0.0
     grows = [float(duty(PAIR, u)) for u in np.linspace(PAIR.dead_band + 1e-12, 1.0, 9)]
-    assert grows[0] == pytest.approx(PAIR.least_pulse * PAIR.frequency, abs=1e-9)
+    assert grows[0] == pytest.approx(PAIR.min_pulse * PAIR.frequency, abs=1e-9)
     assert all(a < b for a, b in pairwise(grows))
     assert grows[-1] == duty(PAIR, 1.5) == 1.0
 

@@ -7,8 +7,7 @@ from layflat.machine import load
 from layflat.physics.flow import orifice, root_temperature
 from layflat.physics.valves import chamber_flow, commanded_opening
 from layflat.physics.valves.spool import SpoolValvePart, Stiction, held_at, parameters
-from layflat.physics.valves.spool_motion import SpoolState
-from layflat.physics.valves.spool_ports import mean_conductances, path_conductance
+from layflat.physics.valves.spool_laws import SpoolState, mean_conductances, path_conductance
 from tests.physics.plants import VALVE
 
 SUPPLY, AMBIENT, T = 5.01e5, 1.013e5, 293.15

@@ -8,18 +8,18 @@ import pytest
 from numpy.typing import NDArray
 
 from layflat.experiments.axis_one import STEP
-from layflat.experiments.two_axis import END, FIRST, HALF, SECOND
-from layflat.sim.metrics import BAND
+from layflat.experiments.two_axis import END_TIME, HALF_STEP, LARGE_STEP_TIME, SMALL_STEP_TIME
+from layflat.sim.metrics import SETTLING_BAND
 from research.calibration import shortfall as s
-from research.calibration.effort import CLAIMED
-from research.calibration.steps import WATCHED, Carried, Compared, Loaded
-from research.calibration.steps import carried as came_to
+from research.calibration.effort import CLAIM_EFFORT
+from research.calibration.steps import RECORDED_TIME, InertiaSteps, PaperSteps, StepResponses
+from research.calibration.steps import evaluate_responses as came_to
 
 CYCLE = 0.005
 RUNS = ("time", "swing", "late")
 RATIOS, EARLIER = np.geomspace(1e-2, 1e-1, 11), np.geomspace(1e-2, 4e-2, 8)
 Floats = NDArray[np.float64]
-TIME = CYCLE * np.arange(round(WATCHED / CYCLE))
+TIME = CYCLE * np.arange(round(RECORDED_TIME / CYCLE))
 
 
 def arrives(after: float, swings: float = 0.0) -> Floats:
@@ -31,15 +31,16 @@ def unbraked(until: float) -> Floats:
     return np.where(TIME < 0.4, -STEP, np.radians(np.where(until > TIME, 4.0, 0.2)) * np.sin(8.0 * TIME))
 
 
-def carried(limit: float, ratios: Floats = RATIOS, arrival: float = 1.0) -> Carried:
+def carried(limit: float, ratios: Floats = RATIOS, arrival: float = 1.0) -> StepResponses:
     """What comes of each inertia; one of its runs goes wrong by bad luck."""
     each = [
-        [arrives(arrival, 0.0 if ratio <= limit else 3.0)] * (CLAIMED.repeats - 1) + [arrives(2.5)] for ratio in ratios
+        [arrives(arrival, 0.0 if ratio <= limit else 3.0)] * (CLAIM_EFFORT.repeats - 1) + [arrives(2.5)]
+        for ratio in ratios
     ]
     return came_to(np.concatenate(each)[None], ratios, CYCLE)
 
 
-def alone(after: float, swings: float = 0.0) -> Carried:
+def alone(after: float, swings: float = 0.0) -> StepResponses:
     return came_to(arrives(after, swings)[None, None], np.zeros(1), CYCLE)
 
 
@@ -53,15 +54,15 @@ def all_of(**changes: Any) -> dict[str, Floats]:
     }
     now = {**right, **changes}
     first = replace(now["carried_earlier"], **{key: getattr(now["carried_earlier"], key)[:, :1] for key in RUNS})
-    fig_13 = Compared(CYCLE, now["unbraked"], now["braked"], first)
-    return s.compared(fig_13) | s.loaded(Loaded(CYCLE, now["carried_braked"], now["carried_earlier"]))
+    fig_13 = PaperSteps(CYCLE, now["unbraked"], now["braked"], first)
+    return s.compared(fig_13) | s.loaded(InertiaSteps(CYCLE, now["carried_braked"], now["carried_earlier"]))
 
 
 def test_a_joint_has_settled_where_it_stays_for_a_second() -> None:
-    assert s.settled(arrives(1.0), BAND, CYCLE) == pytest.approx(1.0)
-    assert s.settled(arrives(0.0), BAND, CYCLE) == 0.0
-    assert s.settled(arrives(1.0, 1.0), BAND, CYCLE) == np.inf
-    assert s.settled(arrives(WATCHED - 0.9), BAND, CYCLE) == np.inf
+    assert s.settled(arrives(1.0), SETTLING_BAND, CYCLE) == pytest.approx(1.0)
+    assert s.settled(arrives(0.0), SETTLING_BAND, CYCLE) == 0.0
+    assert s.settled(arrives(1.0, 1.0), SETTLING_BAND, CYCLE) == np.inf
+    assert s.settled(arrives(RECORDED_TIME - 0.9), SETTLING_BAND, CYCLE) == np.inf
 
 
 def test_machines_that_do_what_the_paper_says_lack_nothing() -> None:
@@ -102,9 +103,13 @@ def test_limits_lack_less_the_nearer_they_are() -> None:
 
 def arm(late: float = 0.8, pushed: float = 1.0) -> Floats:
     """Angles of an arm that makes both steps after so many seconds; the small joint's pushes the large one (deg)."""
-    time = CYCLE * np.arange(round(END / CYCLE))
-    large = np.where(time < FIRST + late, -HALF, HALF) + np.radians(pushed) * ((time > SECOND) & (time < SECOND + 0.3))
-    small = np.where(time < SECOND + late, -HALF, HALF) + np.radians(10.0) * ((time > FIRST) & (time < FIRST + 0.3))
+    time = CYCLE * np.arange(round(END_TIME / CYCLE))
+    large = np.where(time < LARGE_STEP_TIME + late, -HALF_STEP, HALF_STEP) + np.radians(pushed) * (
+        (time > SMALL_STEP_TIME) & (time < SMALL_STEP_TIME + 0.3)
+    )
+    small = np.where(time < SMALL_STEP_TIME + late, -HALF_STEP, HALF_STEP) + np.radians(10.0) * (
+        (time > LARGE_STEP_TIME) & (time < LARGE_STEP_TIME + 0.3)
+    )
     return np.repeat(np.stack([large, small], axis=-1)[None, None], 2, axis=1)
 
 

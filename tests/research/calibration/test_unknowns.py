@@ -43,7 +43,7 @@ def test_values_round_trip_through_a_machine_and_its_text() -> None:
 def test_gains_change_from_phase_to_phase_as_the_paper_says() -> None:
     rng = np.random.default_rng(1)
     found = u.by_path(ALL, u.to_values(ALL, rng.random((50, len(ALL)))))
-    for joint in u.BOTH:
+    for joint in u.JOINT_NAMES:
         errors, pressures = (
             np.array([found[f"joint.{joint}.gains.{phase}.{what}"] for phase in ("far", "near", "close")])
             for what in ("error", "pressure")
@@ -62,7 +62,7 @@ def test_weights_of_elements_add_up() -> None:
 def test_joints_that_a_machine_has_not_are_passed_over() -> None:
     earlier = load("earlier-actuator")
     earlier = earlier.model_copy(update={"joint": {"small": earlier.joint["small"]}})
-    known = u.known_to(earlier, u.by_path(ALL, u.to_values(ALL, MIDDLE)))
+    known = u.values_in(earlier, u.by_path(ALL, u.to_values(ALL, MIDDLE)))
     assert not any(".large." in path for path in known)
     assert "valve.conductance" in known
 

@@ -7,17 +7,17 @@ import numpy as np
 import pytest
 
 from layflat.description.change import value_at
-from layflat.experiments.bench import bench
+from layflat.experiments.bench import load_bench
 from layflat.machine import load
-from research.calibration.unknowns import known_to
+from research.calibration.unknowns import values_in
 from research.cloud.made import write
-from research.cloud.open import ALONE, ARM, BLOCKS, GROUPS, built_in, excluded, values
+from research.cloud.open import ALONE, ARM, BLOCKS, GROUPS, built_in_shares, excluded_values, values
 
 
 @pytest.fixture(scope="module")
 def shares() -> np.ndarray:
     rng = np.random.default_rng(4)
-    return np.clip(built_in() + 0.2 * rng.standard_normal((3, len(built_in()))), 0.0, 1.0)
+    return np.clip(built_in_shares() + 0.2 * rng.standard_normal((3, len(built_in_shares()))), 0.0, 1.0)
 
 
 @pytest.fixture(scope="module")
@@ -33,9 +33,9 @@ def test_every_unknown_has_a_place_of_its_own() -> None:
 
 
 def test_a_range_that_leaves_out_the_built_in_value_is_told() -> None:
-    assert excluded() == []
+    assert excluded_values() == []
     group = replace(GROUPS[0], unknowns=(replace(GROUPS[0].unknowns[0], low=0.5),))
-    (line,) = excluded([group])
+    (line,) = excluded_values([group])
     own = 1e8 * float(value_at(load("paper-arm"), "valve.conductance"))
     assert line == (
         f"paper-arm: valve.conductance: the built-in value, {own:.3g} dm^3/(s bar), "
@@ -45,10 +45,10 @@ def test_a_range_that_leaves_out_the_built_in_value_is_told() -> None:
 
 @pytest.mark.parametrize("number", [0, 2])
 def test_a_member_is_what_was_judged(file: Path, shares: np.ndarray, number: int) -> None:
-    on = bench(f"paper-arm@{file}:{number}")
+    on = load_bench(f"paper-arm@{file}:{number}")
     judged = ((on.arm, ARM), (on.axis_one, ALONE), (on.earlier, ALONE))
     for machine, part in judged:
-        found = known_to(machine, values(shares[[number]], part))
+        found = values_in(machine, values(shares[[number]], part))
         assert len(found) > 40
         for path, value in found.items():
             assert value_at(machine, path) == pytest.approx(value[0], rel=1e-5), path

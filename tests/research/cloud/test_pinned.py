@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from research.cloud.open import GROUPS, built_in
+from research.cloud.open import GROUPS, built_in_shares
 from research.cloud.pinned import draw, effective, pinned, table
 
 
 def test_what_is_pinned_down_covers_little_of_its_range() -> None:
     rng = np.random.default_rng(0)
-    shares = rng.random((400, len(built_in())))
+    shares = rng.random((400, len(built_in_shares())))
     shares[:, 0] = 0.3 + 0.01 * rng.standard_normal(400)
     shares[:, 2] = 1.0 - shares[:, 1]
     shares[1::2, 5:7] = 0.9 + 0.1 * shares[1::2, 5:7]

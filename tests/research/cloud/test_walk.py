@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from layflat.arrays import Array
-from research.cloud.walk import Block, Walk, begun
+from research.cloud.walk import Block, Walk, start_walk
 
 BLOCKS = [Block(slice(0, 2), (0, 1), 1.0), Block(slice(2, 4), (1,), 2.0)]
 LEVEL = 0.3
@@ -31,7 +31,7 @@ def spread(walk: Walk, lacks: Counted) -> Array:
 
 
 def walked(lacks: Counted, rounds: int, seed: int = 1) -> Walk:
-    walk = begun(np.random.default_rng(seed).random((64, 4)), 2, lacks, seed)
+    walk = start_walk(np.random.default_rng(seed).random((64, 4)), 2, lacks, seed)
     while walk.rounds < rounds:
         walk.goes_on(BLOCKS, lacks, LEVEL)
     return walk
@@ -51,7 +51,7 @@ def test_machines_end_below_the_level_and_all_over_what_it_leaves() -> None:
 
 def test_machines_that_begin_in_one_place_do_not_stay_together() -> None:
     lacks = Counted()
-    walk = begun(np.full((64, 4), 0.5), 2, lacks, 1)
+    walk = start_walk(np.full((64, 4), 0.5), 2, lacks, 1)
     assert spread(walk, lacks)[64 * 20 :].var(axis=0) == pytest.approx(np.full(4, 2.0 * LEVEL**2 / (5 * 6)), rel=0.1)
 
 
@@ -60,7 +60,7 @@ def test_machines_are_where_they_mostly_pass() -> None:
         rng = np.random.default_rng(noise)
         return np.asarray(rng.random(len(shares)) > shares[:, 0], dtype=float)
 
-    walk = begun(np.random.default_rng(1).random((128, 1)), 1, lucky, 1)
+    walk = start_walk(np.random.default_rng(1).random((128, 1)), 1, lucky, 1)
     walk.level, seen = LEVEL, []
     for _ in range(300):
         walk.goes_on([Block(slice(0, 1), (0,))], lucky, LEVEL)
@@ -83,7 +83,7 @@ def test_the_same_seed_walks_the_same_way() -> None:
 
 
 def test_those_that_lack_least_go_on() -> None:
-    walk = begun(np.random.default_rng(1).random((64, 4)), 2, Counted(), 1)
+    walk = start_walk(np.random.default_rng(1).random((64, 4)), 2, Counted(), 1)
     costs = np.sort(walk.costs)
     walk.keep(10)
     assert walk.machines == 10

@@ -16,7 +16,7 @@ from pymodbus.client import ModbusTcpClient
 
 from layflat.rig.clock import VirtualClock
 from layflat.rig.device.modbus_server import ModbusStation
-from layflat.rig.wire.identity import Identity
+from layflat.rig.wire import Identity
 from tests.rig.devices import ARM, WIRE, FakeDevice
 
 SAFE = [0, 0x8000, 0x8000]
@@ -54,7 +54,8 @@ def plain(port: int) -> socket.socket:
 
 def test_functions_3_4_16_and_23(station: SimpleNamespace, client: ModbusTcpClient) -> None:
     assert (
-        client.read_holding_registers(256, count=14).registers == Identity.of(ARM, station.device.capabilities).words()
+        client.read_holding_registers(256, count=14).registers
+        == Identity.for_machine(ARM, station.device.capabilities).words()
     )
     before = len(station.device.obeyed)
     assert not client.write_registers(0, [70, *SAFE]).isError()

@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 from layflat.errors import LayflatError
-from layflat.rig.clock import Clock
+from layflat.rig.clock import LoopClock
 from layflat.rig.device.process import DeviceProcess, ModbusPort, SerialPort
-from layflat.rig.driver import Command
-from layflat.rig.drivers.address import driver_of
+from layflat.rig.driver import RigCommand
+from layflat.rig.drivers import create_driver
 from tests.rig.devices import ARM, FakeDevice, advance, angle_after, burst, device_process, frozen, patient, truth
 
 PATIENT = patient(ARM, 5.0)
@@ -22,7 +22,7 @@ PATIENT = patient(ARM, 5.0)
 class Stuck(FakeDevice):
     """A device whose plant diverges as time passes."""
 
-    def __init__(self, clock: Clock) -> None:
+    def __init__(self, clock: LoopClock) -> None:
         super().__init__(clock)
         self.began = clock.now()
 
@@ -34,12 +34,12 @@ class Stuck(FakeDevice):
 def test_in_lockstep_time_passes_when_told(tmp_path: Path) -> None:
     with device_process(SerialPort(tmp_path / "rig")) as device:
         assert device.address == f"serial://{tmp_path / 'rig'}"
-        driver = driver_of(device.address, PATIENT)
+        driver = create_driver(device.address, PATIENT)
         driver.configure()
         driver.activate()
         for cycle in range(1, 4):
             assert device.call(advance, cycle * 5_000_000) == cycle * 5_000_000
-            driver.write(Command(np.array([5.0, 5.0]), air=True))
+            driver.write(RigCommand(np.array([5.0, 5.0]), air=True))
             assert driver.read().angles[0] == angle_after(cycle)
         found = device.call(truth)
         assert (found["ticks"], found["now"]) == (3, 15_000_000)
@@ -54,7 +54,7 @@ def test_in_lockstep_time_passes_when_told(tmp_path: Path) -> None:
 
 def test_in_real_time_it_ticks_by_itself_and_a_failure_ends_it() -> None:
     with device_process(ModbusPort(), lockstep=False) as device:
-        driver = driver_of(device.address, PATIENT)
+        driver = create_driver(device.address, PATIENT)
         driver.configure()
         driver.activate()
         assert driver.read().angles[0] == angle_after(1)
@@ -82,7 +82,7 @@ def test_in_real_time_it_ticks_by_itself_and_a_failure_ends_it() -> None:
 def test_a_port_that_is_taken() -> None:
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = taken.getsockname()[1]
-        what = f"modbus://127.0.0.1:{port}: can't be listened at .*give another port"
+        what = f"modbus://127.0.0.1:{port}: can't listen here .*give a free port"
         with pytest.raises(LayflatError, match=what), device_process(ModbusPort(port)):
             pass
 
@@ -104,7 +104,7 @@ def test_noise_on_the_line_is_not_told(capfd: pytest.CaptureFixture[str]) -> Non
         for _ in range(20):
             with socket.create_connection(("127.0.0.1", port), timeout=5.0) as line:
                 line.sendall(noise.bytes(400))
-        driver = driver_of(device.address, PATIENT)
+        driver = create_driver(device.address, PATIENT)
         driver.configure()
         driver.finalize()
     assert capfd.readouterr().err == ""

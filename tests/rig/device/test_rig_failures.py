@@ -8,11 +8,10 @@ import pytest
 
 from layflat.errors import InputError
 from layflat.machine import load
-from layflat.rig.clock import SECOND, VirtualClock
-from layflat.rig.device.failures import FAILURES, failure
-from layflat.rig.device.virtual import VirtualDevice
-from layflat.rig.driver import Command, DeviceState, LinkError, Reading
-from layflat.rig.drivers.simulated import SimulatedDriver
+from layflat.rig.clock import NS_PER_SECOND, VirtualClock
+from layflat.rig.device.failures import FAILURES_BY_NAME, get_failure
+from layflat.rig.device.virtual import SimulatedDriver, VirtualDevice
+from layflat.rig.driver import DeviceState, LinkError, RigCommand, SensorReading
 from layflat.sim.plant import SteppedPlant
 
 ARM = load("paper-arm-fast")
@@ -30,23 +29,23 @@ class OpenLoopRig:
         self.driver.configure()
         self.driver.activate()
 
-    def run(self, cycles: int, voltage: float = 5.0, *, reset: bool = False) -> list[Reading | str]:
+    def run(self, cycles: int, voltage: float = 5.0, *, reset: bool = False) -> list[SensorReading | str]:
         """What each cycle is told: a reading, or how the link failed."""
-        told: list[Reading | str] = []
+        told: list[SensorReading | str] = []
         for _ in range(cycles):
-            self.clock.wait(self.clock.now() + SECOND // 200)
+            self.clock.wait(self.clock.now() + NS_PER_SECOND // 200)
             try:
                 told.append(self.driver.read())
             except LinkError as error:
                 told.append(error.kind)
-            self.driver.write(Command(np.array([5.0, voltage]), air=True, reset=reset))
+            self.driver.write(RigCommand(np.array([5.0, voltage]), air=True, reset=reset))
         return told
 
-    def readings(self, cycles: int, voltage: float = 5.0) -> list[Reading]:
+    def readings(self, cycles: int, voltage: float = 5.0) -> list[SensorReading]:
         """As `run`, where the link is sound."""
         told = self.run(cycles, voltage)
-        assert all(isinstance(one, Reading) for one in told)
-        return [one for one in told if isinstance(one, Reading)]
+        assert all(isinstance(one, SensorReading) for one in told)
+        return [one for one in told if isinstance(one, SensorReading)]
 
     def angles(self, cycles: int = 50) -> list[float]:
         return [float(reading.angles[JOINT]) for reading in self.readings(cycles)]
@@ -130,7 +129,7 @@ def held_fast(bench: OpenLoopRig) -> bool:
 
 
 def stopped(bench: OpenLoopRig) -> bool:
-    reading: Reading = bench.readings(2)[-1]
+    reading: SensorReading = bench.readings(2)[-1]
     return reading.stopped and reading.device is DeviceState.DUMPED
 
 
@@ -158,16 +157,16 @@ SHOWS: dict[str, Callable[[OpenLoopRig], bool]] = {
 
 
 def test_every_failure_is_looked_for() -> None:
-    assert set(SHOWS) == set(FAILURES)
+    assert set(SHOWS) == set(FAILURES_BY_NAME)
 
 
-@pytest.mark.parametrize("name", FAILURES)
+@pytest.mark.parametrize("name", FAILURES_BY_NAME)
 def test_a_failure_shows_and_heals(name: str) -> None:
     bench, shows = OpenLoopRig(), SHOWS[name]
     bench.readings(20)
-    failure(name).begin(bench.device, JOINT)
+    get_failure(name).inject(bench.device, JOINT)
     assert shows(bench)
-    failure(name).end(bench.device, JOINT)
+    get_failure(name).heal(bench.device, JOINT)
     # What was disturbed comes back: joint and pressures are driven the other way, and a dump is ended.
     bench.run(1)
     bench.run(1, reset=True)
@@ -180,7 +179,7 @@ def test_a_failure_shows_and_heals(name: str) -> None:
 @pytest.mark.parametrize("name", ["angle-open", "angle-shorted", "pressure-open"])
 def test_a_failed_sensor_leaves_the_others_alone(name: str) -> None:
     sound, failed = OpenLoopRig(), OpenLoopRig()
-    failure(name).begin(failed.device, JOINT)
+    get_failure(name).inject(failed.device, JOINT)
     for one, other in zip(sound.readings(10), failed.readings(10), strict=True):
         assert one.angles[0] == other.angles[0]
         assert one.pressures[0] == other.pressures[0]
@@ -190,19 +189,19 @@ def test_a_failed_sensor_leaves_the_others_alone(name: str) -> None:
 
 def test_sizes_may_be_given() -> None:
     bench = OpenLoopRig()
-    failure("reply-crc").begin(bench.device, size=2)
+    get_failure("reply-crc").inject(bench.device, size=2)
     told = bench.run(4)
     assert told[:2] == ["crc", "crc"]
     assert not any(isinstance(one, str) for one in told[2:])
-    failure("push").begin(bench.device, 0, -0.5)
+    get_failure("push").inject(bench.device, 0, -0.5)
     assert bench.plant.load == pytest.approx([-0.5 * 84.0, 0.0], rel=0.05)
 
 
 def test_an_unknown_failure_and_an_unknown_joint_are_told() -> None:
     with pytest.raises(InputError, match="'fire' is not a failure; failures are reply-lost, reply-crc"):
-        failure("fire")
+        get_failure("fire")
     with pytest.raises(InputError, match="has no joint 2; joints are 0 to 1"):
-        failure("push").begin(OpenLoopRig().device, 2)
+        get_failure("push").inject(OpenLoopRig().device, 2)
 
 
 @pytest.mark.parametrize(
@@ -215,10 +214,10 @@ def test_an_unknown_failure_and_an_unknown_joint_are_told() -> None:
 )
 def test_a_size_that_makes_no_sense_is_told(name: str, size: float, expected: str) -> None:
     with pytest.raises(InputError, match=expected):
-        failure(name).begin(OpenLoopRig().device, size=size)
+        get_failure(name).inject(OpenLoopRig().device, size=size)
 
 
 def test_each_says_what_it_does_in_a_line() -> None:
-    for one in FAILURES.values():
+    for one in FAILURES_BY_NAME.values():
         assert 10 < len(one.what) < 70
         assert one.size is None or one.size.unit

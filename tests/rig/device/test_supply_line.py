@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from layflat.rig.device.supply import DUMP_TIME, FILL_TIME, SOFT_TIME, SupplyLine
+from layflat.rig.device.virtual import DUMP_TIME, FILL_TIME, SOFT_TIME, SupplyLine
 
 AMBIENT, REGULATOR = 101325.0, 501325.0
 
@@ -19,7 +19,7 @@ def test_it_begins_where_it_would_stay() -> None:
     for air, pressure in ((True, REGULATOR), (False, AMBIENT)):
         at_first = line(air=air)
         assert at_first.pressure == pressure
-        assert at_first.steady
+        assert at_first.is_steady
         at_first.advance(1.0)
         assert at_first.pressure == pressure
 
@@ -33,7 +33,7 @@ def test_it_fills_softly_to_half_and_then_at_once() -> None:
     filling.advance(0.001 * half + FILL_TIME)
     assert filling.pressure == pytest.approx(REGULATOR - 0.5 * exp(-1.0) * (REGULATOR - AMBIENT))
     filling.advance(1.0)
-    assert filling.steady
+    assert filling.is_steady
     assert filling.pressure == REGULATOR
 
 
@@ -44,7 +44,7 @@ def test_it_dumps() -> None:
     assert dumping.pressure - AMBIENT == pytest.approx(exp(-1.0) * (REGULATOR - AMBIENT))
     dumping.advance(1.0)
     assert dumping.pressure == AMBIENT
-    assert dumping.steady
+    assert dumping.is_steady
 
 
 @given(st.lists(st.tuples(st.booleans(), spans), max_size=20))

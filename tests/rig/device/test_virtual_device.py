@@ -11,16 +11,16 @@ from numpy.typing import NDArray
 
 from layflat.errors import MachineError
 from layflat.machine import changed, load
-from layflat.rig.clock import SECOND, VirtualClock
+from layflat.rig.clock import NS_PER_SECOND, VirtualClock
 from layflat.rig.device.virtual import VirtualDevice
-from layflat.rig.driver import Command, DeviceState
+from layflat.rig.driver import DeviceState, RigCommand
 from layflat.sim.plant import SteppedPlant
 
 Array = NDArray[np.float64]
 
 SMALL, ARM = load("paper-small-joint-fast"), load("paper-arm-fast")
 AMBIENT, FULL = ARM.supply.ambient_pressure, ARM.supply.pressure
-MS = SECOND // 1000
+MS = NS_PER_SECOND // 1000
 CENTRE, OPEN = [5.0], [10.0]
 
 
@@ -58,7 +58,7 @@ def noted(*, running: bool = True, **changes: Any) -> tuple[VirtualDevice, Noteb
     machine = SMALL
     for path, value in changes.items():
         machine = changed(machine, f"interface.{path}", value)
-    plant, clock = Notebook(), VirtualClock(7 * SECOND + 123)
+    plant, clock = Notebook(), VirtualClock(7 * NS_PER_SECOND + 123)
     return VirtualDevice(machine, plant, clock, running=running), plant, clock  # type: ignore[arg-type]
 
 
@@ -70,8 +70,8 @@ def state(device: VirtualDevice) -> DeviceState:
     return device.state
 
 
-def asked(voltage: float = 6.0, *, air: bool = True, reset: bool = False) -> Command:
-    return Command(np.array([voltage]), air, reset)
+def asked(voltage: float = 6.0, *, air: bool = True, reset: bool = False) -> RigCommand:
+    return RigCommand(np.array([voltage]), air, reset)
 
 
 def after(clock: VirtualClock, nanoseconds: int) -> None:
@@ -102,7 +102,7 @@ def test_digital_outputs_stay_while_it_is_centred_are_off_once_it_dumps_and_come
     device.obey(asked()._replace(outputs=5))
     after(clock, 50 * MS)
     assert (device.reading().device, device.outputs) == (DeviceState.CENTRED, 5)
-    after(clock, SECOND)
+    after(clock, NS_PER_SECOND)
     assert (device.reading().device, device.outputs) == (DeviceState.DUMPED, 0)
     device.obey(asked()._replace(outputs=5))
     assert device.outputs == 0
@@ -112,7 +112,7 @@ def test_digital_outputs_stay_while_it_is_centred_are_off_once_it_dumps_and_come
     assert device.outputs == 0
 
 
-@given(st.integers(0, SECOND), st.lists(st.integers(0, SECOND), max_size=5), st.booleans())
+@given(st.integers(0, NS_PER_SECOND), st.lists(st.integers(0, NS_PER_SECOND), max_size=5), st.booleans())
 def test_the_watchdog_bites_to_the_instant_however_long_nobody_looks(
     gap: int, looks: list[int], commanded: bool
 ) -> None:
@@ -130,9 +130,9 @@ def test_the_watchdog_bites_to_the_instant_however_long_nobody_looks(
     assert state is (
         DeviceState.RUNNING if gap < 20 * MS else DeviceState.CENTRED if gap < 200 * MS else DeviceState.DUMPED
     )
-    due = [(at, voltages) for at, voltages in ((0.02, CENTRE), (0.5, OPEN)) if gap >= round(at * SECOND)]
+    due = [(at, voltages) for at, voltages in ((0.02, CENTRE), (0.5, OPEN)) if gap >= round(at * NS_PER_SECOND)]
     assert drives(plant)[begin:] == [(pytest.approx(since + at, abs=1e-9), voltages) for at, voltages in due]
-    assert plant.time == pytest.approx(since + gap / SECOND)
+    assert plant.time == pytest.approx(since + gap / NS_PER_SECOND)
     if state is DeviceState.DUMPED and gap > 600 * MS:
         assert plant.supply == AMBIENT
 
@@ -151,7 +151,7 @@ def test_centred_it_keeps_the_air_and_obeys_the_next_command() -> None:
 
 def test_a_dump_before_the_watchdog_leaves_out_the_centre() -> None:
     device, plant, clock = noted(watchdog_cycles=100, dump_after=0.1)
-    after(clock, SECOND)
+    after(clock, NS_PER_SECOND)
     assert device.reading().device is DeviceState.DUMPED
     assert [voltages for _, voltages in drives(plant)] == [CENTRE, CENTRE, OPEN]
     assert [at for at, _ in drives(plant)[1:]] == pytest.approx([0.1, 0.4])
@@ -266,7 +266,7 @@ def test_air_comes_softly_and_goes_when_nobody_commands() -> None:
     assert readings == sorted(readings)
     assert AMBIENT + 0.5e5 < readings[20] < AMBIENT + 2e5
     assert plant.pressures[0].min() > 3e5
-    after(clock, SECOND)
+    after(clock, NS_PER_SECOND)
     assert device.reading().device is DeviceState.DUMPED
     assert plant.pressures == pytest.approx(AMBIENT, abs=1e4)
 
@@ -274,11 +274,11 @@ def test_air_comes_softly_and_goes_when_nobody_commands() -> None:
 def test_idle_for_an_hour_it_rests_and_is_cheap() -> None:
     clock, plant = VirtualClock(), SteppedPlant(ARM, start=(0.2, -0.2), pressures=(3e5, 3e5))
     device = VirtualDevice(ARM, plant, clock, running=True)
-    after(clock, 60 * SECOND)
+    after(clock, 60 * NS_PER_SECOND)
     device.tick()
     at_rest = plant.angles
     begin = time.process_time()
-    after(clock, 3600 * SECOND)
+    after(clock, 3600 * NS_PER_SECOND)
     assert device.reading().device is DeviceState.DUMPED
     assert time.process_time() - begin < 36.0
     assert np.array_equal(plant.angles, at_rest)
@@ -294,8 +294,8 @@ def test_pressures_of_joints_at_rest_stay_between_the_atmosphere_and_the_supply(
     device = VirtualDevice(held, plant, clock, running=True)
     for _ in range(60):
         voltages, air = rng.uniform(0.0, 10.0, 2), rng.uniform() < 0.9
-        device.obey(Command(np.round(voltages / 5.0) * 5.0, air, reset=True))
-        device.obey(Command(voltages, air))
+        device.obey(RigCommand(np.round(voltages / 5.0) * 5.0, air, reset=True))
+        device.obey(RigCommand(voltages, air))
         after(clock, int(rng.integers(1, 40)) * MS)
         device.tick()
         assert plant.pressures.min() > AMBIENT - 100.0

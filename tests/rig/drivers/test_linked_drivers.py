@@ -16,16 +16,16 @@ import pytest
 
 from layflat import changed, load
 from layflat.machine.model import Machine
-from layflat.rig.device.exchange import LATE
-from layflat.rig.device.link import Spoil
+from layflat.rig.device.exchange import LATE_REPLY_RATIO
 from layflat.rig.device.process import ModbusPort, SerialPort
-from layflat.rig.driver import Capabilities, Command, DeviceState, Driver, DriverError, Lifecycle, LinkError
-from layflat.rig.drivers.address import driver_of
+from layflat.rig.device.virtual import ReplyFault
+from layflat.rig.driver import Capabilities, DeviceState, Driver, DriverError, Lifecycle, LinkError, RigCommand
+from layflat.rig.drivers import create_driver
 from layflat.rig.drivers.linked import lock_rig
-from layflat.rig.wire.content import ROUND
+from layflat.rig.wire import SEQUENCE_MODULUS
 from tests.rig.devices import ARM, WIRE, Threaded, angle_after, heal, spoil, truth
 
-FORWARD = Command(np.array([6.0, 5.5]), air=True)
+FORWARD = RigCommand(np.array([6.0, 5.5]), air=True)
 
 
 @pytest.fixture(scope="module", params=[ModbusPort(), SerialPort()], ids=["modbus", "serial"])
@@ -37,7 +37,7 @@ def device(request: pytest.FixtureRequest) -> Iterator[Threaded]:
 @pytest.fixture
 def driver(device: Threaded) -> Iterator[Driver]:
     device.call(heal)
-    found = driver_of(device.address, ARM)
+    found = create_driver(device.address, ARM)
     found.configure()
     found.activate()
     yield found
@@ -45,13 +45,13 @@ def driver(device: Threaded) -> Iterator[Driver]:
     found.finalize()
 
 
-def obeyed(device: Threaded) -> list[Command]:
-    commands: list[Command] = device.call(truth)["obeyed"]
+def obeyed(device: Threaded) -> list[RigCommand]:
+    commands: list[RigCommand] = device.call(truth)["obeyed"]
     return commands
 
 
 def test_what_is_there_is_told(device: Threaded) -> None:
-    driver = driver_of(device.address, ARM)
+    driver = create_driver(device.address, ARM)
     before = len(obeyed(device))
     assert driver.configure() == Capabilities(2, 0.0, 10.0, 5.0, True, 1e-3)
     assert driver.state is Lifecycle.INACTIVE
@@ -81,7 +81,7 @@ def test_until_something_is_asked_for_it_is_the_centre_without_air(device: Threa
 def test_who_is_deactivated_centres_and_lets_out_the_air_even_over_bad_wires(device: Threaded, driver: Driver) -> None:
     driver.write(FORWARD)
     driver.read()
-    device.call(spoil, Spoil.LOST, 2)
+    device.call(spoil, ReplyFault.LOST, 2)
     driver.deactivate()
     assert obeyed(device)[-1].voltages.tolist() == [5.0, 5.0]
     assert not obeyed(device)[-1].air
@@ -93,15 +93,15 @@ def test_who_is_deactivated_centres_and_lets_out_the_air_even_over_bad_wires(dev
 @pytest.mark.parametrize(
     ("how", "kind", "heard"),
     [
-        (Spoil.LOST, "lost", 1),
-        (Spoil.CRC, "crc", 1),
-        (Spoil.SEQUENCE, "sequence", 1),
-        (Spoil.LATE, "lost", 1),
+        (ReplyFault.LOST, "lost", 1),
+        (ReplyFault.CRC, "crc", 1),
+        (ReplyFault.SEQUENCE, "sequence", 1),
+        (ReplyFault.LATE, "lost", 1),
         (None, "lost", 0),
     ],
 )
 def test_a_bad_reply_is_told_and_the_next_cycle_is_good(
-    device: Threaded, driver: Driver, how: Spoil | None, kind: str, heard: int
+    device: Threaded, driver: Driver, how: ReplyFault | None, kind: str, heard: int
 ) -> None:
     driver.read()
     before = len(obeyed(device))
@@ -112,7 +112,10 @@ def test_a_bad_reply_is_told_and_the_next_cycle_is_good(
     assert len(obeyed(device)) == before + heard
     device.call(heal)
     # A late reply comes in the midst of these: none takes it for its own.
-    end, more = time.monotonic() + (LATE * ARM.interface.modbus.timeout if how is Spoil.LATE else 0.0), 0
+    end, more = (
+        time.monotonic() + (LATE_REPLY_RATIO * ARM.interface.modbus.timeout if how is ReplyFault.LATE else 0.0),
+        0,
+    )
     while more < 3 or time.monotonic() < end:
         more += 1
         assert driver.read().angles[0] == angle_after(before + heard + more)
@@ -120,11 +123,11 @@ def test_a_bad_reply_is_told_and_the_next_cycle_is_good(
 
 
 def test_numbers_of_transactions_go_round(device: Threaded, driver: Driver) -> None:
-    driver._sequence = ROUND - 3  # type: ignore[attr-defined]
-    fresh = driver_of(device.address, ARM)
+    driver._sequence = SEQUENCE_MODULUS - 3  # type: ignore[attr-defined]
+    fresh = create_driver(device.address, ARM)
     driver.finalize()
     fresh.configure()
-    fresh._sequence = ROUND - 3  # type: ignore[attr-defined]
+    fresh._sequence = SEQUENCE_MODULUS - 3  # type: ignore[attr-defined]
     before = len(obeyed(device))
     for more in range(1, 7):
         assert fresh.read().angles[0] == angle_after(before + more)
@@ -141,7 +144,7 @@ def test_a_command_that_comes_again_is_not_obeyed_again(device: Threaded, driver
 
 
 def test_two_loops_on_one_rig(device: Threaded, driver: Driver) -> None:
-    second = driver_of(device.address, ARM)
+    second = create_driver(device.address, ARM)
     with pytest.raises(DriverError, match=f"is driven by process {os.getpid()} .*end the other first") as error:
         second.configure()
     assert str(error.value).startswith(device.address.split("://")[0])
@@ -153,7 +156,7 @@ def test_two_loops_on_one_rig(device: Threaded, driver: Driver) -> None:
 
 
 def test_a_driver_reads_only_what_it_is_connected_to(device: Threaded) -> None:
-    driver = driver_of(device.address, ARM)
+    driver = create_driver(device.address, ARM)
     with pytest.raises(DriverError, match="can't read while unconfigured"):
         driver.read()
     driver.finalize()
@@ -171,10 +174,10 @@ def test_a_driver_reads_only_what_it_is_connected_to(device: Threaded) -> None:
     ],
 )
 def test_a_machine_that_is_not_this_rig(device: Threaded, machine: Machine, what: str) -> None:
-    driver = driver_of(device.address, machine)
+    driver = create_driver(device.address, machine)
     with pytest.raises(DriverError, match=re.escape(what)):
         driver.configure()
-    driver_of(device.address, ARM).finalize()
+    create_driver(device.address, ARM).finalize()
 
 
 HOLDER = """

@@ -14,8 +14,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from layflat import changed
-from layflat.rig.driver import Command, DriverError, LinkError
-from layflat.rig.drivers.address import driver_of
+from layflat.rig.driver import DriverError, LinkError, RigCommand
+from layflat.rig.drivers import create_driver
 from layflat.rig.drivers.modbus import ModbusDriver
 from tests.rig.devices import ARM, WIRE
 from tests.rig.stations import HASTY, Reply, Server, good
@@ -32,7 +32,7 @@ def server() -> Iterator[Server]:
 def driver(server: Server, tmp_path_factory: pytest.TempPathFactory) -> Iterator[ModbusDriver]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("LAYFLAT_RUNTIME_DIR", str(tmp_path_factory.mktemp("locks")))
-        found = driver_of(f"modbus://127.0.0.1:{server.port}", HASTY)
+        found = create_driver(f"modbus://127.0.0.1:{server.port}", HASTY)
         assert isinstance(found, ModbusDriver)
         found.configure()
     found.activate()
@@ -51,7 +51,7 @@ def read_well(driver: ModbusDriver) -> None:
 
 def test_the_request_is_one_of_function_23(server: Server, driver: ModbusDriver) -> None:
     server.reply = good
-    driver.write(Command(np.array([10.0, 0.0]), air=True, reset=True))
+    driver.write(RigCommand(np.array([10.0, 0.0]), air=True, reset=True))
     read_well(driver)
     request = server.requests[-1]
     number = driver._sequence
@@ -162,10 +162,10 @@ def test_a_trickle_does_not_hold_up_the_cycle(server: Server, driver: ModbusDriv
     ],
 )
 def test_what_else_may_listen_at_a_port(reply: Reply, what: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("layflat.rig.drivers.modbus.CONNECT", 0.2)
+    monkeypatch.setattr("layflat.rig.drivers.modbus.CONNECT_TIMEOUT", 0.2)
     server = Server()
     server.reply = reply
-    driver = driver_of(f"modbus://127.0.0.1:{server.port}", HASTY)
+    driver = create_driver(f"modbus://127.0.0.1:{server.port}", HASTY)
     with pytest.raises(DriverError) as error:
         driver.configure()
     server.close()
@@ -178,7 +178,7 @@ def test_nobody_at_a_port() -> None:
         closed.bind(("127.0.0.1", 0))
         address = f"modbus://127.0.0.1:{closed.getsockname()[1]}"
         with pytest.raises(DriverError, match=f"{address}: can't be reached .*refused.*; give host and port"):
-            driver_of(address, ARM).configure()
+            create_driver(address, ARM).configure()
 
 
 def test_a_host_without_a_number(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -187,13 +187,13 @@ def test_a_host_without_a_number(monkeypatch: pytest.MonkeyPatch) -> None:
 
     monkeypatch.setattr(socket, "getaddrinfo", unknown)
     with pytest.raises(DriverError, match="Name or service not known"):
-        driver_of("modbus://rig.local", ARM).configure()
+        create_driver("modbus://rig.local", ARM).configure()
 
 
 def test_a_station_that_comes_back_is_found_again_within_a_cycle_and_one_that_does_not_is_lost() -> None:
     machine = changed(ARM, "interface.modbus.timeout", 0.2)
     server = Server()
-    driver = driver_of(f"modbus://127.0.0.1:{server.port}", machine)
+    driver = create_driver(f"modbus://127.0.0.1:{server.port}", machine)
     driver.configure()
 
     def hang_up(request: bytes) -> bytes:

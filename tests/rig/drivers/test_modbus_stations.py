@@ -8,19 +8,18 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
-from layflat.rig.check.all import check_rig
-from layflat.rig.check.open_loop import CheckResult
+from layflat.rig.check import check_rig
 from layflat.rig.clock import MonotonicClock
-from layflat.rig.driver import Command, DriverError, LinkError
-from layflat.rig.drivers.address import driver_of
-from layflat.rig.drivers.modbus import ModbusDriver
-from layflat.rig.drivers.station_errors import EXCEPTIONS, no_reply
-from layflat.rig.wire.identity import MAGIC, Identity
+from layflat.rig.driver import DriverError, LinkError, RigCommand
+from layflat.rig.drivers import create_driver
+from layflat.rig.drivers.modbus import EXCEPTION_TEXTS, ModbusDriver, describe_missing_reply
+from layflat.rig.open_loop import CheckResult
+from layflat.rig.wire import IDENTITY_MAGIC, Identity
 from tests.rig.devices import ARM, WIRE, patient
 from tests.rig.stations import READING, Reply, Server, good
 
 PATIENT = patient(ARM, 0.2)
-WORDS = Identity.of(ARM).words()
+WORDS = Identity.for_machine(ARM).words()
 
 
 def refused(code: int, *functions: int) -> Reply:
@@ -55,7 +54,7 @@ def told(request: bytes, words: list[int]) -> bytes:
 
 @pytest.fixture
 def server(monkeypatch: pytest.MonkeyPatch) -> Iterator[Server]:
-    monkeypatch.setattr("layflat.rig.drivers.modbus.CONNECT", 0.3)
+    monkeypatch.setattr("layflat.rig.drivers.modbus.CONNECT_TIMEOUT", 0.3)
     running = Server()
     yield running
     running.close()
@@ -63,7 +62,7 @@ def server(monkeypatch: pytest.MonkeyPatch) -> Iterator[Server]:
 
 def driver_at(server: Server, reply: Reply) -> ModbusDriver:
     server.reply = reply
-    driver = driver_of(f"modbus://127.0.0.1:{server.port}", PATIENT)
+    driver = create_driver(f"modbus://127.0.0.1:{server.port}", PATIENT)
     assert isinstance(driver, ModbusDriver)
     return driver
 
@@ -73,7 +72,7 @@ def test_a_station_without_function_23_is_driven_by_16_and_3(server: Server) -> 
     driver.configure()
     driver.activate()
     for volts in (10.0, 0.0, 5.0):
-        driver.write(Command(np.array([volts, 0.0]), air=True))
+        driver.write(RigCommand(np.array([volts, 0.0]), air=True))
         reading = driver.read()
         assert reading.supply == WIRE.supply.value(1638)
         functions = [request[7] for request in server.requests[-2:]]
@@ -110,7 +109,7 @@ def test_an_exception_to_the_command_is_told_by_its_name(server: Server, code: i
     with pytest.raises(LinkError) as caught:
         driver.read()
     assert caught.value.kind == "refused"
-    name = EXCEPTIONS[code][0] if code in EXCEPTIONS else "a code of its own"
+    name = EXCEPTION_TEXTS[code][0] if code in EXCEPTION_TEXTS else "a code of its own"
     assert caught.value.reason == f"function 23 is refused: exception {code}, {name}"
     assert caught.value.right
     driver.finalize()
@@ -168,24 +167,24 @@ def checked(server: Server, reply: Reply) -> CheckResult:
 
 
 def test_a_check_tells_why_replies_are_no_good(server: Server, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("layflat.rig.check.all.SECONDS", 0.1)
+    monkeypatch.setattr("layflat.rig.check.CHECK_DURATION", 0.1)
     link = checked(server, refused(6, 23))
-    assert "0 of 20 good replies came" in link.found
-    assert "function 23 is refused: exception 6, server device busy" in link.found
+    assert "0 of 20 good replies came" in link.finding
+    assert "function 23 is refused: exception 6, server device busy" in link.finding
     assert link.action.startswith("one loop drives a rig")
     link = checked(server, refused(1, 23))
-    assert "by functions 16 and 3" in link.found
+    assert "by functions 16 and 3" in link.finding
     numbers = iter(range(1000))
     link = checked(server, lambda request: refused(1, 16, 23)(request) if next(numbers) % 5 < 2 else b"")
-    assert "function 16 is refused: exception 1, illegal function" in link.found, (
+    assert "function 16 is refused: exception 1, illegal function" in link.finding, (
         "a refusal says more than late replies"
     )
 
 
 def test_words_for_what_came() -> None:
     frame = struct.pack(">HHHBB", 7, 0, 2, 1, 3)
-    assert no_reply(b"", 7, 1) == "nothing came in time"
-    assert no_reply(frame[:3], 7, 1) == "the reply broke off after 3 bytes"
-    assert no_reply(frame, 8, 1).startswith("only replies to earlier requests came")
-    assert no_reply(frame, 7, 9) == "unit 1 answered in place of unit 9"
-    assert MAGIC == WORDS[0]
+    assert describe_missing_reply(b"", 7, 1) == "nothing came in time"
+    assert describe_missing_reply(frame[:3], 7, 1) == "the reply broke off after 3 bytes"
+    assert describe_missing_reply(frame, 8, 1).startswith("only replies to earlier requests came")
+    assert describe_missing_reply(frame, 7, 9) == "unit 1 answered in place of unit 9"
+    assert IDENTITY_MAGIC == WORDS[0]

@@ -18,9 +18,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from layflat.rig.driver import DriverError, LinkError
-from layflat.rig.drivers.address import driver_of
+from layflat.rig.drivers import create_driver
 from layflat.rig.drivers.serial import SerialDriver
-from layflat.rig.wire.identity import Identity
+from layflat.rig.wire import Identity
 from tests.rig.devices import ARM, WIRE, patient
 
 HASTY = patient(ARM, 0.03)
@@ -37,7 +37,7 @@ def frame(kind: int, sequence: int, words: list[int]) -> bytes:
 
 
 def good(kind: int, sequence: int) -> bytes:
-    return frame(0x81, sequence, Identity.of(ARM).words()) if kind == 1 else frame(0x82, sequence, READING)
+    return frame(0x81, sequence, Identity.for_machine(ARM).words()) if kind == 1 else frame(0x82, sequence, READING)
 
 
 class Terminal:
@@ -77,7 +77,7 @@ def terminal() -> Iterator[Terminal]:
 @pytest.fixture
 def driver(terminal: Terminal) -> Iterator[SerialDriver]:
     terminal.reply = good
-    found = driver_of(f"serial://{terminal.path}", HASTY)
+    found = create_driver(f"serial://{terminal.path}", HASTY)
     assert isinstance(found, SerialDriver)
     found.configure()
     found.activate()
@@ -154,8 +154,8 @@ def test_stale_duplicate_and_reordered_replies_are_passed_over(terminal: Termina
 
 
 def test_a_port_that_answers_otherwise(terminal: Terminal, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("layflat.rig.drivers.serial.WAIT", 0.02)
-    monkeypatch.setattr("layflat.rig.drivers.serial.ASKED", 3)
+    monkeypatch.setattr("layflat.rig.drivers.serial.IDENTIFY_TIMEOUT", 0.02)
+    monkeypatch.setattr("layflat.rig.drivers.serial.MAX_IDENTIFY_ATTEMPTS", 3)
     for reply, what in (
         (lambda *_: b"", "does not answer; see that the firmware runs"),
         (lambda *_: b"\0ok\n\0", "answers, but not in frames"),
@@ -163,18 +163,18 @@ def test_a_port_that_answers_otherwise(terminal: Terminal, monkeypatch: pytest.M
     ):
         terminal.reply = reply
         with pytest.raises(DriverError, match=what):
-            driver_of(f"serial://{terminal.path}", HASTY).configure()
+            create_driver(f"serial://{terminal.path}", HASTY).configure()
     terminal.reply = good
     awake = iter([False, False, True])
     terminal.reply = lambda kind, sequence: good(kind, sequence) if next(awake) else b""
-    driver = driver_of(f"serial://{terminal.path}", HASTY)
+    driver = create_driver(f"serial://{terminal.path}", HASTY)
     driver.configure()
     driver.finalize()
 
 
 def test_a_port_that_is_pulled_out_is_a_lost_reply_each_cycle() -> None:
     terminal = Terminal()
-    driver = driver_of(f"serial://{terminal.path}", HASTY)
+    driver = create_driver(f"serial://{terminal.path}", HASTY)
     driver.configure()
     driver.activate()
     read_well(driver)  # type: ignore[arg-type]
@@ -188,14 +188,14 @@ def test_a_port_that_is_pulled_out_is_a_lost_reply_each_cycle() -> None:
 
 def test_a_port_that_is_not_there() -> None:
     with pytest.raises(DriverError, match="serial:///dev/ttyNONE: is not there; serial ports that are: "):
-        driver_of("serial:///dev/ttyNONE", ARM).configure()
+        create_driver("serial:///dev/ttyNONE", ARM).configure()
 
 
 def test_what_is_no_port(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
     for path in (tmp_path, tmp_path / "file"):
         with pytest.raises(DriverError, match="is not a serial port"):
-            driver_of(f"serial://{path}", ARM).configure()
+            create_driver(f"serial://{path}", ARM).configure()
 
 
 def test_a_port_that_one_may_not_open(terminal: Terminal, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -205,13 +205,13 @@ def test_a_port_that_one_may_not_open(terminal: Terminal, monkeypatch: pytest.Mo
     monkeypatch.setattr("layflat.rig.drivers.serial.Serial", forbidden)
     monkeypatch.setattr(os, "access", lambda *_: False)
     with pytest.raises(DriverError, match=r"you may not open it; join the group '\w+'"):
-        driver_of(f"serial://{terminal.path}", ARM).configure()
+        create_driver(f"serial://{terminal.path}", ARM).configure()
     monkeypatch.setattr(os, "access", lambda *_: True)
     with pytest.raises(DriverError, match="can't be opened"):
-        driver_of(f"serial://{terminal.path}", ARM).configure()
+        create_driver(f"serial://{terminal.path}", ARM).configure()
 
 
 def test_two_names_of_a_port_are_one_rig(terminal: Terminal, driver: SerialDriver, tmp_path: Path) -> None:
     (tmp_path / "rig").symlink_to(terminal.path)
     with pytest.raises(DriverError, match="is driven by process"):
-        driver_of(f"serial://{tmp_path / 'rig'}", HASTY).configure()
+        create_driver(f"serial://{tmp_path / 'rig'}", HASTY).configure()

@@ -2,11 +2,9 @@ import numpy as np
 import pytest
 
 from layflat.machine import Machine, load, parameters
-from layflat.rig.clock import SECOND, VirtualClock
-from layflat.rig.device.link import Spoil
-from layflat.rig.device.virtual import VirtualDevice
-from layflat.rig.driver import Command, DeviceState, DriverError, Lifecycle, LinkError
-from layflat.rig.drivers.simulated import SimulatedDriver
+from layflat.rig.clock import NS_PER_SECOND, VirtualClock
+from layflat.rig.device.virtual import ReplyFault, SimulatedDriver, VirtualDevice
+from layflat.rig.driver import DeviceState, DriverError, Lifecycle, LinkError, RigCommand
 from layflat.sim import rollout
 from layflat.sim.plant import SteppedPlant
 from tests.physics.controllers import Controller
@@ -16,7 +14,7 @@ CYCLE = 5_000_000
 
 
 def driver_of(machine: Machine, **options: object) -> tuple[SimulatedDriver, VirtualClock]:
-    clock = VirtualClock(3 * SECOND)
+    clock = VirtualClock(3 * NS_PER_SECOND)
     plant = SteppedPlant(machine, start=0.0, **options)  # type: ignore[arg-type]
     driver = SimulatedDriver(VirtualDevice(machine, plant, clock, running=True))
     driver.configure()
@@ -35,7 +33,7 @@ def test_a_loop_over_it_is_the_rollout_bit_for_bit(name: str) -> None:
         clock.wait(begin + k * CYCLE)
         reading = driver.read()
         voltages = controller.voltages(reading.angles, reading.pressures, 0.005, np.full(n, np.radians(20.0)))
-        driver.write(Command(voltages, air=True))
+        driver.write(RigCommand(voltages, air=True))
         assert np.array_equal(reading.angles, run["measured_angle"][k])
         assert np.array_equal(reading.pressures, run["measured_pressure"][k])
         assert np.array_equal(voltages, run["voltage"][k])
@@ -44,7 +42,7 @@ def test_a_loop_over_it_is_the_rollout_bit_for_bit(name: str) -> None:
 
 def test_only_an_active_driver_writes() -> None:
     driver, _ = driver_of(SMALL)
-    command = Command(np.array([5.0]), air=True)
+    command = RigCommand(np.array([5.0]), air=True)
     driver.write(command)
     driver.deactivate()
     with pytest.raises(DriverError, match="SimulatedDriver: can't write while inactive"):
@@ -54,19 +52,20 @@ def test_only_an_active_driver_writes() -> None:
 
 def test_put_down_it_centres_and_lets_out_the_air() -> None:
     driver, clock = driver_of(SMALL)
-    driver.write(Command(np.array([9.0]), air=True))
+    driver.write(RigCommand(np.array([9.0]), air=True))
     driver.finalize()
     assert driver.state is Lifecycle.FINALIZED
-    clock.wait(clock.now() + SECOND)
+    clock.wait(clock.now() + NS_PER_SECOND)
     reading = driver.read()
     assert reading.device is DeviceState.DUMPED
     assert reading.supply == SMALL.supply.ambient_pressure
 
 
 @pytest.mark.parametrize(
-    ("kind", "told"), [(Spoil.LOST, "lost"), (Spoil.LATE, "lost"), (Spoil.CRC, "crc"), (Spoil.SEQUENCE, "sequence")]
+    ("kind", "told"),
+    [(ReplyFault.LOST, "lost"), (ReplyFault.LATE, "lost"), (ReplyFault.CRC, "crc"), (ReplyFault.SEQUENCE, "sequence")],
 )
-def test_spoilt_replies_are_told_and_counted(kind: Spoil, told: str) -> None:
+def test_spoilt_replies_are_told_and_counted(kind: ReplyFault, told: str) -> None:
     driver, _ = driver_of(SMALL)
     driver.device.link.spoil(kind, 2)
     for _ in range(2):
@@ -83,6 +82,6 @@ def test_over_a_cut_wire_nothing_is_heard() -> None:
         clock.wait(clock.now() + CYCLE)
         with pytest.raises(LinkError, match="lost"):
             driver.read()
-        driver.write(Command(np.array([9.0]), air=True))
+        driver.write(RigCommand(np.array([9.0]), air=True))
     driver.device.link.mend()
     assert driver.read().device is DeviceState.CENTRED

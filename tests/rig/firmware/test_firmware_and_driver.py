@@ -12,8 +12,8 @@ from contextlib import suppress
 import numpy as np
 import pytest
 
-from layflat.rig.driver import Command, DeviceState, Driver, LinkError, Reading
-from layflat.rig.drivers.address import driver_of
+from layflat.rig.driver import DeviceState, Driver, LinkError, RigCommand, SensorReading
+from layflat.rig.drivers import create_driver
 from tests.rig.devices import ARM, WIRE
 from tests.rig.firmwares import firmware
 
@@ -90,16 +90,16 @@ def board() -> Iterator[Board]:
 
 @pytest.fixture
 def driver(board: Board) -> Iterator[Driver]:
-    found = driver_of(f"serial://{os.ttyname(board.device)}", ARM)
+    found = create_driver(f"serial://{os.ttyname(board.device)}", ARM)
     assert found.configure().dithers
     found.activate()
     yield found
     found.finalize()
 
 
-def cycle(driver: Driver, *, reset: bool = False, air: bool = True) -> Reading:
+def cycle(driver: Driver, *, reset: bool = False, air: bool = True) -> SensorReading:
     """One exchange; replies may be late where cores are shared."""
-    driver.write(Command(np.array([6.0, 4.0]), air, reset))
+    driver.write(RigCommand(np.array([6.0, 4.0]), air, reset))
     for _ in range(5):
         with suppress(LinkError):
             return driver.read()

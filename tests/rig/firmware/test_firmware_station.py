@@ -14,9 +14,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from layflat.rig.driver import Command, DeviceState, Reading
-from layflat.rig.wire import frames
-from layflat.rig.wire.identity import Identity
+from layflat.rig import frames
+from layflat.rig.driver import DeviceState, RigCommand, SensorReading
+from layflat.rig.wire import Identity
 from tests.rig.devices import ARM, WIRE
 from tests.rig.firmwares import FOLDER, firmware
 
@@ -91,17 +91,19 @@ class OpenLoopRig:
             self.pins.now = min(self.pins.now + step, end)
             self.station.step()
 
-    def say(self, voltages: list[float], *, air: bool = True, reset: bool = False, after: int = 5 * MS) -> Reading:
+    def say(
+        self, voltages: list[float], *, air: bool = True, reset: bool = False, after: int = 5 * MS
+    ) -> SensorReading:
         self.wait(after)
         self.sequence = (self.sequence + 1) & 0xFFFF
-        return self.sent(self.sequence, WIRE.command_words(Command(_array(voltages), air, reset)))
+        return self.sent(self.sequence, WIRE.command_words(RigCommand(_array(voltages), air, reset)))
 
-    def sent(self, sequence: int, words: list[int]) -> Reading:
-        found = self.exchange(frames.encode(frames.COMMAND, sequence, frames.as_bytes(words)))
-        assert [(frame.kind, frame.sequence) for frame in found] == [(frames.READING, sequence)]
-        return WIRE.reading(frames.as_words(found[0].payload))
+    def sent(self, sequence: int, words: list[int]) -> SensorReading:
+        found = self.exchange(frames.encode(frames.COMMAND_FRAME, sequence, frames.pack_words(words)))
+        assert [(frame.kind, frame.sequence) for frame in found] == [(frames.READING_FRAME, sequence)]
+        return WIRE.reading(frames.unpack_words(found[0].payload))
 
-    def exchange(self, data: bytes) -> list[frames.Frame]:
+    def exchange(self, data: bytes) -> list[frames.SerialFrame]:
         self.pins.incoming, self.pins.outgoing = data, b""
         self.station.step()
         return frames.Decoder().feed(self.pins.outgoing)
@@ -134,23 +136,25 @@ def _array(values: list[float]) -> Any:
 
 
 def test_it_says_what_the_machines_file_says() -> None:
-    (told,) = OpenLoopRig().exchange(frames.encode(frames.IDENTIFY, 77, b""))
-    assert (told.kind, told.sequence) == (frames.IDENTITY, 77)
-    found = Identity.from_words(frames.as_words(told.payload))
+    (told,) = OpenLoopRig().exchange(frames.encode(frames.IDENTIFY_FRAME, 77, b""))
+    assert (told.kind, told.sequence) == (frames.IDENTITY_FRAME, 77)
+    found = Identity.from_words(frames.unpack_words(told.payload))
     found.check(ARM, "here")
-    assert found == Identity.of(ARM)._replace(shortest_cycle=SETTINGS.SHORTEST_CYCLE)
+    assert found == Identity.for_machine(ARM)._replace(shortest_cycle=SETTINGS.SHORTEST_CYCLE)
 
 
 def test_digital_outputs_stay_while_it_is_centred_and_are_off_once_it_dumps() -> None:
     bench = OpenLoopRig(OUTPUT_PINS=(10, 11))
-    (told,) = bench.exchange(frames.encode(frames.IDENTIFY, 77, b""))
-    assert Identity.from_words(frames.as_words(told.payload)).check(ARM, "here").outputs == 2
+    (told,) = bench.exchange(frames.encode(frames.IDENTIFY_FRAME, 77, b""))
+    assert Identity.from_words(frames.unpack_words(told.payload)).check(ARM, "here").outputs == 2
     bench.start()
     wire = WIRE._replace(outputs=2)
-    words = wire.command_words(Command(_array([5.0, 5.0]), air=True, outputs=2))
+    words = wire.command_words(RigCommand(_array([5.0, 5.0]), air=True, outputs=2))
     bench.sent(10, words)
     assert bench.pins.on == 2
-    assert not bench.exchange(frames.encode(frames.COMMAND, 11, frames.as_bytes([words[0] | 0x0400, *words[1:]])))
+    assert not bench.exchange(
+        frames.encode(frames.COMMAND_FRAME, 11, frames.pack_words([words[0] | 0x0400, *words[1:]]))
+    )
     bench.wait(SETTINGS.CENTRES_AFTER + 10 * MS)
     assert bench.pins.on == 2
     bench.wait(SETTINGS.DUMPS_AFTER)
@@ -254,13 +258,13 @@ def test_commands_that_come_again_late_or_broken_are_not_obeyed() -> None:
     bench = OpenLoopRig(DITHER_AMPLITUDE=0.0)
     bench.start()
     bench.say([7.5, 7.5])
-    old = WIRE.command_words(Command(_array([0.0, 0.0]), air=True))
+    old = WIRE.command_words(RigCommand(_array([0.0, 0.0]), air=True))
     for sequence in (bench.sequence, bench.sequence - 1, bench.sequence - 100, bench.sequence + 0x8000):
-        assert bench.exchange(frames.encode(frames.COMMAND, sequence & 0xFFFF, frames.as_bytes(old))) == []
+        assert bench.exchange(frames.encode(frames.COMMAND_FRAME, sequence & 0xFFFF, frames.pack_words(old))) == []
     bad = ([4, 0, 0], [1, 0], [1, 0, 0, 0])
     for number, words in enumerate(bad, bench.sequence + 1):
-        assert bench.exchange(frames.encode(frames.COMMAND, number, frames.as_bytes(words))) == []
-    assert bench.exchange(frames.encode(frames.READING, bench.sequence + 1, frames.as_bytes(old))) == []
+        assert bench.exchange(frames.encode(frames.COMMAND_FRAME, number, frames.pack_words(words))) == []
+    assert bench.exchange(frames.encode(frames.READING_FRAME, bench.sequence + 1, frames.pack_words(old))) == []
     assert bench.pins.driven == [0xC000, 0xC000]
     bench.wait(20 * MS)
     assert bench.pins.driven == [0x8000, 0x8000], "they have fed the watchdog"
@@ -269,7 +273,7 @@ def test_commands_that_come_again_late_or_broken_are_not_obeyed() -> None:
 def test_who_asks_may_begin_with_any_number() -> None:
     bench = OpenLoopRig()
     bench.start()
-    bench.exchange(frames.encode(frames.IDENTIFY, 0, b""))
+    bench.exchange(frames.encode(frames.IDENTIFY_FRAME, 0, b""))
     bench.sequence -= 200
     assert bench.say([5.0, 5.0]).device is DeviceState.RUNNING
 
@@ -341,8 +345,8 @@ def test_a_setting_that_does_not_fit_is_told_and_never_goes_out_as_another(
 @pytest.mark.usefixtures("packing")
 def test_settings_at_the_ends_of_their_ranges_go_out_as_they_are() -> None:
     ends = {"SHORTEST_CYCLE": 65535, "CENTRES_AFTER": 65535999, "VOLTAGE_LOW": -32000, "VOLTAGE_HIGH": 32000}
-    (told,) = OpenLoopRig(**ends, CENTRE_VOLTAGE=-1).exchange(frames.encode(frames.IDENTIFY, 65535, b""))
-    found = Identity.from_words(frames.as_words(told.payload))
+    (told,) = OpenLoopRig(**ends, CENTRE_VOLTAGE=-1).exchange(frames.encode(frames.IDENTIFY_FRAME, 65535, b""))
+    found = Identity.from_words(frames.unpack_words(told.payload))
     assert (found.shortest_cycle, found.centres_after) == (65535, 65535)
     assert (found.voltage_low, found.voltage_high, found.centre_voltage) == (-32000, 32000, -1)
 

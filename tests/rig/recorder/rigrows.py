@@ -10,14 +10,14 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from layflat.rig.record import SHARED, Layout
-from layflat.rig.recorder.bag import Bag, Heading
+from layflat.rig.record import SHARED_COLUMNS, RowLayout
+from layflat.rig.recorder.bag import BagWriter, LogHeading
 from layflat.rig.recorder.ring import Event, Ring
 
 JOINTS = ("large", "small")
 LAW = (("phase", ("1", "phase of the controller")), ("short_term", ("V", "short-term integral F")))
-LAYOUT = Layout(JOINTS, LAW)
-HEADING = Heading(LAYOUT, '{"name": "arm"}', "arm", {"driver": "simulated"})
+LAYOUT = RowLayout(JOINTS, LAW)
+HEADING = LogHeading(LAYOUT, '{"name": "arm"}', "arm", {"driver": "simulated"})
 CYCLE = 0.005
 BEGIN = 1_700_000_000_000_000_000
 
@@ -48,16 +48,16 @@ def rows(count: int, seed: int = 0) -> NDArray[np.float64]:
 
 
 def column(made: NDArray[np.float64], name: str) -> NDArray[np.float64]:
-    if name in SHARED:
+    if name in SHARED_COLUMNS:
         return made[:, LAYOUT.shared[name]]
-    first, width = len(SHARED) + list(LAYOUT.by_joint).index(name), len(LAYOUT.by_joint)
+    first, width = len(SHARED_COLUMNS) + list(LAYOUT.by_joint).index(name), len(LAYOUT.by_joint)
     return made[:, [first + width * joint for joint in range(len(JOINTS))]]
 
 
 def log_of(path: Path, made: NDArray[np.float64], events: list[Event] | None = None, *, chunked: bool = True) -> Path:
     """A finished log; one record by record is not finished."""
     with path.open("wb") as file:
-        bag = Bag(file, HEADING, BEGIN, chunked=chunked)
+        bag = BagWriter(file, HEADING, BEGIN, chunked=chunked)
         bag.add(made)
         for event in events or []:
             bag.write_event(event)

@@ -11,16 +11,16 @@ from mcap_ros2.decoder import DecoderFactory
 import layflat
 from layflat.machine import load
 from layflat.rig.recorder import file as growing
-from layflat.rig.recorder.bag import Bag, Heading
+from layflat.rig.recorder.bag import BagWriter, LogHeading
 from layflat.rig.recorder.file import GrowingFile
-from layflat.rig.recorder.repair import Kept, records
-from layflat.rig.recorder.ring import Event, Level
+from layflat.rig.recorder.repair import RepairSummary, read_records
+from layflat.rig.recorder.ring import Event, EventLevel
 from tests.rig.recorder.rigrows import BEGIN, CYCLE, HEADING, column, log_of, rows
 
 
 def test_the_official_reader_finds_topics_times_and_what_the_log_says_of_itself(tmp_path: Path) -> None:
     made = rows(300)
-    path = log_of(tmp_path / "a.mcap", made, [Event(0.7, Level.ERROR, "over-pressure")])
+    path = log_of(tmp_path / "a.mcap", made, [Event(0.7, EventLevel.ERROR, "over-pressure")])
     with path.open("rb") as file:
         reader = make_reader(file, validate_crcs=True)
         summary = reader.get_summary()
@@ -52,7 +52,7 @@ def test_the_loop_began_at_the_time_of_day_of_its_time_zero() -> None:
 
 def test_a_machine_heads_its_log() -> None:
     machine = load("paper-arm")
-    heading = Heading.of(machine, driver="modbus://here")
+    heading = LogHeading.for_machine(machine, driver="modbus://here")
     assert heading.layout.joints == tuple(machine.joints)
     assert type(machine).model_validate_json(heading.machine) == machine
     assert heading.notes == {"driver": "modbus://here"}
@@ -60,11 +60,11 @@ def test_a_machine_heads_its_log() -> None:
 
 def test_what_was_flushed_is_in_the_file_though_it_was_never_closed(tmp_path: Path) -> None:
     file = GrowingFile(tmp_path / "a.mcap.part")
-    bag, made = Bag(file, HEADING, BEGIN, chunked=False), rows(12)
+    bag, made = BagWriter(file, HEADING, BEGIN, chunked=False), rows(12)
     for k in range(0, 12, 4):
         bag.add(made[k : k + 4])
         file.flush()
-        found = [kind for kind, _ in records(file.path, Kept())]
+        found = [kind for kind, _ in read_records(file.path, RepairSummary())]
         assert found.count(5) == 2 * (k + 4)
         assert file.tell() == file.path.stat().st_size
     file.close()
@@ -85,16 +85,16 @@ def test_a_disk_that_is_full_for_a_while_costs_nothing(tmp_path: Path, monkeypat
     monkeypatch.setattr(growing.os, "write", write)  # type: ignore[attr-defined]
     file.write(b"0123456")
     file.flush()
-    assert (file.trouble, file.room) == ("", True)
+    assert (file.trouble, file.has_room) == ("", True)
     file.write(b"789abc")
     file.flush()
     assert file.trouble == "No space left on device"
     assert file.path.read_bytes() == b"0123456789"
-    monkeypatch.setattr(growing, "MOST_PENDING", 3)
-    assert not file.room
+    monkeypatch.setattr(growing, "MAX_PENDING_BYTES", 3)
+    assert not file.has_room
     room = 100
     file.flush()
-    assert (file.trouble, file.room) == ("", True)
+    assert (file.trouble, file.has_room) == ("", True)
     assert file.path.read_bytes() == b"0123456789abc"
     file.close()
 

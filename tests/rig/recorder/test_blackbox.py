@@ -5,9 +5,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from layflat.rig.recorder import blackbox
-from layflat.rig.recorder.blackbox import AFTER, BEFORE, BlackBox
-from layflat.rig.recorder.ring import Event, Level
+from layflat.rig.recorder import process
+from layflat.rig.recorder.process import TIME_AFTER_FAULT, TIME_BEFORE_FAULT, BlackBox
+from layflat.rig.recorder.ring import Event, EventLevel
 from layflat.rig.recorder.run import read_recording
 from tests.rig.recorder.rigrows import BEGIN, CYCLE, HEADING, LAYOUT, rows
 
@@ -20,7 +20,7 @@ def fed(box: BlackBox, faults: dict[int, tuple[int, float]], count: int) -> list
     for first, (last, number) in faults.items():
         made[first:last, FAULT] = number
     for k in range(0, count, 4):
-        box.keep(made[k : k + 4], [Event(made[k, 0], Level.WARN, "x")] if k in faults else [])
+        box.append(made[k : k + 4], [Event(made[k, 0], EventLevel.WARN, "x")] if k in faults else [])
         event = box.work(BEGIN, wait=True)  # rows come at once here
         told += [event.text] if event else []
     return told
@@ -33,8 +33,8 @@ def test_a_fault_leaves_its_last_seconds_at_full_rate(tmp_path: Path) -> None:
     time = log.columns["time"]
     at = 4000 * CYCLE
     assert np.allclose(np.diff(time), CYCLE)
-    assert time[0] <= at - BEFORE + 4 * CYCLE
-    assert at + AFTER <= time[-1] <= at + AFTER + 8 * CYCLE
+    assert time[0] <= at - TIME_BEFORE_FAULT + 4 * CYCLE
+    assert at + TIME_AFTER_FAULT <= time[-1] <= at + TIME_AFTER_FAULT + 8 * CYCLE
     made = rows(5000)[round(time[0] / CYCLE) :][: len(time)]
     assert np.array_equal(log.columns["supply"], made[:, LAYOUT.shared["supply"]])
     assert log.begin == BEGIN
@@ -62,10 +62,10 @@ def test_one_that_can_t_be_written_is_told_and_leaves_nothing(tmp_path: Path, mo
         raise OSError(28, "No space left on device")
 
     box = BlackBox(tmp_path / "run.mcap", HEADING)
-    monkeypatch.setattr(blackbox, "synced", full)
+    monkeypatch.setattr(process, "sync_path", full)
     fed(box, {10: (20, 12.0)}, 40)
     (event,) = box.end(BEGIN)
-    assert event.level == Level.WARN
+    assert event.level == EventLevel.WARN
     assert "run-fault-001.mcap can't be written" in event.text
     assert list(tmp_path.iterdir()) == []
 

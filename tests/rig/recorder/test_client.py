@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from layflat.rig.recorder.client import RecorderClient
-from layflat.rig.recorder.ring import Event, Level, RecorderState, Ring
+from layflat.rig.process import RecorderClient
+from layflat.rig.recorder.ring import Event, EventLevel, RecorderState, Ring
 from layflat.rig.safety.faults import Fault
 from tests.rig.recorder.rigrows import LAYOUT
 
@@ -14,12 +14,12 @@ from tests.rig.recorder.rigrows import LAYOUT
 @pytest.mark.parametrize(
     ("fault", "level", "change"),
     [
-        (Fault.NONE, Level.INFO, Level.INFO),
-        (Fault.DEMAND_LIMITED, Level.WARN, Level.INFO),
-        (Fault.VALVE_UNRESPONSIVE, Level.ERROR, Level.ERROR),
+        (Fault.NONE, EventLevel.INFO, EventLevel.INFO),
+        (Fault.DEMAND_LIMITED, EventLevel.WARN, EventLevel.INFO),
+        (Fault.VALVE_UNRESPONSIVE, EventLevel.ERROR, EventLevel.ERROR),
     ],
 )
-def test_events_matter_as_their_cycle_does(fault: Fault, level: Level, change: Level) -> None:
+def test_events_matter_as_their_cycle_does(fault: Fault, level: EventLevel, change: EventLevel) -> None:
     ring = Ring.create(LAYOUT.width)
     ring.beat(RecorderState.RECORDING)
     client = RecorderClient.join(ring.path)
@@ -28,7 +28,7 @@ def test_events_matter_as_their_cycle_does(fault: Fault, level: Level, change: L
     client.push(row)
     client.event("what there is")
     client.event("ready -> moving")
-    assert ring.take_events() == [Event(2.5, level, "what there is"), Event(2.5, change, "ready -> moving")]
+    assert ring.drain_events() == [Event(2.5, level, "what there is"), Event(2.5, change, "ready -> moving")]
     client.end()
     assert ring.head.ended
     ring.remove()

@@ -8,7 +8,7 @@ from typer.testing import CliRunner
 
 from layflat.cli import app
 from layflat.errors import InputError
-from layflat.rig.recorder.ring import Event, Level
+from layflat.rig.recorder.ring import Event, EventLevel
 from tests.rig.recorder.rigrows import LAYOUT, log_of, rows
 
 
@@ -25,7 +25,7 @@ def log(tmp_path: Path) -> Path:
     made = abs(rows(400)) * 1e-4
     made[:, :2] = rows(400)[:, :2]
     made = made[[k for k in range(400) if k not in {100, 101}]]
-    events = [Event(0.0, Level.INFO, "ready"), Event(1.0, Level.ERROR, "over-pressure")]
+    events = [Event(0.0, EventLevel.INFO, "ready"), Event(1.0, EventLevel.ERROR, "over-pressure")]
     log_of(tmp_path / "run-fault-001.mcap", made[:5])
     return log_of(tmp_path / "run.mcap", made, events)
 
@@ -87,7 +87,7 @@ def test_a_late_cycle_is_none_that_is_missing(tmp_path: Path) -> None:
 
 
 def test_a_log_that_was_exported_is_told_of_too(tmp_path: Path) -> None:
-    log = log_of(tmp_path / "run.mcap", rows(100), [Event(0.1, Level.ERROR, "following error")])
+    log = log_of(tmp_path / "run.mcap", rows(100), [Event(0.1, EventLevel.ERROR, "following error")])
     layflat("export", log, tmp_path / "run.nc")
     assert "following error" in layflat("info", tmp_path / "run.nc")
     with pytest.raises(InputError, match="can't be read as a run"):

@@ -9,19 +9,18 @@ import pytest
 import xarray
 
 from layflat.errors import InputError, OutputError
-from layflat.identify.logs import check, read_log
+from layflat.identify.logs import find_issues, read_log
 from layflat.machine import Machine, load
-from layflat.plot.runs import angles, arm_steps, run_figure
+from layflat.plot.runs import angle_figure, arm_steps, run_figure
 from layflat.plot.style import to_svg
-from layflat.rig.record import SHARED, Layout
-from layflat.rig.recorder.bag import Bag, Heading
-from layflat.rig.recorder.ring import Event, Level
-from layflat.rig.recorder.run import export, read_run
-from layflat.rig.safety.faults import Fault
-from layflat.rig.safety.states import State
+from layflat.rig.record import SHARED_COLUMNS, RowLayout
+from layflat.rig.recorder.bag import BagWriter, LogHeading
+from layflat.rig.recorder.ring import Event, EventLevel
+from layflat.rig.recorder.run import export_run, read_run
+from layflat.rig.safety.faults import Fault, RigState
 from layflat.sim import rollout
 from layflat.sim.dataset import open_run
-from layflat.sim.metrics import moves_of
+from layflat.sim.metrics import measure_moves
 from tests.rig.recorder.rigrows import BEGIN, CYCLE, HEADING, JOINTS, LAYOUT, column, log_of, rows
 
 
@@ -34,23 +33,23 @@ def simulated() -> xarray.Dataset:
 def recorded(simulated: xarray.Dataset, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The simulated run, as a rig would have recorded it, with an uneven clock and some cycles missing."""
     machine = load("paper-small-joint")
-    heading, layout = Heading.of(machine, driver="simulated"), Layout.of(machine)
+    heading, layout = LogHeading.for_machine(machine, driver="simulated"), RowLayout.for_machine(machine)
     made = np.zeros((simulated.sizes["time"], layout.width))
     late = np.random.default_rng(0).exponential(1e-4, len(made))
-    for i, name in enumerate(SHARED):
+    for i, name in enumerate(SHARED_COLUMNS):
         made[:, i] = simulated[name] if name == "supply" else 0.0
     made[:, 0] = simulated["time"] + late
     made[:, 1] = BEGIN * 1e-9 + made[:, 0]
     for i, name in enumerate(layout.by_joint):
-        made[:, len(SHARED) + i] = simulated[name][:, 0] if name in simulated else 0.0
+        made[:, len(SHARED_COLUMNS) + i] = simulated[name][:, 0] if name in simulated else 0.0
     made[150:180, layout.shared["fault"]] = 4.0
-    made[150:165, layout.shared["mode"]] = State.FAULT
+    made[150:165, layout.shared["mode"]] = RigState.FAULT
     path = tmp_path_factory.mktemp("rig") / "run.mcap"
     with path.open("wb") as file:
-        bag = Bag(file, heading, BEGIN, chunked=True)
+        bag = BagWriter(file, heading, BEGIN, chunked=True)
         bag.add(np.delete(made, [200, 201], axis=0))
-        bag.write_event(Event(0.75, Level.ERROR, "following error"))
-        bag.write_event(Event(1.2, Level.INFO, "reset"))
+        bag.write_event(Event(0.75, EventLevel.ERROR, "following error"))
+        bag.write_event(Event(1.2, EventLevel.INFO, "reset"))
         bag.finish()
     return path
 
@@ -66,7 +65,7 @@ def test_names_units_and_attributes_are_those_of_a_simulated_run(recorded: Path,
     assert Machine.model_validate_json(run.attrs["machine"]) == load("paper-small-joint")
     assert json.loads(run.attrs["notes"]) == {"driver": "simulated"}
     kept = np.delete(np.arange(simulated.sizes["time"]), [200, 201])
-    for name in Layout.of(load("paper-small-joint")).by_joint:
+    for name in RowLayout.for_machine(load("paper-small-joint")).by_joint:
         if name in simulated:
             assert np.array_equal(run[name], simulated[name][kept]), name
     assert np.array_equal(run["angle"], run["measured_angle"])
@@ -77,7 +76,9 @@ def test_names_units_and_attributes_are_those_of_a_simulated_run(recorded: Path,
 
 def test_metrics_take_it(recorded: Path, simulated: xarray.Dataset) -> None:
     sampled = simulated.assign(angle=simulated["measured_angle"])
-    pairs = list(zip(moves_of(read_run(recorded), radians(3.0)), moves_of(sampled, radians(3.0)), strict=True))
+    pairs = list(
+        zip(measure_moves(read_run(recorded), radians(3.0)), measure_moves(sampled, radians(3.0)), strict=True)
+    )
     assert len(pairs) == 2
     for (since, one), (told, other) in pairs:
         assert abs(since - told) < 0.002
@@ -92,12 +93,12 @@ def test_figures_take_it_and_mark_what_went_wrong(recorded: Path) -> None:
     assert "Differential pressure (bar)" in [axes.get_ylabel() for axes in made.axes]
     assert [text.get_text() for text in made.axes[2].texts] == ["1"]
     assert [text.get_text() for text in made.texts] == ["1: at 0.75 s, following error"]
-    faulty = run["time"].to_numpy()[run["mode"].to_numpy() == State.FAULT]
+    faulty = run["time"].to_numpy()[run["mode"].to_numpy() == RigState.FAULT]
     for axes in made.axes:
         (shade,) = (one for one in axes.collections if one.get_label() == "fault")
         begin, end = shade.get_paths()[0].get_extents().intervalx
         assert (begin, end) == pytest.approx((faulty[0], faulty[-1]), abs=0.011)
-    for figure in (made, arm_steps(run, band=radians(0.5)), angles({"rig": run}, "small")):
+    for figure in (made, arm_steps(run, band=radians(0.5)), angle_figure({"rig": run}, "small")):
         assert to_svg(figure)
 
 
@@ -107,17 +108,17 @@ def test_identification_reads_it_without_a_mapping(recorded: Path, simulated: xa
     assert abs(log.attrs["log_period"] - CYCLE) < 1e-4
     straight = np.interp(log["time"], simulated["time"], simulated["measured_angle"][:, 0])
     assert np.abs(log["angle"][:, 0] - straight).max() < np.radians(1.5)
-    assert not [finding for finding in check(log, load("paper-small-joint")) if finding.severity == "error"]
+    assert not [finding for finding in find_issues(log, load("paper-small-joint")) if finding.severity == "error"]
 
 
 def test_exported_logs_hold_the_same(recorded: Path, tmp_path: Path) -> None:
     run = read_run(recorded)
-    back = open_run(export(run, tmp_path / "run.nc"))
+    back: xarray.Dataset = open_run(export_run(run, tmp_path / "run.nc"))
     assert back.drop_vars("event_text").identical(run.drop_vars("event_text"))
     assert back["event_text"].values.tolist() == ["following error", "reset"]
     as_mcap = read_log(recorded, joints=["small"])
     for name in ("run.nc", "run.parquet"):
-        log = read_log(export(run, tmp_path / name), joints=["small"])
+        log = read_log(export_run(run, tmp_path / name), joints=["small"])
         assert np.array_equal(log["angle"], as_mcap["angle"])
         assert np.array_equal(log["supply"], as_mcap["supply"])
     from pyarrow import parquet
@@ -130,10 +131,10 @@ def test_exported_logs_hold_the_same(recorded: Path, tmp_path: Path) -> None:
 def test_formats_that_are_none_and_places_that_can_t_be_written_are_told(recorded: Path, tmp_path: Path) -> None:
     run = read_run(recorded)
     with pytest.raises(InputError, match=r"'\.xlsx' is not a format; use \.nc or \.parquet"):
-        export(run, tmp_path / "run.xlsx")
+        export_run(run, tmp_path / "run.xlsx")
     (tmp_path / "file").touch()
     with pytest.raises(OutputError, match="can't write here"):
-        export(run, tmp_path / "file" / "run.nc")
+        export_run(run, tmp_path / "file" / "run.nc")
 
 
 def test_a_log_of_two_joints_without_events(tmp_path: Path) -> None:
@@ -153,7 +154,7 @@ def test_what_is_no_log_of_a_rig_is_told(tmp_path: Path) -> None:
     log_of(path, rows(0))
     with pytest.raises(InputError, match="holds no cycles of a rig, no messages"):
         read_run(path)
-    log_of(path, rows(0), [Event(0.0, Level.INFO, "x")])
+    log_of(path, rows(0), [Event(0.0, EventLevel.INFO, "x")])
     with pytest.raises(InputError, match="holds no cycles of a rig, only rcl_interfaces/msg/Log"):
         read_run(path)
     whole = log_of(path, rows(500)).read_bytes()
@@ -181,7 +182,8 @@ def test_faults_of_a_log_go_by_name(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     now = read_run(log_of(tmp_path / "now.mcap", made))
     assert [Fault(int(n)).name for n in now["fault"]] == ["NONE", "REPLY_LOST", "MODEL_DOUBTED", "DEVICE_DUMPED"]
 
-    monkeypatch.setattr("layflat.rig.recorder.bag.FAULTS", ["NONE", *["E_STOP"] * 4, "LINK_LOST", *["of_later"] * 16])
+    names = ["NONE", *["E_STOP"] * 4, "LINK_LOST", *["of_later"] * 16]
+    monkeypatch.setattr("layflat.rig.recorder.bag.FAULT_NAMES", names)
     other = read_run(log_of(tmp_path / "other.mcap", made))
     assert [Fault(int(n)).name for n in other["fault"]] == ["NONE", "LINK_LOST", "E_STOP", "E_STOP"]
 

@@ -13,12 +13,12 @@ import numpy as np
 import pytest
 
 from layflat.errors import OutputError
-from layflat.rig.clock import SECOND
+from layflat.rig.clock import NS_PER_SECOND
 from layflat.rig.recorder import file as growing
 from layflat.rig.recorder import process
-from layflat.rig.recorder.process import Recorder, TakenError, check_place, part_of, start_recorder
+from layflat.rig.recorder.process import LogExistsError, LogRecorder, check_log_path, part_path, start_recorder
 from layflat.rig.recorder.repair import repair
-from layflat.rig.recorder.ring import Event, Level, RecorderState, Ring
+from layflat.rig.recorder.ring import Event, EventLevel, RecorderState, Ring
 from layflat.rig.recorder.run import read_recording
 from tests.rig.recorder.rigrows import BEGIN, CYCLE, HEADING, LAYOUT, column, rows, running_loop, wait_for
 
@@ -47,13 +47,13 @@ def test_a_killed_recorder_has_written_all_but_the_last_instants(ring: Ring, tmp
     with running_loop(ring):
         for k in range(5):
             place = tmp_path / f"{k}.mcap"
-            part = part_of(place)
+            part = part_path(place)
             recorder = start_recorder(ring, place, HEADING)
             wait_for(partial(has_grown, part))
             time.sleep(random.uniform(0.0, 0.3))
             recorder.kill()
             recorder.join()
-            silent.append((time.monotonic_ns() - ring.head.recorder_beat) / SECOND)
+            silent.append((time.monotonic_ns() - ring.head.recorder_beat) / NS_PER_SECOND)
             written = ring.head.rows.written
             assert repair(part) is not None
             there = numbers(place)
@@ -85,11 +85,11 @@ def test_a_recorder_outlives_ctrl_c_and_a_disk_that_is_full_for_a_while(ring: Ri
     recorder = start_recorder(ring, place, HEADING)
     assert recorder.pid is not None
     with running_loop(ring):
-        wait_for(partial(has_grown, part_of(place)))
+        wait_for(partial(has_grown, part_path(place)))
         _, most = resource.prlimit(recorder.pid, resource.RLIMIT_FSIZE)
-        resource.prlimit(recorder.pid, resource.RLIMIT_FSIZE, (part_of(place).stat().st_size + 100, most))
+        resource.prlimit(recorder.pid, resource.RLIMIT_FSIZE, (part_path(place).stat().st_size + 100, most))
         wait_for(lambda: ring.recorder is RecorderState.STUCK)
-        assert ring.recorder_alive()
+        assert ring.is_recorder_alive()
         some_more()
         resource.prlimit(recorder.pid, resource.RLIMIT_FSIZE, (most, most))
         wait_for(lambda: ring.recorder is RecorderState.RECORDING)
@@ -105,13 +105,13 @@ def test_a_recorder_outlives_ctrl_c_and_a_disk_that_is_full_for_a_while(ring: Ri
 
 
 @pytest.fixture
-def recorder(ring: Ring, tmp_path: Path) -> Recorder:
+def recorder(ring: Ring, tmp_path: Path) -> LogRecorder:
     """One without a process."""
-    return Recorder(ring, tmp_path / "run.mcap", HEADING)
+    return LogRecorder(ring, tmp_path / "run.mcap", HEADING)
 
 
 def test_a_disk_that_stays_full_leaves_what_is_there_for_repair(
-    ring: Ring, recorder: Recorder, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    ring: Ring, recorder: LogRecorder, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def full(*_: object) -> int:
         raise OSError(28, "No space left on device")
@@ -122,7 +122,7 @@ def test_a_disk_that_stays_full_leaves_what_is_there_for_repair(
     recorder.drain()
     with monkeypatch.context() as patch:
         patch.setattr(growing.os, "write", full)  # type: ignore[attr-defined]
-        patch.setattr(process, "PATIENCE", 0.05)
+        patch.setattr(process, "FULL_DISK_TIMEOUT", 0.05)
         for row in made[20:]:
             ring.push(row)
         ring.end()
@@ -134,7 +134,7 @@ def test_a_disk_that_stays_full_leaves_what_is_there_for_repair(
 
 
 def test_when_memory_runs_out_on_a_full_disk_cycles_are_left_out_and_counted(
-    ring: Ring, recorder: Recorder, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    ring: Ring, recorder: LogRecorder, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def full(*_: object) -> int:
         raise OSError(28, "No space left on device")
@@ -142,7 +142,7 @@ def test_when_memory_runs_out_on_a_full_disk_cycles_are_left_out_and_counted(
     made = rows(40)
     with monkeypatch.context() as patch:
         patch.setattr(growing.os, "write", full)  # type: ignore[attr-defined]
-        patch.setattr(growing, "MOST_PENDING", 10_000)
+        patch.setattr(growing, "MAX_PENDING_BYTES", 10_000)
         for row in made[:30]:
             ring.push(row)
             recorder.drain()
@@ -159,10 +159,12 @@ def test_when_memory_runs_out_on_a_full_disk_cycles_are_left_out_and_counted(
     assert 0 < 40 - len(kept) < 30
 
 
-def test_events_come_with_the_rows_and_what_did_not_fit_is_told(recorder: Recorder, ring: Ring, tmp_path: Path) -> None:
+def test_events_come_with_the_rows_and_what_did_not_fit_is_told(
+    recorder: LogRecorder, ring: Ring, tmp_path: Path
+) -> None:
     for row in np.repeat(rows(1), 5000, axis=0):
         ring.push(row)
-    ring.put_event(Event(0.0, Level.ERROR, "over-pressure"))
+    ring.put_event(Event(0.0, EventLevel.ERROR, "over-pressure"))
     ring.end()
     recorder.run()
     log = read_recording(tmp_path / "run.mcap")
@@ -173,7 +175,7 @@ def test_events_come_with_the_rows_and_what_did_not_fit_is_told(recorder: Record
     ]
 
 
-def test_a_loop_that_never_began_leaves_no_log(recorder: Recorder, ring: Ring, tmp_path: Path) -> None:
+def test_a_loop_that_never_began_leaves_no_log(recorder: LogRecorder, ring: Ring, tmp_path: Path) -> None:
     ring.end()
     recorder.run()
     assert ring.recorder is RecorderState.DONE
@@ -181,26 +183,26 @@ def test_a_loop_that_never_began_leaves_no_log(recorder: Recorder, ring: Ring, t
 
 
 def test_a_log_takes_the_place_of_no_other(tmp_path: Path) -> None:
-    check_place(tmp_path / "new" / "run.mcap")
+    check_log_path(tmp_path / "new" / "run.mcap")
     (tmp_path / "run.mcap.part").touch()
     with pytest.raises(OutputError, match=r"run\.mcap\.part: is there already; `layflat log repair"):
-        check_place(tmp_path / "run.mcap")
+        check_log_path(tmp_path / "run.mcap")
     (tmp_path / "run.mcap").touch()
     with pytest.raises(OutputError, match=r"run\.mcap: is there already; give another name"):
-        check_place(tmp_path / "run.mcap")
+        check_log_path(tmp_path / "run.mcap")
     with pytest.raises(OutputError, match="can't write here"):
-        check_place(tmp_path / "run.mcap" / "run.mcap")
+        check_log_path(tmp_path / "run.mcap" / "run.mcap")
 
 
 def test_of_two_that_begin_at_once_one_has_the_log(ring: Ring, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(process, "check_place", lambda _: None)  # both have looked before either began
+    monkeypatch.setattr(process, "check_log_path", lambda _: None)  # both have looked before either began
     monkeypatch.setattr(process, "start_process", lambda *_: None)
     start_recorder(ring, tmp_path / "run.mcap", HEADING)
-    with pytest.raises(TakenError, match="is recorded by another run"):
+    with pytest.raises(LogExistsError, match="is recorded by another run"):
         start_recorder(ring, tmp_path / "run.mcap", HEADING)
 
 
-def test_recording_takes_little_of_a_core(recorder: Recorder, ring: Ring) -> None:
+def test_recording_takes_little_of_a_core(recorder: LogRecorder, ring: Ring) -> None:
     """At 200 Hz and 100 looks a second, two rows a look."""
     made = rows(2000)
     since = time.process_time()

@@ -15,9 +15,9 @@ from mcap.stream_reader import StreamReader, breakup_chunk
 from mcap.writer import CompressionType, Writer
 
 from layflat.errors import InputError, OutputError
-from layflat.rig.recorder.bag import Bag
-from layflat.rig.recorder.repair import Kept, repair
-from layflat.rig.recorder.ring import Event, Level
+from layflat.rig.recorder.bag import BagWriter
+from layflat.rig.recorder.repair import RepairSummary, repair
+from layflat.rig.recorder.ring import Event, EventLevel
 from tests.rig.recorder.rigrows import BEGIN, HEADING, log_of, rows
 
 Messages = list[tuple[str, int, bytes]]
@@ -26,9 +26,9 @@ Messages = list[tuple[str, int, bytes]]
 def grown() -> bytes:
     """A log that is being recorded, record by record."""
     stream = BytesIO()
-    bag = Bag(stream, HEADING, BEGIN, chunked=False)
+    bag = BagWriter(stream, HEADING, BEGIN, chunked=False)
     bag.add(rows(8))
-    bag.write_event(Event(0.02, Level.WARN, "supply lost"))
+    bag.write_event(Event(0.02, EventLevel.WARN, "supply lost"))
     return stream.getvalue()
 
 
@@ -85,7 +85,7 @@ def known(name: str) -> tuple[Messages, list[tuple[int, int]]]:
     return everything, places
 
 
-def repaired(data: bytes) -> tuple[Messages, Kept]:
+def repaired(data: bytes) -> tuple[Messages, RepairSummary]:
     with TemporaryDirectory() as name:
         folder = Path(name)
         cut = folder / "a.mcap.part"

@@ -13,8 +13,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from layflat.errors import InputError
-from layflat.rig.recorder.ring import STALE, TEXT, Event, Level, RecorderState, Ring
-from layflat.rig.system import RING, sweep
+from layflat.rig.recorder.ring import ALIVE_TIMEOUT, MAX_EVENT_BYTES, Event, EventLevel, RecorderState, Ring
+from layflat.rig.system import RING_PREFIX, remove_orphaned_files
 from tests.rig.recorder.rigrows import LAYOUT, rows
 
 
@@ -35,7 +35,7 @@ def test_rows_come_out_as_they_went_in_and_those_without_room_are_counted(pushes
             assert ring.push(made[k]) == (i < 8)
             expected += [k] if i < 8 else []
             k += 1
-        taken.append(ring.take())
+        taken.append(ring.drain())
     assert np.array_equal(np.concatenate([*taken, made[:0]]), made[expected])
     assert ring.head.rows.dropped == k - len(expected)
     ring.remove()
@@ -46,10 +46,10 @@ def test_both_sides_see_the_same(ring: Ring) -> None:
     other = Ring.attach(ring.path)
     assert other.head.width == LAYOUT.width
     ring.push(rows(1)[0])
-    ring.put_event(Event(0.5, Level.WARN, "supply lost"))
+    ring.put_event(Event(0.5, EventLevel.WARN, "supply lost"))
     ring.end()
-    assert np.array_equal(other.take(), rows(1))
-    assert other.take_events() == [Event(0.5, Level.WARN, "supply lost")]
+    assert np.array_equal(other.drain(), rows(1))
+    assert other.drain_events() == [Event(0.5, EventLevel.WARN, "supply lost")]
     assert other.head.ended
     other.beat(RecorderState.STUCK)
     assert ring.recorder is RecorderState.STUCK
@@ -57,34 +57,34 @@ def test_both_sides_see_the_same(ring: Ring) -> None:
 
 
 def test_a_recorder_is_alive_for_a_second_after_its_last_sign(ring: Ring) -> None:
-    assert not ring.recorder_alive()
+    assert not ring.is_recorder_alive()
     ring.beat(RecorderState.RECORDING)
-    assert ring.recorder_alive()
-    ring.head.recorder_beat -= STALE
-    assert not ring.recorder_alive()
-    assert not ring.loop_alive()
+    assert ring.is_recorder_alive()
+    ring.head.recorder_beat -= ALIVE_TIMEOUT
+    assert not ring.is_recorder_alive()
+    assert not ring.is_loop_alive()
     ring.push(rows(1)[0])
-    assert ring.loop_alive()
-    ring.head.loop_beat -= STALE
-    assert not ring.loop_alive()
+    assert ring.is_loop_alive()
+    ring.head.loop_beat -= ALIVE_TIMEOUT
+    assert not ring.is_loop_alive()
 
 
 def test_events_without_room_are_counted_and_long_ones_cut_between_characters(ring: Ring) -> None:
-    text = "x" * (TEXT - 1) + "é and more"
-    assert [ring.put_event(Event(0.0, Level.INFO, text)) for _ in range(5)] == [True] * 4 + [False]
+    text = "x" * (MAX_EVENT_BYTES - 1) + "é and more"
+    assert [ring.put_event(Event(0.0, EventLevel.INFO, text)) for _ in range(5)] == [True] * 4 + [False]
     assert ring.head.events.dropped == 1
-    assert {event.text for event in ring.take_events()} == {"x" * (TEXT - 1)}
+    assert {event.text for event in ring.drain_events()} == {"x" * (MAX_EVENT_BYTES - 1)}
 
 
 def test_memory_outlives_those_who_join(ring: Ring) -> None:
     """Python's own shared memory is removed by the resource tracker of any process that dies."""
     join = (
         "import sys, time; from pathlib import Path; from layflat.rig.recorder.ring import Ring\n"
-        "ring = Ring.attach(Path(sys.argv[1])); ring.put_event(ring.take_events()[0]); "
+        "ring = Ring.attach(Path(sys.argv[1])); ring.put_event(ring.drain_events()[0]); "
         "print('in', flush=True); time.sleep(float(sys.argv[2]))"
     )
     for wait, end in (("0", 0), ("60", -signal.SIGKILL)):
-        ring.put_event(Event(1.0, Level.INFO, "hello"))
+        ring.put_event(Event(1.0, EventLevel.INFO, "hello"))
         with subprocess.Popen([sys.executable, "-c", join, str(ring.path), wait], stdout=subprocess.PIPE) as child:
             assert child.stdout is not None
             assert child.stdout.readline() == b"in\n"
@@ -93,7 +93,7 @@ def test_memory_outlives_those_who_join(ring: Ring) -> None:
             assert child.wait() == end
         assert ring.path.exists()
         other = Ring.attach(ring.path)
-        assert other.take_events() == [Event(1.0, Level.INFO, "hello")]
+        assert other.drain_events() == [Event(1.0, EventLevel.INFO, "hello")]
         other.close()
 
 
@@ -102,7 +102,7 @@ def test_what_nobody_uses_is_swept_away_and_what_is_used_stays() -> None:
     left = Ring.create(LAYOUT.width)
     path = left.path
     left.close()
-    sweep(RING)
+    remove_orphaned_files(RING_PREFIX)
     assert not path.exists()
     assert used.path.exists()
     used.remove()

@@ -30,7 +30,7 @@ import numpy as np
 from layflat.sim import Scenario
 from layflat.sim.ensemble import cuda, ensemble
 
-cuda.THREADS, cuda.CHUNK = 2, 1  # so that even few runs are several chunks
+cuda.BLOCK_THREADS, cuda.MAX_CHUNK = 2, 1  # so that even few runs are several chunks
 done = []
 cases = [Scenario(demand=[("0 s", -0.1), ("0.03 s", 0.1)], duration="0.1 s", seed=2),
          Scenario(demand=0.05, duration="0.1 s", load=[("0.05 s", "2 N m")], noise=False)]
@@ -87,18 +87,18 @@ def assembled(name: str, precision: str, monkeypatch: pytest.MonkeyPatch) -> tup
     from layflat.jit.device import device_kernel
     from layflat.physics.step import STEP
     from layflat.sim.ensemble import cuda as ours
-    from layflat.sim.ensemble.block import block_of, room_for_results
-    from layflat.sim.ensemble.cases import cases
-    from layflat.sim.ensemble.parallel import PRECISIONS
-    from layflat.sim.run import timing_of
+    from layflat.sim.ensemble.block import allocate_results, make_block
+    from layflat.sim.ensemble.cases import prepare_cases
+    from layflat.sim.ensemble.parallel import NUMBER_TYPES
+    from layflat.sim.run import make_timing
 
     monkeypatch.setattr("numba.cuda.dispatcher.get_current_device", lambda: SimpleNamespace(compute_capability=(8, 0)))
     machine = load(name)
     opening = None if all(joint.gains for joint in machine.joint.values()) else 0.0
     scenario, vary = Scenario(duration="0.1 s", opening=opening), {"seed": np.arange(3.0)}
-    prepared = cases(machine, [scenario], vary, None, number=PRECISIONS[precision])
-    block = block_of(prepared, np.arange(3), (1e-3, 1e-3), room_for_results(prepared, np.array([0]), 1))
-    timing = timing_of(prepared.cycle, STEP, 1, prepared.machine)
+    prepared = prepare_cases(machine, [scenario], vary, None, number=NUMBER_TYPES[precision])
+    block = make_block(prepared, np.arange(3), (1e-3, 1e-3), allocate_results(prepared, np.array([0]), 1))
+    timing = make_timing(prepared.cycle, STEP, 1, prepared.machine)
     types = tuple(map(numba.typeof, ours.kernel_arguments(prepared, block, timing)))
     device_kernel(ours.run_each)
     ptx, _ = compiler.compile_ptx(ours.run_each, types, cc=(8, 0))
@@ -123,7 +123,7 @@ def has_device() -> bool:
 def test_on_a_device(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     from layflat.sim.ensemble import cuda
 
-    monkeypatch.setattr(cuda, "CHUNK", 2**20)
+    monkeypatch.setattr(cuda, "MAX_CHUNK", 2**20)
     case = Scenario(demand=[("0 s", -0.3), ("0.2 s", 0.3)], duration="1.5 s")
     vary = {"arm.payload": np.linspace(0.0, 2.0, 1000), "seed": np.arange(1000.0)}
     here, there = (ensemble(name, case, vary, traces=["angle"], every=5, device=device) for device in ("cpu", "cuda"))
@@ -159,7 +159,7 @@ def test_a_second_start_finds_the_machine_code(tmp_path: Path) -> None:
 def test_runs_that_no_device_has_room_for(monkeypatch: pytest.MonkeyPatch) -> None:
     from layflat.sim.ensemble import cuda
 
-    monkeypatch.setattr(cuda, "SHARE", 2**50)
+    monkeypatch.setattr(cuda, "MEMORY_PARTS", 2**50)
     with pytest.raises(InputError, match=r"device: a run takes .* MiB, and only 0 MiB of the CUDA device are left"):
         ensemble("paper-arm", Scenario(duration="1 s"), runs=1, device="cuda")
 
@@ -186,9 +186,9 @@ def test_no_device_is_one_line() -> None:
 )
 def test_a_broken_package_is_not_taken_for_a_missing_device(error: Exception, expected: tuple[str, ...]) -> None:
     """numba-cuda 0.30.4 asks NumPy for row_stack, which NumPy 2.5 does not have."""
-    from layflat.sim.ensemble.cuda import _no_device
+    from layflat.sim.ensemble.cuda import _explain_device_error
 
-    line = str(_no_device(error))
+    line = str(_explain_device_error(error))
     assert all(word in line for word in expected), line
     assert ("pip install 'layflat[gpu]'" in line) == (not isinstance(error, RuntimeError))
 
@@ -208,7 +208,7 @@ def test_a_device_that_fails_on_the_way_is_one_line() -> None:
     error = cuda.cuda.cudadrv.driver.CudaAPIError(2, "out of memory")
     with (
         pytest.raises(InputError, match=r"^device: the CUDA device failed \(\[2\] out of memory\); see nvidia-smi"),
-        cuda._failing_in_a_line(),
+        cuda._translate_device_errors(),
     ):
         raise error
 

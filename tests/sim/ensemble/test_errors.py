@@ -45,7 +45,6 @@ def test_what_can_not_vary(vary: dict[str, Any], message: str) -> None:
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"thread": 1}, "ensemble: unknown option 'thread'; did you mean 'threads'?"),
         ({"traces": ["angel"]}, "'angel' is not a signal"),
         ({"every": 0}, "every"),
         ({"every": 10**50}, "every: 1000.* is out of range"),

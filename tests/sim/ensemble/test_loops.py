@@ -5,13 +5,13 @@ from layflat.lanes import host_width
 from layflat.machine import load
 from layflat.sim import Scenario
 from layflat.sim.ensemble import loops
-from layflat.sim.ensemble.cases import cases
+from layflat.sim.ensemble.cases import prepare_cases
 
 
 def test_how_many_are_swept_at_a_time_changes_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     brakes = np.linspace(0.0, 6.0, 2 * host_width() + 1)
-    prepared = cases(load("paper-arm"), [Scenario()], {"joint.large.brake.torque": brakes}, None)
-    heights, torques = loops.heights(prepared)
+    prepared = prepare_cases(load("paper-arm"), [Scenario()], {"joint.large.brake.torque": brakes}, None)
+    heights, torques = loops.loop_heights(prepared)
     assert np.all(np.diff(heights[:, 0]) > 0.0)
-    monkeypatch.setattr(loops, "AT_A_TIME", host_width())
-    assert np.array_equal(loops.heights(prepared), (heights, torques))
+    monkeypatch.setattr(loops, "MAX_BATCH", host_width())
+    assert np.array_equal(loops.loop_heights(prepared), (heights, torques))

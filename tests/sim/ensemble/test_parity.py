@@ -13,8 +13,8 @@ from layflat.lanes import host_width
 from layflat.machine import Machine, changed, load
 from layflat.sim import Scenario, rollout
 from layflat.sim.ensemble import ensemble
-from layflat.sim.ensemble.parallel import BLOCK
-from layflat.sim.metrics import air_used, moves_of, peak_tip_acceleration, tip_settling
+from layflat.sim.ensemble.parallel import MAX_GROUPS
+from layflat.sim.metrics import air_used, measure_moves, peak_tip_acceleration, tip_settling
 from layflat.sim.sweep import sweep
 
 ARM = load("paper-arm-fast")
@@ -24,7 +24,7 @@ MOVES = Scenario(demand=[(0.0, (-0.3, -0.3)), (0.2, (0.3, -0.3)), (0.9, (0.3, 0.
 def assert_same(run: xarray.Dataset, found: xarray.Dataset, rel: float = 0.0) -> None:
     """The metrics of a rollout and those of a run of an ensemble."""
     assert found.attrs["step"] == run.attrs["step"]
-    moves = moves_of(run)
+    moves = measure_moves(run)
     starts = sorted({since for since, _ in moves})
     for since, move in moves:
         own = found.isel(move=starts.index(since)).sel(joint=move.joint)
@@ -85,11 +85,13 @@ def test_open_loop_is_the_rollout() -> None:
 
 def test_hysteresis_is_that_of_a_slow_sweep() -> None:
     shares, brakes, supplies = [0.05, 0.1, 0.2], [0.0, 3.0, 6.0], [2e5, 4e5, 6e5]
-    vary = {"joint.large.hose.loss_share": shares, "joint.large.brake.torque": brakes}
+    vary = {"joint.large.hose.loss_fraction": shares, "joint.large.brake.torque": brakes}
     short = Scenario(duration="0.1 s")
     many = ensemble(ARM, short, {**vary, "supply.pressure_gauge": supplies})
     for i in range(3):
-        machine = changed(changed(ARM, "joint.large.hose.loss_share", shares[i]), "joint.large.brake.torque", brakes[i])
+        machine = changed(
+            changed(ARM, "joint.large.hose.loss_fraction", shares[i]), "joint.large.brake.torque", brakes[i]
+        )
         for joint in ("large", "small"):
             expected = sweep(machine, joint, supplies[i]).hysteresis
             assert float(many.hysteresis[i].sel(joint=joint)) == pytest.approx(expected, rel=2e-3)
@@ -201,7 +203,7 @@ def test_scenarios_differ_from_run_to_run() -> None:
 
 
 def test_neither_neighbours_nor_threads_nor_blocks_matter() -> None:
-    count = BLOCK * host_width() + 3
+    count = MAX_GROUPS * host_width() + 3
     case = Scenario(demand=[(0.0, 0.0), (0.05, 0.2)], duration="0.1 s")
     payloads = np.linspace(0.0, 2.0, count)
     vary = {"scenario.payload": payloads, "seed": np.arange(count)}

@@ -11,7 +11,7 @@ from layflat.machine import changed, load
 from layflat.motion.signal_rows import Steps
 from layflat.sim import Scenario, rollout
 from layflat.sim.ensemble import ensemble
-from layflat.sim.ensemble.parallel import traced
+from layflat.sim.ensemble.parallel import simulate_traces
 
 ARM = load("paper-arm")
 STEPS: Steps = [("0 s", "0 deg"), ("0.2 s", {"large": "30 deg", "small": "-20 deg"})]
@@ -23,7 +23,7 @@ def test_a_run_s_own_voltages_give_the_run_again() -> None:
     followed = Scenario(voltage=run.voltage.to_numpy()[:-1], start=0.0, duration="1.5 s", noise=False)
     again = rollout(ARM, scenario=followed)
     assert np.abs(np.degrees(again.angle - run.angle)).max() < 1e-6
-    many = traced(ARM, followed, {"scenario.payload": [1.5, 1.5, 0.5]}, ("angle", "pressure_a"))
+    many = simulate_traces(ARM, followed, {"scenario.payload": [1.5, 1.5, 0.5]}, ("angle", "pressure_a"))
     assert np.abs(np.degrees(many[0, :, :, 0] - run.angle.to_numpy()[:-1])).max() < 1e-6
     assert np.array_equal(many[0], many[1])
     assert not np.array_equal(many[0], many[2])
@@ -31,7 +31,9 @@ def test_a_run_s_own_voltages_give_the_run_again() -> None:
 
 def test_a_voltage_means_more_to_a_valve_that_needs_less() -> None:
     pulled = Scenario(voltage=("6 V", "5 V"), duration="0.3 s", noise=False)
-    run = traced(ARM, pulled, {"valve.volts_to_full": [5.0, 2.5], "valve.centre_voltage": [5.0, 5.5]}, ("angle",))
+    run = simulate_traces(
+        ARM, pulled, {"valve.volts_to_full": [5.0, 2.5], "valve.centre_voltage": [5.0, 5.5]}, ("angle",)
+    )
     other = rollout(changed(ARM, "valve.volts_to_full", 2.5), scenario=pulled).angle[:-1, 0]
     assert run[0, -1, 0, 0] > radians(1.0)
     shifted = changed(changed(ARM, "valve.volts_to_full", 2.5), "valve.centre_voltage", 5.5)
@@ -51,7 +53,7 @@ def test_every_joint_begins_where_it_is_put() -> None:
         "start.pressure_b.large": [2e5, 3e5],
     }
     still = Scenario(duration="0.05 s", opening=0.0, pressures={"small": ("3 bar", "2.5 bar")}, noise=False)
-    run = traced(ARM, still, vary, ("angle", "pressure_a", "pressure_b"))[:, 0]
+    run = simulate_traces(ARM, still, vary, ("angle", "pressure_a", "pressure_b"))[:, 0]
     assert run[:, 1, 0] == pytest.approx([radians(10.0), radians(-10.0)])
     assert run[:, 0, 0] == pytest.approx(0.0)
     assert run[:, 0, 1] == pytest.approx([2e5, 3e5])
@@ -78,7 +80,7 @@ def test_a_late_command_is_late_in_both_loops() -> None:
 
 def test_a_run_that_diverges_is_no_numbers_from_there() -> None:
     case = Scenario(load=1e5, opening=0.0, duration="0.5 s", noise=False)
-    angles = traced(ARM, case, {"seed": [0.0]}, ("angle",))[0, :, 0, 0]
+    angles = simulate_traces(ARM, case, {"seed": [0.0]}, ("angle",))[0, :, 0, 0]
     assert np.isfinite(angles[0])
     assert np.isnan(angles[-1])
 
@@ -86,8 +88,8 @@ def test_a_run_that_diverges_is_no_numbers_from_there() -> None:
 def test_each_run_may_have_openings_of_its_own() -> None:
     openings = np.random.default_rng(4).uniform(-1.0, 1.0, (3, 20, 2))
     each = [Scenario(opening=one, duration=0.1, noise=False) for one in openings]
-    together = traced(ARM, each, {"scenario": np.arange(3)}, ("angle", "pressure_a"))
-    alone = [traced(ARM, one, {"seed": [0.0]}, ("angle", "pressure_a"))[0] for one in each]
+    together = simulate_traces(ARM, each, {"scenario": np.arange(3)}, ("angle", "pressure_a"))
+    alone = [simulate_traces(ARM, one, {"seed": [0.0]}, ("angle", "pressure_a"))[0] for one in each]
     assert np.array_equal(together, alone)
     assert np.ptp(together[:, -1, :, 1], axis=0).min() > 5e3
 
@@ -100,13 +102,13 @@ def test_what_leads_a_run_to_its_demand_is_voltages_and_torques_that_can_be_give
     led = Scenario(demand=wanted, demand_velocity=speeds, voltage=voltage, start=0.0, duration="1 s", noise=False)
     leads = {"lead": [3.0], "pressure_lead": [1e-6], "spring": [4.0], "damper": [0.5]}
     signals = ("angle", "velocity", "pressure_a", "pressure_b")
-    run = traced(ARM, led, {f"scenario.{name}": lead for name, lead in leads.items()}, signals)[0]
+    run = simulate_traces(ARM, led, {f"scenario.{name}": lead for name, lead in leads.items()}, signals)[0]
     angle, velocity, first, second = np.moveaxis(run, -1, 0)
     given = replace(
         led,
         voltage=voltage + 3.0 * (wanted - angle) - 1e-6 * (first - second),
         load=4.0 * (wanted - angle) + 0.5 * (speeds - velocity),
     )
-    assert np.array_equal(traced(ARM, given, {"seed": [0.0]}, signals)[0], run)
-    unled = traced(ARM, led, {"seed": [0.0]}, signals)[0]
+    assert np.array_equal(simulate_traces(ARM, given, {"seed": [0.0]}, signals)[0], run)
+    unled = simulate_traces(ARM, led, {"seed": [0.0]}, signals)[0]
     assert np.abs(run - unled)[:, :, 0].max() > 0.1

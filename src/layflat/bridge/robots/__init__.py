@@ -1,5 +1,5 @@
 """Arms from files of robots: URDF and MJCF."""
 
-from layflat.bridge.robots.arm import ImportedArm, import_arm
+from layflat.bridge.robots.arm import ChainEnds, ImportedArm, import_arm
 
-__all__ = ["ImportedArm", "import_arm"]
+__all__ = ["ChainEnds", "ImportedArm", "import_arm"]

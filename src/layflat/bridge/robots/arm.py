@@ -1,31 +1,71 @@
-"""From a file of a robot to a machine with joints of hose, which simulates as it is."""
+"""Import of an arm from a robot file as a machine with joints of hose."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import degrees
 from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 
 from layflat.arrays import Array
-from layflat.bridge.formats import effort
-from layflat.bridge.robots.describe import Described, described
-from layflat.bridge.robots.held import stand_on
+from layflat.bridge.mjcf import max_supply_torque
+from layflat.bridge.robots.describe import ArmDescription, describe_arm
+from layflat.bridge.robots.held import rebase_robot
+from layflat.bridge.robots.hoses import STROKE_TOLERANCE, JointRange, assign_templates, joint_ranges
 from layflat.bridge.robots.mesh_files import with_meshes
-from layflat.bridge.robots.names import machine_name, translated, with_key_names
 from layflat.bridge.robots.read import read_robot
-from layflat.bridge.robots.serial import Serial, serial
-from layflat.bridge.robots.strokes import ROOM, Turning, strokes
-from layflat.bridge.robots.template import templates
+from layflat.bridge.robots.robot import Robot
+from layflat.bridge.robots.serial import SerialChain, extract_chain
 from layflat.description import units as u
-from layflat.description.names import file_name
+from layflat.description.names import file_name, problem, unused_name
 from layflat.description.wrong import shown
 from layflat.errors import InputError
 from layflat.files import whole_file, write_text
 from layflat.machine import Machine, parameters
 from layflat.motion.signal_values import SignalKind, read_row
 
-POSES = 200  # in which gravity's torques are looked at
+Value = TypeVar("Value")
+GRAVITY_SAMPLES = 200  # number of random configurations in which torques of gravity are computed
+
+
+def with_key_names(chain: SerialChain) -> tuple[SerialChain, dict[str, str]]:
+    """Return a chain whose joints have names that are valid keys, and the new names by the robot's names."""
+    stages, renamed, taken = [], dict[str, str](), set[str]()
+    for stage in chain.stages:
+        name = stage.joint.name
+        if problem(name, key=True):
+            name = "".join(one if one.isalnum() else "-" for one in name).strip("-") or "joint"
+        name = unused_name(name, taken.__contains__)
+        taken.add(name)
+        if name != stage.joint.name:
+            renamed[stage.joint.name] = name
+        stages.append(replace(stage, joint=replace(stage.joint, name=name)))
+    changes = ", ".join(f"{old!r} is {new!r}" for old, new in renamed.items())
+    notes = (*chain.notes, f"joints are called otherwise here: {changes}") if renamed else chain.notes
+    return replace(chain, stages=tuple(stages), notes=notes), renamed
+
+
+def translate_names(values: Mapping[str, Value], renamed: Mapping[str, str]) -> dict[str, Value]:
+    """Return values by the machine's names of joints, from values by either these or the robot's names.
+
+    Raises:
+        InputError: there are values by both names of a joint.
+    """
+    for old, new in renamed.items():
+        if old in values and new in values:
+            raise InputError(f"{old!r} and {new!r} are one joint", where="stroke", right="give one of both")
+    return {renamed.get(name, name): value for name, value in values.items()}
+
+
+def machine_name(robot: Robot) -> tuple[str, tuple[str, ...]]:
+    """Return a valid machine name from the robot's name, or its file's, and a note if it differs."""
+    for name in (robot.name, robot.file.stem):
+        tidy = "".join(one if one.isalnum() or one in "-_+" else "-" for one in name).strip("-_+")
+        if tidy and not problem(tidy):
+            kept = tidy == (robot.name or robot.file.stem)
+            return tidy, () if kept else (f"the machine is called {tidy!r}, the robot {robot.name or name!r}",)
+    return "arm", (f"the machine is called 'arm', the robot {robot.name!r}",)
 
 
 @dataclass(frozen=True)
@@ -34,47 +74,47 @@ class ImportedArm:
 
     Attributes:
         machine: the machine.
-        chain: what was taken of the robot.
-        turning: how far the joints turn, in the machine's order.
-        torques: greatest torque of each joint at supply pressure, N m, (joints,).
-        weights: greatest torque of gravity on each joint in many poses of the working strokes, N m, (joints,).
+        chain: chain of joints of the robot.
+        turning: ranges of the joints, in the machine's order.
+        torques: maximum torque of each joint at supply pressure, N m, (joints,).
+        weights: maximum torque of gravity on each joint over the working strokes, N m, (joints,).
     """
 
     machine: Machine
-    chain: Serial
-    turning: tuple[Turning, ...]
+    chain: SerialChain
+    turning: tuple[JointRange, ...]
     torques: Array
     weights: Array
-    text: Described
+    text: ArmDescription
 
     def notes(self) -> list[str]:
-        """Return what a user should know: what was left out, held still, made shorter, or can't be carried."""
-        found = list(self.chain.notes)
+        """Return notes on the import: parts left out, joints held or with shorter strokes, and excessive loads."""
+        notes = list(self.chain.notes)
         joints = list(self.machine.joints)
         short = [
-            f"{name} turns {degrees(turn.mechanical):.4g} of {degrees(turn.asked):.4g} deg"
+            f"{name} turns {degrees(turn.mechanical):.4g} of {degrees(turn.allowed_stroke):.4g} deg"
             for name, turn in zip(joints, self.turning, strict=True)
-            if turn.asked > turn.mechanical + ROOM
+            if turn.allowed_stroke > turn.mechanical + STROKE_TOLERANCE
         ]
         if short:
-            found.append(f"hoses reach no further: {', '.join(short)}")
-        aside = [
-            f"{name} to {degrees(turn.asked):.4g} of {degrees(turn.limits[1] - turn.limits[0]):.4g} deg"
+            notes.append(f"hoses reach no further: {', '.join(short)}")
+        excess = [
+            f"{name} to {degrees(turn.allowed_stroke):.4g} of {degrees(turn.limits[1] - turn.limits[0]):.4g} deg"
             for name, turn in zip(joints, self.turning, strict=True)
-            if turn.limits[1] - turn.limits[0] > turn.asked + ROOM
+            if turn.limits[1] - turn.limits[0] > turn.allowed_stroke + STROKE_TOLERANCE
         ]
-        if aside:
-            found.append(f"stops lie as far on both sides of the middle of the soft limits: {', '.join(aside)}")
+        if excess:
+            notes.append(f"stops lie as far on both sides of the middle of the soft limits: {', '.join(excess)}")
         for name, torque, weight in zip(joints, self.torques, self.weights, strict=True):
             if weight > torque:
-                found.append(
+                notes.append(
                     f"joint {name!r} can't carry the arm: gravity takes up to {weight:.3g} N m, its hoses give "
-                    f"{torque:.3g} N m; give it other --joints"
+                    f"{torque:.3g} N m; give it a stronger one"
                 )
-        return found
+        return notes
 
     def save(self, folder: Path) -> list[Path]:
-        """Write NAME.toml and the meshes beside it; return what was written.
+        """Write NAME.toml and the meshes beside it; return the written paths.
 
         Raises:
             OutputError: it can't be written there.
@@ -87,13 +127,26 @@ class ImportedArm:
         return [write_text(folder / f"{self.machine.name}.toml", self.text.toml), *written]
 
 
+@dataclass(frozen=True)
+class ChainEnds:
+    """Ends of the chain of joints that is imported from a robot.
+
+    Attributes:
+        base: body that the arm stands on, which is held still; default: the robot's base.
+        to: body that the chain of joints ends at, of a robot with several.
+        tool: frame of tip and payload.
+    """
+
+    base: str = ""
+    to: str = ""
+    tool: str = ""
+
+
 def import_arm(
     file: str | Path,
     *,
     joints: Sequence[str] = (),
-    base: str = "",
-    to: str = "",
-    tool: str = "",
+    ends: ChainEnds = ChainEnds(),
     name: str = "",
     stroke: Mapping[str, tuple[float, float]] | None = None,
     gravity: Sequence[float] | None = None,
@@ -104,42 +157,40 @@ def import_arm(
 
     Args:
         file: the file.
-        joints: which joints of hose: "MACHINE:JOINT" for all, "NAME=MACHINE:JOINT" for one; default: the paper's small
+        joints: joints of hose: "MACHINE:JOINT" for all, "NAME=MACHINE:JOINT" for one; default: the paper's small
             joint.
-        base: body that the arm stands on, which is held still; default: the robot's base.
-        to: body that the chain of joints ends at, of a robot with several.
-        tool: frame of tip and payload.
-        name: of the machine; default: that of the robot.
+        ends: first and last body of the chain of joints that is imported.
+        name: name of the machine; default: that of the robot.
         stroke: limits of joints in place of the file's, by name, rad.
-        gravity: in the frame of the base, m/s2; default: the file's, or 9.80665 m/s2 against z.
-        meshes: whether to take meshes along for drawing.
+        gravity: gravity in the frame of the base, m/s2; default: the file's, or 9.80665 m/s2 against z.
+        meshes: whether to import meshes for drawing.
         packages: folders of packages of ROS in which a URDF's meshes are, by name, where they are not around the file.
 
     Raises:
-        InputError: in one line, what is wrong with file or options, and what would be right.
+        InputError: file or arguments are wrong; the message says what would be right.
         MissingExtraError: an MJCF, and MuJoCo is not installed.
     """
-    _check_types(file, joints, {"base": base, "to": to, "tool": tool, "name": name})
+    _check_types(file, joints, vars(ends) | {"name": name})
     robot = read_robot(Path(file), meshes=meshes)
-    if base:
-        robot = stand_on(robot, base)
+    if ends.base:
+        robot = rebase_robot(robot, ends.base)
     if gravity is not None:
         pull = read_row(gravity, SignalKind("gravity", u.ACCELERATION, ("x", "y", "z"), "axis"), np.zeros(3))
         robot = replace(robot, gravity=pull)
-    chain, renamed = with_key_names(with_meshes(serial(robot, to=to, tool=tool), packages or {}))
-    hoses = templates([stage.joint.name for stage in chain.stages], joints, renamed)
-    limits = translated(_limits(stroke or {}), renamed)
-    turning = strokes(chain, {joint: one.described for joint, one in hoses.items()}, limits)
-    called, notes = (file_name(name, "--name"), ()) if name else machine_name(robot)
+    chain, renamed = with_key_names(with_meshes(extract_chain(robot, to=ends.to, tool=ends.tool), packages or {}))
+    hoses = assign_templates([stage.joint.name for stage in chain.stages], joints, renamed)
+    limits = translate_names(_limits(stroke or {}), renamed)
+    turning = joint_ranges(chain, {joint: one.described for joint, one in hoses.items()}, limits)
+    called, notes = (file_name(name, "name"), ()) if name else machine_name(robot)
     chain = replace(chain, notes=(*chain.notes, *notes))
-    text = described(chain, called, hoses, turning)
+    text = describe_arm(chain, called, hoses, turning)
     machine = text.machine
-    torques = np.array([effort(machine, joint) for joint in machine.joints])
-    return ImportedArm(machine, chain, tuple(turning), torques, _weights(machine), text)
+    torques = np.array([max_supply_torque(machine, joint) for joint in machine.joints])
+    return ImportedArm(machine, chain, tuple(turning), torques, _max_gravity_torques(machine), text)
 
 
 def _check_types(file: object, joints: object, names: Mapping[str, object]) -> None:
-    """Raise InputError if something has another type than it should."""
+    """Raise InputError if an argument has a wrong type."""
     if not isinstance(file, (str, Path)):
         raise InputError(f"{shown(file)} is no path", where="file", right="give that of a URDF or an MJCF")
     texts = isinstance(joints, (list, tuple)) and all(isinstance(joint, str) for joint in joints)
@@ -155,19 +206,19 @@ def _limits(stroke: object) -> dict[str, tuple[float, float]]:
     if not isinstance(stroke, Mapping):
         raise InputError(f"{shown(stroke)} is no table", where="stroke", right='give {"wrist": (-1.0, 1.0)}')
     limits = {}
-    for name, given in stroke.items():
-        ends = read_row(given, SignalKind("stroke", u.ANGLE, ("lower", "upper"), "axis"), np.zeros(2))
+    for name, pair in stroke.items():
+        ends = read_row(pair, SignalKind("stroke", u.ANGLE, ("lower", "upper"), "axis"), np.zeros(2))
         if not ends[0] < ends[1]:
-            raise InputError(f"{shown(given)} does not grow", where="stroke", right='give {"wrist": (-1.0, 1.0)}')
+            raise InputError(f"{shown(pair)} does not grow", where="stroke", right='give {"wrist": (-1.0, 1.0)}')
         limits[name] = float(ends[0]), float(ends[1])
     return limits
 
 
-def _weights(machine: Machine) -> Array:
-    """Greatest torques of gravity in many poses, the same ones every time."""
+def _max_gravity_torques(machine: Machine) -> Array:
+    """Return the maximum torques of gravity over random configurations with a fixed seed."""
     half = np.array([joint.stops.working_stroke / 2 for joint in machine.joints.values()])
-    poses = np.random.default_rng(0).uniform(-half, half, (POSES, len(half)))
+    configurations = np.random.default_rng(0).uniform(-half, half, (GRAVITY_SAMPLES, len(half)))
     arm, payload = parameters.arm(machine), machine.arm.payload
-    pulls = [parameters.mass_and_pull(arm, payload, pose.tolist())[1] for pose in poses]
-    found: Array = np.abs(pulls).max(axis=0)
-    return found
+    pulls = [parameters.mass_and_pull(arm, payload, q.tolist())[1] for q in configurations]
+    torques: Array = np.abs(pulls).max(axis=0)
+    return torques

@@ -1,36 +1,135 @@
-"""Robots from MJCF, read by MuJoCo: its defaults, its geoms' masses, its ways to say an orientation."""
+"""Import of robots from MJCF by MuJoCo's own compiler."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 import numpy as np
 
 from layflat.arrays import Array
-from layflat.bridge.arm import engine
-from layflat.bridge.pieces import BODY
+from layflat.bridge.arm import import_mujoco, without_warnings
+from layflat.bridge.mjcf import realizable_inertia
+from layflat.bridge.pieces import JOINT_BODY_NAME
 from layflat.bridge.robots.mesh_files import mesh_look
-from layflat.bridge.robots.mjcf_spec import compile_mjcf
-from layflat.bridge.robots.robot import FIXED, HINGE, SLIDE, Body, Inertial, Link, Look, Pose, Robot
+from layflat.bridge.robots.robot import (
+    FIXED_JOINT,
+    HINGE_JOINT,
+    SLIDE_JOINT,
+    Inertial,
+    Pose,
+    Robot,
+    RobotBody,
+    RobotLink,
+    VisualShape,
+)
 from layflat.errors import InputError
+from layflat.physics.arms.bodies import inertia_matrix
 
-WORLD = "world"
-UNNAMED = "MuJoCo Model"  # name of a model whose file gives it none
-DRAWN = 3  # groups of geoms below this one are shown by MuJoCo's viewer
+COMPILE_ADVICE = {
+    "mass and inertia of moving": "give it an inertial, or geoms with mass",
+    "A + B >= C": "no principal moment of inertia can be greater than the other two together",
+    "axis too small": 'give an axis such as "0 0 1"',
+    "opening file": "put the file there, or leave meshes out: `meshes=False`",
+    "inertia from mesh": "give the body an inertial: without its mesh nobody knows its mass",
+}
+"""Advice by a part of MuJoCo's error message."""
+WORLD_NAME = "world"
+DEFAULT_MODEL_NAME = "MuJoCo Model"  # name of a model whose file gives it none
+FIRST_HIDDEN_GROUP = 3  # groups of geoms from this one on are hidden by MuJoCo's viewer
+
+
+def compile_mjcf(mj: Any, file: Path, text: str, *, meshes: bool) -> tuple[Any, Any, list[str]]:
+    """Return the specification of a model, the compiled model, and notes on changes that made it compile.
+
+    Args:
+        mj: the package `mujoco`.
+        file: file of the model, relative to which MuJoCo searches other files.
+        text: content of the file, where MuJoCo can't read its encoding; else empty.
+        meshes: whether to read meshes. Without, bodies that have an inertial lose them, and others are refused.
+
+    Raises:
+        InputError: MuJoCo refuses the file.
+    """
+    try:
+        with without_warnings(mj):
+            spec = _read_spec(mj, file, text)
+            if not meshes:
+                _delete_meshes(spec, file)
+            try:
+                return spec, spec.compile(), []
+            except ValueError as error:
+                if "A + B >= C" not in str(error):
+                    raise
+            notes = list(_round_inertias(spec))
+            return spec, spec.compile(), notes
+    except InputError:
+        raise
+    except Exception as error:  # ValueError and others
+        message = " ".join(str(error).split()).removeprefix("XML Error: ").removeprefix("Error: ")
+        right = next(
+            (line for part, line in COMPILE_ADVICE.items() if part in message), "mend the file: MuJoCo must take it"
+        )
+        _refuse(file, message[:1].lower() + message[1:], right)
+
+
+def _read_spec(mj: Any, file: Path, text: str) -> Any:
+    """Return MuJoCo's specification of a file, or of its decoded `text` if it is not in UTF-8."""
+    if not text:
+        return mj.MjSpec.from_file(str(file))
+    if "<include" in text:
+        _refuse(file, "is not in UTF-8, and includes other files", "save it as UTF-8")
+    spec = mj.MjSpec.from_string(text)
+    spec.modelfiledir = str(file.parent)
+    return spec
+
+
+def _delete_meshes(spec: Any, file: Path) -> None:
+    """Delete the meshes of a model; raise InputError if the mass of a body depends on one."""
+    for geom in [geom for geom in spec.geoms if geom.meshname]:
+        body = geom.parent
+        if not body.explicitinertial and body is not spec.worldbody and geom.mass != 0.0 and geom.density != 0.0:
+            what = f"body {body.name!r} gets its mass of the mesh {geom.meshname!r}"
+            _refuse(file, what, "give it an inertial, or import meshes: `meshes=True`")
+        spec.delete(geom)
+    for mesh in list(spec.meshes):
+        spec.delete(mesh)
+
+
+def _round_inertias(spec: Any) -> Iterator[str]:
+    """Replace inertias that are impossible by rounding by the nearest possible ones; yield a note on each."""
+    for body in spec.bodies:
+        if not body.explicitinertial:
+            continue
+        full = np.array(body.fullinertia, float)
+        is_full = bool(np.isfinite(full).all())
+        inertia = inertia_matrix(full.tolist()) if is_full else np.diag(np.array(body.inertia, float))
+        nearest = realizable_inertia(inertia)
+        if nearest is None or nearest is inertia:
+            continue
+        if is_full:
+            body.fullinertia = [*nearest.diagonal(), nearest[0, 1], nearest[0, 2], nearest[1, 2]]
+        else:
+            body.inertia = nearest.diagonal()
+        share = np.abs(nearest - inertia).max() / np.abs(inertia).max()
+        yield f"inertia of body {body.name!r} is rounded to that of no body: taken {share:.1g} of it smaller"
+
+
+def _refuse(file: Path, what: str, right: str) -> NoReturn:
+    raise InputError(what, where=str(file), right=right)
 
 
 def read_mjcf(file: Path, text: str = "", *, meshes: bool = True) -> Robot:
     """Return the robot of an MJCF.
 
     Args:
-        file: the file, beside which MuJoCo finds what it names.
-        text: what stands in it, where MuJoCo can't read its encoding.
-        meshes: whether to take meshes along for drawing.
+        file: the file, relative to which MuJoCo searches other files.
+        text: content of the file, where MuJoCo can't read its encoding.
+        meshes: whether to import meshes for drawing.
 
     Raises:
         InputError: MuJoCo refuses the file, or it is not installed.
     """
-    mj = engine("view")
+    mj = import_mujoco("view")
     spec, model, notes = compile_mjcf(mj, file, text, meshes=meshes)
     for what in (
         "body_mass",
@@ -55,13 +154,16 @@ def read_mjcf(file: Path, text: str = "", *, meshes: bool = True) -> Robot:
 
 
 class _Model:
+    """Compiled model of an MJCF, read by the indices of its bodies and geoms."""
+
     def __init__(self, mj: Any, spec: Any, model: Any, file: Path, *, meshes: bool) -> None:
         self.mj, self.spec, self.model, self.file, self.meshes = mj, spec, model, file, meshes
-        self.names = [WORLD, *(model.body(i).name or f"body {i}" for i in range(1, model.nbody))]
+        self.names = [WORLD_NAME, *(model.body(i).name or f"body {i}" for i in range(1, model.nbody))]
 
     def robot(self) -> Robot:
+        """Return the compiled model as a robot: bodies, joints, sites as frames, and the names of omitted elements."""
         model = self.model
-        bodies = {name: Body(name) for name in self.names}
+        bodies = {name: RobotBody(name) for name in self.names}
         links = []
         for i, name in enumerate(self.names[1:], 1):
             bodies[name].inertial = self._inertial(i)
@@ -78,15 +180,15 @@ class _Model:
         }
         return Robot(
             self.file,
-            "" if self.spec.modelname == UNNAMED else self.spec.modelname,
+            "" if self.spec.modelname == DEFAULT_MODEL_NAME else self.spec.modelname,
             "body",
-            WORLD,
+            WORLD_NAME,
             bodies,
             links,
             frames,
             self._gravity(),
             self._loops(),
-            self._left_out(),
+            self._omitted_elements(),
         )
 
     def _gravity(self) -> Array:
@@ -105,22 +207,23 @@ class _Model:
         inertia = axes @ np.diag(model.body_inertia[i]) @ axes.T
         return Inertial(float(model.body_mass[i]), model.body_ipos[i].copy(), inertia)
 
-    def _link(self, i: int) -> Link:
+    def _link(self, i: int) -> RobotLink:
+        """Return body i's connection to its parent: fixed, hinge, slide, or MuJoCo's name of another type."""
         model, name, parent = self.model, self.names[i], self.names[self.model.body_parentid[i]]
         pose = Pose(self._axes(model.body_quat[i]), model.body_pos[i].copy())
         count, j = int(model.body_jntnum[i]), int(model.body_jntadr[i])
         if count == 0:
-            return Link(name, FIXED, parent, name, pose)
+            return RobotLink(name, FIXED_JOINT, parent, name, pose)
         kind = self.mj.mjtJoint(int(model.jnt_type[j])).name.removeprefix("mjJNT_").lower()
         called = model.joint(j).name or f"{name}-joint"
         if count > 1:
-            return Link(called, f"one of {count} joints of the body {name!r}", parent, name, pose)
-        if kind not in {HINGE, "slide"}:
-            return Link(called, {"free": "floating"}.get(kind, kind), parent, name, pose)
+            return RobotLink(called, f"one of {count} joints of the body {name!r}", parent, name, pose)
+        if kind not in {HINGE_JOINT, "slide"}:
+            return RobotLink(called, {"free": "floating"}.get(kind, kind), parent, name, pose)
         limits = (float(model.jnt_range[j][0]), float(model.jnt_range[j][1])) if model.jnt_limited[j] else None
-        return Link(
+        return RobotLink(
             called,
-            HINGE if kind == HINGE else SLIDE,
+            HINGE_JOINT if kind == HINGE_JOINT else SLIDE_JOINT,
             parent,
             name,
             pose,
@@ -133,23 +236,24 @@ class _Model:
         )
 
     def _soft_limits(self, joint: str, limits: tuple[float, float] | None) -> tuple[float, float] | None:
-        """Return the working stroke, which our own exports have, about the middle of a joint's limits."""
+        """Return the working stroke about the middle of a joint's limits, which exports of layflat have."""
         strokes = [float(one.data[0]) for one in self.spec.numerics if one.name == f"{joint}.working_stroke"]
         if not strokes or limits is None:
             return None
         middle = 0.5 * (limits[0] + limits[1])
         return middle - 0.5 * strokes[0], middle + 0.5 * strokes[0]
 
-    def _looks(self, i: int) -> list[Look]:
-        """Return what a body is drawn by: geoms that touch nothing, if it has such, or all that are shown."""
+    def _looks(self, i: int) -> list[VisualShape]:
+        """Return the shapes that a body is drawn by: geoms that do not collide, if any, else all visible ones."""
         model = self.model
-        own = np.arange(model.body_geomadr[i], model.body_geomadr[i] + model.body_geomnum[i])
-        shown = [int(k) for k in own if model.geom_group[k] < DRAWN]
+        geoms = np.arange(model.body_geomadr[i], model.body_geomadr[i] + model.body_geomnum[i])
+        shown = [int(k) for k in geoms if model.geom_group[k] < FIRST_HIDDEN_GROUP]
         only = [k for k in shown if not model.geom_contype[k] and not model.geom_conaffinity[k]]
-        looks = [self._look(k) for k in only or shown if not model.geom(k).name.endswith(BODY)]
+        looks = [self._visual_shape(k) for k in only or shown if not model.geom(k).name.endswith(JOINT_BODY_NAME)]
         return [look for look in looks if look is not None]
 
-    def _look(self, k: int) -> Look | None:
+    def _visual_shape(self, k: int) -> VisualShape | None:
+        """Return geometry k as a shape (m), or None if its type is not drawn or meshes are left out."""
         model, a, b, c = self.model, *(float(value) for value in self.model.geom_size[k])
         kind = self.mj.mjtGeom(int(model.geom_type[k])).name.removeprefix("mjGEOM_").lower()
         pose = Pose(self._axes(model.geom_quat[k]), model.geom_pos[k].copy())
@@ -160,7 +264,7 @@ class _Model:
             "box": (2 * a, 2 * b, 2 * c),
         }
         if kind in sizes:
-            return Look(kind, pose, sizes[kind])
+            return VisualShape(kind, pose, sizes[kind])
         if kind != "mesh" or not self.meshes:
             return None
         mesh = int(model.geom_dataid[k])
@@ -168,15 +272,15 @@ class _Model:
         return mesh_look(self.spec, model, self.file, pose, mesh, inner)
 
     def _loops(self) -> list[tuple[str, set[str]]]:
-        """Return the constraints that are active, by name, and the bodies that each ties to each other."""
+        """Return the active constraints by name, and the bodies that each connects."""
         model, loops = self.model, []
         for k in np.flatnonzero(model.eq_active0):
             kind = self.mj.mjtEq(int(model.eq_type[k])).name.removeprefix("mjEQ_").lower()
             ids = [i for i in (int(model.eq_obj1id[k]), int(model.eq_obj2id[k])) if i >= 0]
             if kind == "joint":
-                tied = self._around(ids)
+                tied = self._bodies_moved_by(ids)
             elif kind == "tendon":
-                tied = self._around([j for i in ids for j in self._joints_of_tendon(i)])
+                tied = self._bodies_moved_by([j for i in ids for j in self._joints_of_tendon(i)])
             elif kind in {"connect", "weld"}:
                 sites = model.eq_objtype[k] == self.mj.mjtObj.mjOBJ_SITE
                 tied = {self.names[model.site_bodyid[i] if sites else i] for i in ids}
@@ -185,7 +289,7 @@ class _Model:
             loops.append((f"{model.equality(k).name or kind}", tied))
         return loops
 
-    def _around(self, joints: Iterable[int]) -> set[str]:
+    def _bodies_moved_by(self, joints: Iterable[int]) -> set[str]:
         """Return the bodies that joints move against each other."""
         bodies = [int(self.model.jnt_bodyid[j]) for j in joints]
         return {self.names[i] for body in bodies for i in (body, int(self.model.body_parentid[body]))}
@@ -195,7 +299,8 @@ class _Model:
         wraps = range(model.tendon_adr[tendon], model.tendon_adr[tendon] + model.tendon_num[tendon])
         return [int(model.wrap_objid[w]) for w in wraps if model.wrap_type[w] == self.mj.mjtWrap.mjWRAP_JOINT]
 
-    def _left_out(self) -> list[str]:
+    def _omitted_elements(self) -> list[str]:
+        """Return the names of the elements of the model that a description of an arm can't hold."""
         model = self.model
         touching = bool(np.any(model.geom_contype) or np.any(model.geom_conaffinity))
         counts = {

@@ -1,4 +1,4 @@
-"""A file of a robot, whatever its format."""
+"""Reading of robot files: URDF and MJCF."""
 
 import re
 from pathlib import Path
@@ -10,55 +10,55 @@ from layflat.bridge.robots.urdf import read_urdf
 from layflat.description.text import read_bytes
 from layflat.errors import InputError
 
-MOST_BYTES = 50_000_000
-RIGHT = "give a URDF or an MJCF"
-OTHERS = {
+MAX_FILE_BYTES = 50_000_000
+FORMAT_ADVICE = "give a URDF or an MJCF"
+CONVERSION_ADVICE = {
     ".xacro": "expand it first: xacro robot.urdf.xacro > robot.urdf",
     ".sdf": "convert it to URDF first",
     ".usd": "export it as URDF or MJCF",
 }
 UTF_16 = (b"\xff\xfe", b"\xfe\xff")  # byte order marks
-DECLARED = re.compile(rb"""^(?:\xef\xbb\xbf)?\s*<\?xml[^>]*encoding\s*=\s*["']([A-Za-z0-9._-]+)["']""")
+ENCODING_DECLARATION = re.compile(rb"""^(?:\xef\xbb\xbf)?\s*<\?xml[^>]*encoding\s*=\s*["']([A-Za-z0-9._-]+)["']""")
 
 
 def read_robot(file: Path, *, meshes: bool = True) -> Robot:
-    """Return the robot of a URDF or an MJCF, which is told by what stands in it.
+    """Return the robot of a URDF or an MJCF; the root element decides which it is.
 
     Args:
         file: the file.
-        meshes: whether to take meshes along for drawing.
+        meshes: whether to import meshes for drawing.
 
     Raises:
-        InputError: in one line, what is wrong with it and what would be right.
+        InputError: the file is wrong; the message says what would be right.
         MissingExtraError: an MJCF, and MuJoCo is not installed.
     """
-    if file.suffix.lower() in OTHERS:
-        right = OTHERS[file.suffix.lower()]
+    if file.suffix.lower() in CONVERSION_ADVICE:
+        right = CONVERSION_ADVICE[file.suffix.lower()]
         raise InputError(f"is {file.suffix[1:].upper()}, not URDF or MJCF", where=str(file), right=right)
-    content = read_bytes(file, str(file), RIGHT, most=MOST_BYTES)
+    content = read_bytes(file, str(file), FORMAT_ADVICE, max_bytes=MAX_FILE_BYTES)
     encoding = _encoding(content)
     text = _text(file, content, encoding)
     root = _root(file, text)
     if root.tag == "robot":
         if any("xacro" in name for name in (*root.attrib, *(child.tag for child in root))):
-            raise InputError("has macros of xacro in it", where=str(file), right=OTHERS[".xacro"])
+            raise InputError("has macros of xacro in it", where=str(file), right=CONVERSION_ADVICE[".xacro"])
         return read_urdf(file, root, meshes=meshes)
     if root.tag == "mujoco":
         return read_mjcf(file, "" if encoding == "utf-8" else text, meshes=meshes)
-    raise InputError(f"begins with <{root.tag}>, not <robot> or <mujoco>", where=str(file), right=RIGHT)
+    raise InputError(f"begins with <{root.tag}>, not <robot> or <mujoco>", where=str(file), right=FORMAT_ADVICE)
 
 
 def _encoding(content: bytes) -> str:
     """Return the encoding that an XML file has by its byte order mark or declaration; without any it is UTF-8."""
     if content.startswith(UTF_16):
         return "utf-16"
-    declared = DECLARED.match(content)
+    declared = ENCODING_DECLARATION.match(content)
     name = declared[1].decode().lower() if declared else "utf-8"
     return "utf-8" if name in {"utf-8", "utf8", "us-ascii", "ascii"} else name
 
 
 def _text(file: Path, content: bytes, encoding: str) -> str:
-    """Return what stands in a file, without the declaration of an encoding that a text no longer has."""
+    """Return the text of a file, without the declaration of an encoding."""
     try:
         text = content.decode(encoding).removeprefix("\ufeff")
     except UnicodeError as error:
@@ -72,10 +72,11 @@ def _text(file: Path, content: bytes, encoding: str) -> str:
 
 
 def _root(file: Path, text: str) -> Element:
+    """Return the root element of an XML text; raise InputError with line and column if it is not XML."""
     try:
         return fromstring(text)
     except ParseError as error:
         line, column = error.position
-        said = str(error).partition(":")[0]
-        what = f"is not XML: {said} at line {line}, column {column + 1}"
-        raise InputError(what, where=str(file), right=RIGHT) from None
+        message = str(error).partition(":")[0]
+        what = f"is not XML: {message} at line {line}, column {column + 1}"
+        raise InputError(what, where=str(file), right=FORMAT_ADVICE) from None

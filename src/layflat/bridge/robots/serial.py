@@ -1,76 +1,150 @@
-"""From a robot to the chain of joints in it that is an arm: what is fixed is merged, what is not chosen held still."""
+"""Extraction of a serial chain of joints from a robot: fixed bodies are merged, other joints held."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from typing import NoReturn
 
 import numpy as np
 
 from layflat.arrays import Array
 from layflat.bridge.robots.held import HeldJoints
-from layflat.bridge.robots.merging import merged
-from layflat.bridge.robots.robot import FIXED, HINGE, Inertial, Link, Look, Pose, Robot, at, unit_vector
-from layflat.description.hints import did_you_mean
+from layflat.bridge.robots.robot import (
+    FIXED_JOINT,
+    HINGE_JOINT,
+    Inertial,
+    Pose,
+    Robot,
+    RobotBody,
+    RobotLink,
+    VisualShape,
+    translation_pose,
+    unit_vector,
+)
+from layflat.description.wrong import did_you_mean
 from layflat.errors import InputError
-from layflat.physics.arms.chain.description import NO_WAY
-from layflat.physics.arms.kind import MOST
+from layflat.physics.arms.bodies import lump_bodies
+from layflat.physics.arms.chain.description import (
+    MIN_DIRECTION_LENGTH,
+    TRIANGLE_INEQUALITY_TOLERANCE,
+    describe_inertia_defect,
+)
+from layflat.physics.arms.kind import MAX_JOINTS
 
-TOOLS = ("tool", "tip", "tcp", "tool0")
-"""What the frame of a tool is called, where nobody says which it is; the first is taken that is there."""
+ZERO_INERTIA = 1e-12  # moment of inertia that counts as zero, kg m2
+TOOL_NAMES = ("tool", "tip", "tcp", "tool0")
+"""Default names of the tool's frame, in order of precedence."""
+PAYLOAD = "payload"  # a body of this name at the tool is the payload
+POINT_INERTIA_RATIO = 1e-9  # inertia over mass x (1 m)^2 up to which a body counts as a point
 
-PAYLOAD = "payload"  # a body of this name at the tool is what the arm carries
-SMALL = 1e-9  # as a share of mass x (1 m)^2: inertia of a point
+
+def merge_members(robot: Robot, joint: RobotLink, members: Mapping[str, Pose]) -> tuple[Inertial, list[VisualShape]]:
+    """Return mass and shapes of all bodies that move with a joint as one, in the joint's frame.
+
+    Args:
+        robot: the robot.
+        joint: the joint.
+        members: poses of the bodies in its frame, by name.
+
+    Raises:
+        InputError: a body has no mass, or an impossible one.
+    """
+    bodies = {name: robot.bodies[name] for name in members}
+    for body in bodies.values():
+        _check_masses(robot, body)
+    weighing = [body.inertial.in_parent_frame(members[name]) for name, body in bodies.items() if body.inertial]
+    whole = Inertial(*lump_bodies(weighing)) if weighing else Inertial(0.0, np.zeros(3), np.zeros((3, 3)))
+    others = [name for name in bodies if name != joint.child]
+    also = f" (with {', '.join(others)})" if others else ""
+    if whole.mass <= 0.0:
+        what = f"has no {'mass' if weighing else 'inertial'}{also}, and the joint {joint.name!r} turns it"
+        _refuse(robot, joint.child, what, "give it mass and inertia")
+    rows, columns = (0, 1, 2, 0, 0, 1), (0, 1, 2, 1, 2, 2)
+    wrong = describe_inertia_defect(tuple(whole.inertia[rows, columns].tolist()))
+    if wrong:
+        _refuse(robot, joint.child, f"{also} {wrong}".strip(), "give it the inertia of a body")
+    looks = [replace(look, pose=members[name].then(look.pose)) for name, body in bodies.items() for look in body.looks]
+    return whole, looks
+
+
+def _check_masses(robot: Robot, body: RobotBody) -> None:
+    """Raise InputError for impossible masses; a body that is merged into others may be a point."""
+    if body.inertial is None:
+        return
+    if body.inertial.mass < 0.0:
+        _refuse(robot, body.name, f"has a mass of {body.inertial.mass:g} kg", "give one above 0")
+    lower, middle, upper = np.linalg.eigvalsh(body.inertial.inertia)
+    moments = f"principal moments of inertia {lower:.4g}, {middle:.4g} and {upper:.4g} kg m2"
+    tolerance = max(TRIANGLE_INEQUALITY_TOLERANCE * abs(upper), ZERO_INERTIA)
+    if lower < -tolerance:
+        _refuse(robot, body.name, f"has {moments}", "none can be negative")
+    if upper > lower + middle + tolerance:
+        _refuse(robot, body.name, f"has {moments}", "none can be greater than the other two together")
+
+
+def _refuse(robot: Robot, body: str, what: str, right: str) -> NoReturn:
+    raise InputError(what, where=f"{robot.file}: {robot.noun} {body!r}", right=right)
 
 
 @dataclass(frozen=True)
-class Stage:
-    """A joint and all that it turns up to the next one."""
+class ChainStage:
+    """Joint of a chain, with the bodies that it moves up to the next joint."""
 
-    joint: Link
-    place: Pose  # of its frame, whose origin lies on the joint's axis, in the one before, at zero
+    joint: RobotLink
+    pose: Pose  # of its frame, whose origin is on the joint's axis, in the frame before, at zero
     axis: Array  # of length 1, (3,)
     inertial: Inertial
-    looks: list[Look]  # in its frame
+    looks: list[VisualShape]  # in its frame
 
 
 @dataclass(frozen=True)
-class Serial:
+class SerialChain:
     """A chain of joints from base to tool."""
 
     robot: Robot
-    stages: tuple[Stage, ...]
+    stages: tuple[ChainStage, ...]
     tool: Pose  # in the frame of the last stage
     tool_name: str
     payload: float  # kg
-    notes: tuple[str, ...]  # what became of the rest
+    notes: tuple[str, ...]  # on parts that were omitted or changed
 
 
-def serial(robot: Robot, *, to: str = "", tool: str = "") -> Serial:
+def extract_chain(robot: Robot, *, to: str = "", tool: str = "") -> SerialChain:
     """Return the chain of joints that ends at a body, or the only one that there is.
 
     Args:
         robot: as read from a file.
-        to: name of the body that the chain ends at; default: where it ends by itself.
-        tool: name of the body or frame where the payload is; default: one that is called so, or the chain's end.
+        to: name of the body that the chain ends at; default: the end of the only chain.
+        tool: name of the body or frame of the payload; default: one of `TOOL_NAMES`, or the chain's end.
 
     Raises:
-        InputError: it is no open chain of up to seven hinges, a body has no mass or one that can't be, or a name is not
-            known.
+        InputError: it is no open chain of up to seven hinges, a body has no mass or an impossible one, or a name is
+            unknown.
     """
-    return _Chooser(robot).serial(to, tool)
+    return _ChainExtractor(robot).extract(to, tool)
 
 
-class _Chooser:
+class _ChainExtractor:
+    """Extractor of a serial chain from a robot; its errors name file and joint."""
+
     def __init__(self, robot: Robot) -> None:
         self.robot = robot
         self.noun = robot.noun
 
-    def serial(self, to: str, tool: str) -> Serial:
-        way = self._way_to(to) if to else self._only_way()
-        joints = [link for link in way if link.kind != FIXED]
-        self._check(joints, to)
+    def extract(self, to: str, tool: str) -> SerialChain:
+        """Return the serial chain that ends at a body and a tool frame.
+
+        Bodies up to the next joint of the chain are merged; other joints are held in their zero position.
+
+        Args:
+            to: last body of the chain, "" for the only one possible.
+            tool: name of the frame of the tool, "" for the default one.
+        """
+        path = self._path_to(to) if to else self._only_path()
+        joints = [link for link in path if link.kind != FIXED_JOINT]
+        self._check_joints(joints, to)
         ends = [*joints[1:], None]
         held = HeldJoints(self.robot, joints)
-        stages, before = [], self._base(way, joints[0])
+        stages, before = [], self._base_pose(path, joints[0])
         last: dict[str, Pose] = {}
         payload, weightless, clusters = 0.0, list[str](), list[set[str]]()
         for joint, after in zip(joints, ends, strict=True):
@@ -79,145 +153,154 @@ class _Chooser:
             carried = members.pop(PAYLOAD, None) if after is None and self._is_payload(joint) else None
             payload = self._mass(PAYLOAD) if carried is not None else 0.0
             stages.append(
-                Stage(
+                ChainStage(
                     joint,
-                    before.then(joint.pose).then(at(joint.anchor)),
+                    before.then(joint.pose).then(translation_pose(joint.anchor)),
                     self._axis(joint),
-                    *merged(self.robot, joint, members),
+                    *merge_members(self.robot, joint, members),
                 )
             )
-            weightless += [name for name in members if self._weighs_nothing(name)]
+            weightless += [name for name in members if self._is_weightless(name)]
             last = members if carried is None else {**members, PAYLOAD: carried}
             before = Pose(np.eye(3), np.zeros(3)) if after is None else members[after.parent]
         self._check_loops(clusters)
         name, pose = self._tool(tool, to, last)
-        return Serial(self.robot, tuple(stages), pose, name, payload, self._notes(held, weightless))
+        return SerialChain(self.robot, tuple(stages), pose, name, payload, self._notes(held, weightless))
 
-    def _base(self, way: list[Link], first: Link) -> Pose:
-        pose = at((0.0, 0.0, 0.0))
-        for link in way[: way.index(first)]:
+    def _base_pose(self, path: list[RobotLink], first: RobotLink) -> Pose:
+        """Return the pose of the first moving joint's parent in the base, along fixed joints."""
+        pose = translation_pose((0.0, 0.0, 0.0))
+        for link in path[: path.index(first)]:
             pose = pose.then(link.pose)
         return pose
 
-    def _way_to(self, to: str) -> list[Link]:
+    def _path_to(self, to: str) -> list[RobotLink]:
+        """Return the joints from the base to a body; raise InputError if there is no such body."""
         robot = self.robot
         if to not in robot.bodies:
             right = did_you_mean(to, robot.bodies, f"{self.noun}s are {{}}")
-            self._refuse("--to", f"there is no {self.noun} {to!r}", right)
-        return robot.to(to)
+            raise InputError(f"there is no {self.noun} {to!r}", where="to", right=right)
+        return robot.links_to(to)
 
-    def _only_way(self) -> list[Link]:
-        """Return the links of the only chain of joints; refuse a robot that has several."""
+    def _only_path(self) -> list[RobotLink]:
+        """Return the links of the only chain of joints; raise InputError if there are several."""
         robot, body = self.robot, self.robot.base
-        way: list[Link] = []
+        path: list[RobotLink] = []
         while True:
-            found = self._next_joints(body)
-            if not found:
-                return way
-            if len(found) > 1:
-                moving = [link for link in way if link.kind != FIXED]
-                if moving:  # no choice of an end helps where the way to all of them is none
-                    self._check(moving, "")
-                names = " and ".join(repr(link.name) for link in found[:2])
-                ends = [list(robot.behind(link.child))[-1] for link in found]
-                here = [body] if way else []
-                right = f"choose where the arm ends: {', or '.join(f'--to {one}' for one in [*here, *ends][:3])}"
+            following = self._next_joints(body)
+            if not following:
+                return path
+            if len(following) > 1:
+                moving = [link for link in path if link.kind != FIXED_JOINT]
+                if moving:  # no choice of an end helps where the common part is no arm
+                    self._check_joints(moving, "")
+                names = " and ".join(repr(link.name) for link in following[:2])
+                ends = [list(robot.subtree(link.child))[-1] for link in following]
+                here = [body] if path else []
+                right = f"choose where the arm ends: {', or '.join(f'`to={one!r}`' for one in [*here, *ends][:3])}"
                 self._refuse(f"{self.noun} {body!r}", f"carries several moving joints, such as {names}", right)
-            way = robot.to(found[0].child)
-            body = found[0].child
+            path = robot.links_to(following[0].child)
+            body = following[0].child
 
-    def _next_joints(self, body: str) -> list[Link]:
-        found = []
-        for link in self.robot.on(body):
-            found += self._next_joints(link.child) if link.kind == FIXED else [link]
-        return found
+    def _next_joints(self, body: str) -> list[RobotLink]:
+        """Return the moving joints next to a body, beyond fixed joints."""
+        joints = []
+        for link in self.robot.links_on(body):
+            joints += self._next_joints(link.child) if link.kind == FIXED_JOINT else [link]
+        return joints
 
-    def _check(self, joints: list[Link], to: str) -> None:
+    def _check_joints(self, joints: list[RobotLink], to: str) -> None:
+        """Raise InputError unless the joints are 1 to `MAX_JOINTS` hinges, each with an axis and without mimic."""
         if not joints:
             self._refuse(
-                "", "has no joint that moves", "give a robot with joints that turn" + (to and ", or another --to")
+                "", "has no joint that moves", "give a robot with joints that turn" + (to and ", or another `to`")
             )
         for link in joints:
-            if link.kind != HINGE:
+            if link.kind != HINGE_JOINT:
                 right = "joints of hose turn about an axis"
                 if link is not joints[0]:
-                    right += f"; to end the arm before it: --to {link.parent}"
+                    right += f"; to end the arm before it: `to={link.parent!r}`"
                 elif link.kind in {"floating", "planar"}:
-                    right = f"the base of an arm stands still: --from {link.child}"
+                    right = f"the base of an arm stands still: `base={link.child!r}`"
                 else:
-                    right += f"; for the arm that stands on it: --from {link.child}"
+                    right += f"; for the arm that stands on it: `base={link.child!r}`"
                 self._refuse(f"joint {link.name!r}", f"is {link.kind}", right)
-            if link.axis is None or float(np.abs(link.axis).max()) < NO_WAY**0.5:
+            if link.axis is None or float(np.abs(link.axis).max()) < MIN_DIRECTION_LENGTH**0.5:
                 what = "has no axis" if link.axis is None else "has an axis without direction"
                 self._refuse(f"joint {link.name!r}", what, 'give one such as <axis xyz="0 0 1"/>')
             if link.mimic is not None:
                 what = f"mimics {link.mimic.joint!r}"
                 self._refuse(f"joint {link.name!r}", what, "joints here move by themselves: drop <mimic>")
-        if len(joints) > MOST:
-            right = f"an arm has {MOST} at most; end it earlier, for example --to {joints[MOST - 1].child}"
+        if len(joints) > MAX_JOINTS:
+            right = (
+                f"an arm has {MAX_JOINTS} at most; end it earlier, for example `to={joints[MAX_JOINTS - 1].child!r}`"
+            )
             self._refuse("", f"has {len(joints)} joints from {joints[0].name!r} to {joints[-1].name!r}", right)
 
     def _check_loops(self, clusters: list[set[str]]) -> None:
-        """Refuse constraints between bodies that the arm's joints move against each other."""
+        """Raise InputError for constraints between bodies that the arm's joints move relative to each other."""
         for name, tied in self.robot.loops:
             movers = {next((i for i, bodies in enumerate(clusters) if body in bodies), None) for body in tied}
             if len(movers) > 1:
                 what = f"the equality constraint {name!r} ties {' and '.join(sorted(tied))}: a closed chain"
                 self._refuse("", what, "an arm here is an open chain; take the constraint away")
 
-    def _cluster(self, joint: Link, after: Link | None, held: HeldJoints) -> dict[str, Pose]:
-        """Return bodies that move with a joint alone, and where they lie in its frame; hold the joints among them."""
-        found: dict[str, Pose] = {}
+    def _cluster(self, joint: RobotLink, after: RobotLink | None, held: HeldJoints) -> dict[str, Pose]:
+        """Return the poses, in a joint's frame, of the bodies that move with it as one; hold the joints among them."""
+        poses: dict[str, Pose] = {}
 
         def add(name: str, pose: Pose) -> None:
-            found[name] = pose
-            for link in self.robot.on(name):
+            poses[name] = pose
+            for link in self.robot.links_on(name):
                 if after is not None and link.name == after.name and link.child == after.child:
                     continue
-                add(link.child, pose.then(link.pose if link.kind == FIXED else held.hold(link)))
+                add(link.child, pose.then(link.pose if link.kind == FIXED_JOINT else held.hold(link)))
 
-        add(joint.child, at(-joint.anchor))
-        return found
+        add(joint.child, translation_pose(-joint.anchor))
+        return poses
 
-    def _axis(self, joint: Link) -> Array:
+    def _axis(self, joint: RobotLink) -> Array:
         return unit_vector(np.array(joint.axis, float))
 
-    def _is_payload(self, joint: Link) -> bool:
+    def _is_payload(self, joint: RobotLink) -> bool:
+        """Return whether the body `PAYLOAD` is nearly a point mass and not the joint's own link."""
         body = self.robot.bodies.get(PAYLOAD)
         if body is None or body.inertial is None or joint.child == PAYLOAD:
             return False
-        return bool(np.abs(body.inertial.inertia).max() <= SMALL * max(body.inertial.mass, SMALL))
+        return bool(
+            np.abs(body.inertial.inertia).max() <= POINT_INERTIA_RATIO * max(body.inertial.mass, POINT_INERTIA_RATIO)
+        )
 
     def _mass(self, name: str) -> float:
         inertial = self.robot.bodies[name].inertial
         return 0.0 if inertial is None else inertial.mass
 
-    def _weighs_nothing(self, name: str) -> bool:
+    def _is_weightless(self, name: str) -> bool:
         body = self.robot.bodies[name]
         return body.solid and self._mass(name) == 0.0
 
     def _tool(self, tool: str, to: str, last: dict[str, Pose]) -> tuple[str, Pose]:
-        """Return name and pose of the tool's frame, on what the last joint turns."""
-        known = dict(last)
-        known |= {name: last[body].then(pose) for name, (body, pose) in self.robot.frames.items() if body in last}
+        """Return name and pose of the tool's frame, which the last joint moves."""
+        frames = dict(last)
+        frames |= {name: last[body].then(pose) for name, (body, pose) in self.robot.frames.items() if body in last}
         if tool:
-            if tool not in known:
-                right = did_you_mean(tool, known, "frames that the last joint turns are {}")
-                self._refuse("--tool", f"{tool!r} is no frame that the last joint turns", right)
-            return tool, known[tool]
-        called = [name for name in TOOLS if name in known]
-        ends = [name for name in last if not self.robot.on(name)]
-        chosen = [to] if to in known else called[:1] or (ends if len(ends) == 1 else list(last)[:1])
-        return chosen[0], known[chosen[0]]
+            if tool not in frames:
+                right = did_you_mean(tool, frames, "frames that the last joint turns are {}")
+                raise InputError(f"{tool!r} is no frame that the last joint turns", where="tool", right=right)
+            return tool, frames[tool]
+        called = [name for name in TOOL_NAMES if name in frames]
+        ends = [name for name in last if not self.robot.links_on(name)]
+        chosen = [to] if to in frames else called[:1] or (ends if len(ends) == 1 else list(last)[:1])
+        return chosen[0], frames[chosen[0]]
 
     def _notes(self, held: HeldJoints, weightless: list[str]) -> tuple[str, ...]:
+        """Return the notes for a person: held joints, bodies without mass, and omitted elements."""
         notes = [*self.robot.notes, *held.notes()]
         if weightless:
             notes.append(f"{self.noun}s that have a shape and weigh nothing: {', '.join(weightless)}")
-        if self.robot.left_out:
-            notes.append(f"left out: {', '.join(self.robot.left_out)}")
+        if self.robot.omitted:
+            notes.append(f"left out: {', '.join(self.robot.omitted)}")
         return tuple(notes)
 
     def _refuse(self, where: str, what: str, right: str) -> NoReturn:
-        place = where if where.startswith("--") else f"{self.robot.file}: {where}".removesuffix(": ")
-        raise InputError(what, where=place, right=right)
+        raise InputError(what, where=f"{self.robot.file}: {where}".removesuffix(": "), right=right)

@@ -1,4 +1,4 @@
-"""Robots from URDF, read by its own rules, so that whatever is wrong has a name."""
+"""Import of robots from URDF, whose errors name the link or joint."""
 
 from collections.abc import Iterable
 from math import isfinite
@@ -9,39 +9,54 @@ from xml.etree.ElementTree import Element
 import numpy as np
 
 from layflat.arrays import Array
-from layflat.bridge.pieces import BODY
-from layflat.bridge.robots.robot import FIXED, HINGE, SLIDE, Body, Inertial, Link, Look, Mimic, Pose, Robot, at
-from layflat.description.hints import did_you_mean
+from layflat.bridge.pieces import JOINT_BODY_NAME
+from layflat.bridge.robots.robot import (
+    FIXED_JOINT,
+    HINGE_JOINT,
+    SLIDE_JOINT,
+    Inertial,
+    Mimic,
+    Pose,
+    Robot,
+    RobotBody,
+    RobotLink,
+    VisualShape,
+    translation_pose,
+)
+from layflat.description.wrong import did_you_mean
 from layflat.errors import InputError
-from layflat.physics.arms.bodies import about, moments, turn_of, turned_by
+from layflat.physics.arms.bodies import angles_from_rotation, inertia_matrix, rotation_about_axis, rotation_from_angles
 
-KINDS = {"revolute": HINGE, "continuous": HINGE, "fixed": FIXED, "prismatic": SLIDE}
-OTHERS = ("floating", "planar")
-TURN = 7.0  # angle from which on it is said that one is in radians, rad: just over a full turn
-SIX = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
+KINDS = {"revolute": HINGE_JOINT, "continuous": HINGE_JOINT, "fixed": FIXED_JOINT, "prismatic": SLIDE_JOINT}
+UNSUPPORTED_TYPES = ("floating", "planar")
+MAX_RADIANS = 7.0  # rad, just over a full turn: larger angles get a note, since they may be in degrees
+INERTIA_KEYS = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
 
 
 def read_urdf(file: Path, root: Element, *, meshes: bool = True) -> Robot:
     """Return the robot of a URDF.
 
     Args:
-        file: where it was read.
-        root: its tree.
-        meshes: whether to look for the meshes that it is drawn by.
+        file: file of the URDF.
+        root: its XML tree.
+        meshes: whether to import meshes for drawing.
 
     Raises:
-        InputError: naming the link or joint, and what would be right.
+        InputError: the URDF is wrong; the message names the link or joint.
     """
     return _Reader(file, meshes=meshes).robot(root)
 
 
 class _Reader:
+    """Reader of one URDF, with notes on doubtful values."""
+
     def __init__(self, file: Path, *, meshes: bool) -> None:
         self.file, self.meshes = file, meshes
         self.notes: list[str] = []
 
     def robot(self, root: Element) -> Robot:
-        bodies: dict[str, Body] = {}
+        """Return the robot of a URDF; raise InputError if names occur twice or its joints are not a tree."""
+        bodies: dict[str, RobotBody] = {}
         for element in root.findall("link"):
             body = self._body(element)
             if body.name in bodies:
@@ -56,7 +71,7 @@ class _Reader:
         base, name = self._base(bodies, links), root.get("name") or self.file.stem
         compiler = root.find("mujoco/compiler")
         folder = "" if compiler is None else compiler.get("meshdir") or ""
-        gravity, left_out = self._gravity(root), self._left_out(root)
+        gravity, left_out = self._gravity(root), self._omitted_elements(root)
         return Robot(
             self.file,
             name,
@@ -77,7 +92,8 @@ class _Reader:
         option = root.find("mujoco/option[@gravity]")
         return None if option is None else np.array(self._numbers(option, "gravity", 3, "mujoco/option", None))
 
-    def _left_out(self, root: Element) -> list[str]:
+    def _omitted_elements(self, root: Element) -> list[str]:
+        """Return the names of the elements of the file that a description of an arm can't hold."""
         joints = root.findall("joint/dynamics")
         elements = {
             "transmissions": root.find("transmission") is not None,
@@ -92,8 +108,9 @@ class _Reader:
             left_out.insert(0, "collision geometry")
         return left_out
 
-    def _base(self, bodies: dict[str, Body], links: list[Link]) -> str:
-        over: dict[str, Link] = {}
+    def _base(self, bodies: dict[str, RobotBody], links: list[RobotLink]) -> str:
+        """Return the only link without a joint above it; raise InputError for closed chains and several bases."""
+        over: dict[str, RobotLink] = {}
         for link in links:
             other = over.setdefault(link.child, link)
             if other is not link:
@@ -115,15 +132,18 @@ class _Reader:
             self._refuse(f"link {cut[0]!r}", "hangs on itself: a closed chain", "an arm here is an open chain")
         return free[0]
 
-    def _body(self, element: Element) -> Body:
+    def _body(self, element: Element) -> RobotBody:
+        """Return a link as a body, with inertial and visual shapes; visuals of our own joint bodies are left out."""
         name = element.get("name") or ""
         where = f"link {name!r}"
         if not name:
             self._refuse("link", "has no name", 'give it one: <link name="upper_arm">')
         inertial, drawn = element.find("inertial"), element.findall("visual")
-        looks = [self._look(one, name) for one in drawn if not (one.get("name") or "").endswith(BODY)]
+        looks = [
+            self._visual_shape(one, name) for one in drawn if not (one.get("name") or "").endswith(JOINT_BODY_NAME)
+        ]
         solid = bool(drawn) or element.find("collision") is not None
-        return Body(
+        return RobotBody(
             name,
             None if inertial is None else self._inertial(inertial, where),
             [look for look in looks if look is not None],
@@ -131,22 +151,24 @@ class _Reader:
         )
 
     def _inertial(self, element: Element, where: str) -> Inertial:
+        """Return the inertial of a link, rotated into the link's frame: kg, m, kg m2; neither may be missing."""
         mass, inertia = element.find("mass"), element.find("inertia")
         if mass is None or inertia is None:
             lacking = "mass" if mass is None else "inertia"
             self._refuse(where, f"has an inertial without {lacking}", f"give <{lacking}> in it")
         (kilograms,) = self._numbers(mass, "value", 1, f"{where}: mass", None)
-        six = [self._numbers(inertia, key, 1, f"{where}: inertia", (0.0,))[0] for key in SIX]
+        six = [self._numbers(inertia, key, 1, f"{where}: inertia", (0.0,))[0] for key in INERTIA_KEYS]
         pose = self._origin(element, where)
-        return Inertial(kilograms, pose.place, pose.axes @ moments(six) @ pose.axes.T)
+        return Inertial(kilograms, pose.position, pose.axes @ inertia_matrix(six) @ pose.axes.T)
 
-    def _link(self, element: Element, bodies: Iterable[str]) -> Link:
+    def _link(self, element: Element, bodies: Iterable[str]) -> RobotLink:
+        """Return a joint as the connection of two known links; unsupported types keep their name."""
         name = element.get("name") or ""
         where, kind = f"joint {name!r}", element.get("type") or ""
         if not name:
             self._refuse("joint", "has no name", 'give it one: <joint name="elbow" type="revolute">')
-        if kind not in KINDS and kind not in OTHERS:
-            right = did_you_mean(kind, [*KINDS, *OTHERS], "types are {}")
+        if kind not in KINDS and kind not in UNSUPPORTED_TYPES:
+            right = did_you_mean(kind, [*KINDS, *UNSUPPORTED_TYPES], "types are {}")
             self._refuse(where, f"has the unknown type {kind!r}", right)
         ends = []
         for end in ("parent", "child"):
@@ -156,21 +178,24 @@ class _Reader:
                 self._refuse(where, f"has the {end} {named!r}, which is not there", right)
             ends.append(named)
         axis, dynamics = element.find("axis"), element.find("dynamics")
-        moves = KINDS.get(kind) in {HINGE, SLIDE}
-        return Link(
+        moves = KINDS.get(kind) in {HINGE_JOINT, SLIDE_JOINT}
+        return RobotLink(
             name,
             KINDS.get(kind, kind),
             ends[0],
             ends[1],
             self._origin(element, where),
             np.array(self._numbers(axis, "xyz", 3, f"{where}: axis", None)) if axis is not None and moves else None,
-            limits=self._range(element, "limit", ("lower", "upper"), where) if kind in {"revolute", SLIDE} else None,
+            limits=self._limits(element, "limit", ("lower", "upper"), where)
+            if kind in {"revolute", SLIDE_JOINT}
+            else None,
             soft_limits=self._soft_limits(element, where),
             armature=0.0 if dynamics is None else self._armature(dynamics, where),
             mimic=self._mimic(element, where),
         )
 
-    def _range(self, element: Element, tag: str, keys: tuple[str, str], where: str) -> tuple[float, float] | None:
+    def _limits(self, element: Element, tag: str, keys: tuple[str, str], where: str) -> tuple[float, float] | None:
+        """Return lower and upper of an element below a joint, rad or m, 0 where missing; None without the element."""
         limit = element.find(tag)
         if limit is None:
             return None
@@ -179,19 +204,20 @@ class _Reader:
 
     def _soft_limits(self, element: Element, where: str) -> tuple[float, float] | None:
         """Return soft limits; without any, or with equal ones, as where they are left out, a joint has none."""
-        limits = self._range(element, "safety_controller", ("soft_lower_limit", "soft_upper_limit"), where)
+        limits = self._limits(element, "safety_controller", ("soft_lower_limit", "soft_upper_limit"), where)
         if limits is not None and limits[0] > limits[1]:
             self._note(where, f"soft limits from {limits[0]:g} to {limits[1]:g}, the wrong way round: left out")
         return limits if limits is not None and limits[0] < limits[1] else None
 
     def _armature(self, dynamics: Element, where: str) -> float:
-        """Return what our own exports have beside what URDF knows."""
+        """Return the armature, an attribute of layflat's exports that URDF lacks, kg m2."""
         (armature,) = self._numbers(dynamics, "armature", 1, f"{where}: dynamics", (0.0,))
         if armature < 0.0:
             self._refuse(f"{where}: dynamics", f"has the armature {armature:g} kg m2", "give one of 0 or more")
         return armature
 
     def _mimic(self, element: Element, where: str) -> Mimic | None:
+        """Return the joint that a joint follows, with multiplier and offset (rad or m); None if it moves by itself."""
         mimic = element.find("mimic")
         if mimic is None:
             return None
@@ -199,7 +225,8 @@ class _Reader:
         (offset,) = self._numbers(mimic, "offset", 1, f"{where}: mimic", (0.0,))
         return Mimic(mimic.get("joint") or "another", multiplier, offset)
 
-    def _look(self, element: Element, body: str) -> Look | None:
+    def _visual_shape(self, element: Element, body: str) -> VisualShape | None:
+        """Return a visual as a shape, m; None for a mesh that is left out, or a shape with a size of zero."""
         where = f"link {body!r}"
         geometry = element.find("geometry")
         shape = None if geometry is None or not len(geometry) else geometry[0]
@@ -210,7 +237,7 @@ class _Reader:
             if not self.meshes:
                 return None
             scale = self._scale(shape, f"{where}: mesh")
-            return Look("mesh", pose, named=self._file_name(shape, where), scale=scale, body=body)
+            return VisualShape("mesh", pose, named=self._file_name(shape, where), scale=scale, body=body)
         round_ones = {"sphere": (), "cylinder": ("length",), "capsule": ("length",)}
         place = f"{where}: {kind}"
         if kind == "box":
@@ -222,9 +249,10 @@ class _Reader:
             self._refuse(where, f"has the unknown geometry {kind!r}", "give a box, cylinder, sphere or mesh")
         if min(size) < 0.0:
             self._refuse(place, f"has the size {min(size):g} m", "give sizes above 0")
-        return Look(kind, pose, tuple(size)) if min(size) > 0.0 else None
+        return VisualShape(kind, pose, tuple(size)) if min(size) > 0.0 else None
 
     def _file_name(self, shape: Element, where: str) -> str:
+        """Return the file name of a mesh as the URDF gives it; raise InputError if it is missing."""
         name = (shape.get("filename") or "").strip()
         if not name:
             self._refuse(where, "has a mesh without filename", 'give <mesh filename="meshes/link.stl"/>')
@@ -236,41 +264,54 @@ class _Reader:
         return self._numbers(shape, "scale", 3, where, (1.0, 1.0, 1.0))
 
     def _origin(self, element: Element, where: str) -> Pose:
+        """Return the pose of an element, the identity without origin; note angles that are probably in degrees."""
         origin = element.find("origin")
         if origin is None:
-            return at((0.0, 0.0, 0.0))
+            return translation_pose((0.0, 0.0, 0.0))
         if origin.get("quat_xyzw") is not None:
             what = "has an orientation as quat_xyzw, which most readers skip without a word"
             self._refuse(f"{where}: origin", what, f'give rpy="{self._rpy(origin, where)}" in its place')
         turn = self._numbers(origin, "rpy", 3, f"{where}: origin", (0.0, 0.0, 0.0))
         place = self._numbers(origin, "xyz", 3, f"{where}: origin", (0.0, 0.0, 0.0))
-        if max(map(abs, turn)) > TURN:
+        if max(map(abs, turn)) > MAX_RADIANS:
             angles = f'rpy="{origin.get("rpy")}"'
             self._note(where, f"{angles} is read in rad, as URDF has it: more than a full turn; are they degrees?")
-        return Pose(turned_by(turn), np.array(place))
+        return Pose(rotation_from_angles(turn), np.array(place))
 
     def _rpy(self, origin: Element, where: str) -> str:
-        """Return the angles that are the same as an orientation in a quaternion."""
+        """Return the roll, pitch and yaw angles of an orientation in a quaternion, as text."""
         x, y, z, w = self._numbers(origin, "quat_xyzw", 4, f"{where}: origin", None)
-        angle, way = 2.0 * np.arctan2(np.hypot(np.hypot(x, y), z), w), np.array([x, y, z])
-        axes = about(way / np.linalg.norm(way), angle) if way.any() else np.eye(3)
-        return " ".join(f"{value + 0.0:.9g}" for value in turn_of(axes))
+        angle, axis = 2.0 * np.arctan2(np.hypot(np.hypot(x, y), z), w), np.array([x, y, z])
+        axes = rotation_about_axis(axis / np.linalg.norm(axis), angle) if axis.any() else np.eye(3)
+        return " ".join(f"{value + 0.0:.9g}" for value in angles_from_rotation(axes))
 
     def _numbers(
         self, element: Element, key: str, count: int, where: str, otherwise: tuple[float, ...] | None
     ) -> tuple[float, ...]:
+        """Return the numbers of an attribute, or a default where it is missing.
+
+        Args:
+            element: element that has the attribute.
+            key: name of the attribute.
+            count: count of numbers that it must have.
+            where: place in messages.
+            otherwise: value of a missing attribute; None if it is required.
+
+        Raises:
+            InputError: the attribute is required, or is not that many finite numbers.
+        """
         text = element.get(key)
         if text is None and otherwise is not None:
             return otherwise
         example = " ".join(["0.1", "0", "0.2"][:count])
         try:
-            found = tuple(map(float, (text or "").split()))
+            values = tuple(map(float, (text or "").split()))
         except ValueError:
-            found = ()
-        if len(found) != count or not all(map(isfinite, found)):
-            wanted = "a number" if count == 1 else f"{count} numbers"
-            self._refuse(where, f"{key} is {text!r}, not {wanted}", f'give {key}="{example}"')
-        return found
+            values = ()
+        if len(values) != count or not all(map(isfinite, values)):
+            expected = "a number" if count == 1 else f"{count} numbers"
+            self._refuse(where, f"{key} is {text!r}, not {expected}", f'give {key}="{example}"')
+        return values
 
     def _note(self, where: str, what: str) -> None:
         self.notes.append(f"{where}: {what}")
@@ -280,7 +321,7 @@ class _Reader:
 
 
 def _is_some(text: str | None) -> bool:
-    """Return whether an attribute is there and not zero."""
+    """Return whether an attribute exists and is not zero."""
     try:
         return text is not None and float(text) != 0.0
     except ValueError:

@@ -1,1 +1,1 @@
-"""Arms to look at: in the browser, and as pictures."""
+"""Views of arms: in the browser, and as pictures."""

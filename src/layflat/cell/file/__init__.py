@@ -1,1 +1,1 @@
-"""What packing cell this is: description files and validated objects."""
+"""Description of a packing cell: files and validated objects."""

@@ -1,4 +1,4 @@
-"""Camera, lens and sensor, and what they need: lights, calibration board, markers, a network."""
+"""Descriptions of camera, lens and sensor, lights, calibration board, markers and network."""
 
 from typing import Annotated
 
@@ -7,8 +7,8 @@ from pydantic import Field
 
 from layflat.arrays import Array
 from layflat.cell.file.parts import Extent, PlanePoint, Point
-from layflat.cell.file.produce import Spread
-from layflat.cell.geometry import looking, rectangle, rotated
+from layflat.cell.file.produce import TruncatedNormal
+from layflat.cell.geometry import look_at_orientation, rectangle_corners, rotate_vector
 from layflat.description import Part
 from layflat.description import units as u
 
@@ -38,7 +38,7 @@ class Camera(Part):
     rotation: u.Angle = Field(description="about its line of sight, counter-clockwise seen from above")
     width: Pixels
     height: Pixels
-    pixel: Annotated[u.Length, Field(ge=5e-7, le=1e-4)] = Field(description="pitch of the sensor")
+    pixel_pitch: Annotated[u.Length, Field(ge=5e-7, le=1e-4)] = Field(description="of the sensor")
     focal_length: Annotated[u.Length, Field(ge=5e-4, le=1.0)]
     principal_offset: tuple[Offset, Offset] = Field(description="of the lens's axis from the picture's middle, px")
     distortion: Distortion
@@ -50,12 +50,12 @@ class Camera(Part):
     @property
     def focal_pixels(self) -> float:
         """Focal length in pixels."""
-        return self.focal_length / self.pixel
+        return self.focal_length / self.pixel_pitch
 
     def sees(self, point: tuple[float, float]) -> bool:
         """Return whether a point of the table (m) is in the picture of a pinhole camera without distortion."""
-        orientation = np.array(looking(self.position, self.looks_at, self.rotation))
-        x, y, z = rotated(orientation * [1.0, -1.0, -1.0, -1.0], np.subtract([*point, 0.0], self.position))
+        orientation = np.array(look_at_orientation(self.position, self.looks_at, self.rotation))
+        x, y, z = rotate_vector(orientation * [1.0, -1.0, -1.0, -1.0], np.subtract([*point, 0.0], self.position))
         half = np.array([self.width, self.height]) / 2 / self.focal_pixels
         return bool(z < 0.0 and abs(x) < half[0] * -z and abs(y) < half[1] * -z)
 
@@ -65,7 +65,7 @@ class Overview(Part):
 
     position: Point
     looks_at: Point
-    field: u.PositiveAngle = Field(description="of view, from bottom to top")
+    field_of_view: u.PositiveAngle = Field(description="from bottom to top")
     width: Pixels
     height: Pixels
 
@@ -75,9 +75,9 @@ class Light(Part):
 
     position: Point
     looks_at: Point
-    wander: Wander = Field(description="standard deviation of each coordinate of its position")
-    brightness: Spread = Field(description="1 for a white that fills the picture's range")
-    tint: u.Share = Field(description="standard deviation of each colour channel")
+    position_std: Wander = Field(description="standard deviation of each coordinate of its position")
+    brightness: TruncatedNormal = Field(description="1 for a white that fills the picture's range")
+    colour_std: u.Share = Field(description="standard deviation of each colour channel")
     shadows: bool
 
 
@@ -93,7 +93,7 @@ class Board(Part):
 
     @property
     def size(self) -> tuple[float, float]:
-        """Of the squares, m."""
+        """Width and height of all squares, m."""
         return self.columns * self.square, self.rows * self.square
 
 
@@ -112,21 +112,21 @@ class BaseMarker(Part):
 
     @property
     def outline(self) -> Array:
-        """Corners of what it covers of the table with its rim, (4, 2) m."""
+        """Corners of the area of the table under it with its rim, (4, 2) m."""
         whole = self.side + 2 * self.rim
-        return rectangle(self.centre, self.rotation, (whole, whole))
+        return rectangle_corners(self.centre, self.rotation, (whole, whole))
 
 
 class Network(Part):
-    """A network that finds produce in the camera's pictures, in place of colours."""
+    """A network that detects produce in the camera's pictures, in place of colours."""
 
     file: Annotated[str, Field(pattern=r"\.onnx$")] = Field(description="ONNX, as seen from the cell's file")
     rows: Pixels = Field(description="of its input")
     columns: Pixels = Field(description="of its input")
 
 
-class BaseMarkers(Part):
-    """The markers by which the camera's place is found and checked."""
+class BaseMarkersPart(Part):
+    """The markers by which the camera's pose is calibrated and checked."""
 
     dictionary: str = Field(description="of OpenCV, such as DICT_4X4_50")
     thickness: Extent = Field(description="of the plates on which they are printed")

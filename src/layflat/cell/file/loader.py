@@ -1,7 +1,5 @@
-"""From a description file, or the name of a built-in cell, to a validated `Cell`."""
+"""Loading of cells: from a description file, or the name of a built-in one, to a validated `Cell`."""
 
-import re
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -9,42 +7,26 @@ from pydantic import BaseModel, ValidationError
 
 from layflat.cell.file.checks import check
 from layflat.cell.file.model import Cell
-from layflat.cell.file.parts import Layout
-from layflat.description.explain import explained
+from layflat.cell.file.parts import ContainerLayout
+from layflat.description.explain import explain_error
 from layflat.description.library import Library
-from layflat.description.provenance import Sources
-from layflat.description.tables import Plain
+from layflat.description.tables import Plain, Sources
 from layflat.errors import CellError
 from layflat.machine import load as load_machine
-from layflat.machine.loader import MACHINES
+from layflat.machine.loader import MACHINE_LIBRARY
 
 BUILT_IN = Path(__file__).parent / "builtin"
-ROTATED = ("camera", "tray.*", "container.*", "base_markers.marker.*")  # tables that have an angle of rotation
 
-
-class CellLibrary(Library):
-    """Cells, whose files may have the keys of earlier versions: `pack` for `container`, `turn` for `rotation`."""
-
-    def raw(self, where: str | Path) -> Plain:
-        """Return the tables of one description with present keys; raise CellError if it can't be read or is no TOML."""
-        plain = super().raw(where)
-        _rename(plain, "pack", "container")
-        for path in ROTATED:
-            for table in _tables(plain, path):
-                _rename(table, "turn", "rotation")
-        if isinstance(omits := plain.get("omits"), list):
-            plain["omits"] = [_present(path) if isinstance(path, str) else path for path in omits]
-        return plain
-
-
-CELLS = CellLibrary(BUILT_IN, "cell", "`layflat cells` lists them", 'height = "60 mm"', CellError)
-LAYOUTS = Library(BUILT_IN / "layouts", "layout", "built in are punnet-2x3 and tray-12", 'height = "60 mm"', CellError)
-text = CELLS.text
+CELL_LIBRARY = Library(BUILT_IN, "cell", "`layflat cell list` lists them", 'height = "60 mm"', CellError)
+LAYOUT_LIBRARY = Library(
+    BUILT_IN / "layouts", "layout", "built in are punnet-2x3 and tray-12", 'height = "60 mm"', CellError
+)
+text = CELL_LIBRARY.text
 
 
 def names() -> tuple[str, ...]:
     """Return the names of the built-in cells."""
-    return CELLS.names
+    return CELL_LIBRARY.names
 
 
 def load(cell: str | Path | Cell) -> Cell:
@@ -52,19 +34,25 @@ def load(cell: str | Path | Cell) -> Cell:
 
     CellError says in one line which file, key and value is wrong, MachineError the same of the machine that it names.
     """
-    return cell if isinstance(cell, Cell) else build(*CELLS.tables(cell), str(cell))
+    return cell if isinstance(cell, Cell) else build_cell(*CELL_LIBRARY.tables(cell), str(cell))
 
 
-def build(plain: Plain, sources: Sources, where: str) -> Cell:
-    """Validate plain tables into a cell; machine and layouts may be names or files beside `where`. Raise as `load`."""
+def build_cell(plain: Plain, sources: Sources, where: str) -> Cell:
+    """Validate plain tables into a cell, and return it; raise as `load`.
+
+    Args:
+        plain: tables; the machine and layouts may be names, or files relative to `where`.
+        sources: sources of the values.
+        where: path of the file, or name of the built-in cell.
+    """
     plain = dict(plain)
     if isinstance(plain.get("machine"), str):
-        plain["machine"] = load_machine(MACHINES.beside(where, plain["machine"]))
+        plain["machine"] = load_machine(MACHINE_LIBRARY.resolve(where, plain["machine"]))
     if isinstance(plain.get("container"), dict):
-        plain["container"] = {name: _with_layout(one, where) for name, one in plain["container"].items()}
+        plain["container"] = {name: _load_layout(one, where) for name, one in plain["container"].items()}
     if isinstance(plain.get("network"), dict) and "file" in plain["network"]:
         plain["network"] = plain["network"] | {"file": str(Path(where).parent / str(plain["network"]["file"]))}
-    cell: Cell = _validated(Cell, plain, where)
+    cell: Cell = _validate(Cell, plain, where)
     try:
         check(cell)
     except ValueError as error:
@@ -74,33 +62,19 @@ def build(plain: Plain, sources: Sources, where: str) -> Cell:
     return cell
 
 
-def _with_layout(container: Any, where: str) -> Any:
+def _load_layout(container: Any, where: str) -> Any:
+    """Return a container's table with its named layout loaded; other tables are returned unchanged."""
     if not isinstance(container, dict) or not isinstance(container.get("layout"), str):
         return container
-    place = LAYOUTS.beside(where, container["layout"])
-    return container | {"layout": _validated(Layout, LAYOUTS.tables(place)[0], place)}
+    place = LAYOUT_LIBRARY.resolve(where, container["layout"])
+    return container | {"layout": _validate(ContainerLayout, LAYOUT_LIBRARY.tables(place)[0], place)}
 
 
-def _validated(kind: type[BaseModel], plain: Plain, where: str) -> Any:
+def _validate(kind: type[BaseModel], plain: Plain, where: str) -> Any:
+    """Return a validated part of a description; raise CellError in one line, with its file."""
     try:
         return kind.model_validate(plain)
     except ValidationError as error:
-        raise explained(error, where, kind, CellError, "`layflat cells packing` shows a complete description") from None
-
-
-def _tables(plain: Plain, path: str) -> Iterator[Plain]:
-    """Yield the tables at a dotted path, in which * is any name."""
-    head, _, rest = path.partition(".")
-    for table in list(plain.values()) if head == "*" else [plain.get(head)]:
-        if isinstance(table, dict):
-            yield from _tables(table, rest) if rest else [table]
-
-
-def _rename(table: Plain, former: str, present: str) -> None:
-    if former in table and present not in table:
-        table[present] = table.pop(former)
-
-
-def _present(path: str) -> str:
-    """Return a dotted path of a description with present names."""
-    return re.sub(r"\.turn$", ".rotation", re.sub(r"^pack(?=\.|$)", "container", path))
+        raise explain_error(
+            error, where, kind, CellError, "`layflat cell show packing` shows a complete description"
+        ) from None

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from pydantic import Field, model_validator
 
 from layflat.arrays import Array
-from layflat.cell.geometry import placed, rectangle
+from layflat.cell.geometry import rectangle_corners, to_parent_frame
 from layflat.description import Part, ordered
 from layflat.description import units as u
 from layflat.description.names import Name
@@ -42,7 +42,7 @@ class Mount(Part):
     home: dict[str, u.Angle] = Field(description="angle of each joint when the arm is out of the camera's view")
 
 
-class Table(Part):
+class WorkTable(Part):
     """A level table."""
 
     centre: PlanePoint
@@ -63,7 +63,8 @@ class Lift(Part):
     pressure: Annotated[u.PositivePressure, Field(le=2e6)] = Field(description="gauge, at which it has its force")
 
     @model_validator(mode="after")
-    def _moves(self) -> Self:
+    def _check_clearance_and_force(self) -> Self:
+        """Raise ValueError if stroke exceeds clearance, or force is not more than mass times acceleration."""
         if self.stroke > self.clearance:
             raise ValueError("stroke is longer than clearance: the cup would go through the table")
         if self.force <= self.mass * self.acceleration:
@@ -83,43 +84,43 @@ class Cup(Part):
     release: Duration = Field(description="the same when the ejector is switched off and its valve lets air in")
     tilt: u.PositiveAngle = Field(description="greatest angle between the cup's axis and the skin under it")
     friction: Friction = Field(description="of lip on skin: sideways force per force of the vacuum")
-    air: u.Flow = Field(description="what the ejector takes while on, normal volume")
+    air_consumption: u.Flow = Field(description="of the ejector while it is on, normal volume")
 
     _fits = ordered("effective_diameter", "diameter", "effective_diameter is greater than diameter", may_equal=True)
 
 
-class Range(Part):
-    """Range of a count, from the fewest to the most."""
+class CountRange(Part):
+    """Range of a count, from the smallest to the greatest."""
 
-    least: Count
-    most: Count
+    min: Count
+    max: Count
 
-    _ordered = ordered("least", "most", "least is greater than most", may_equal=True)
+    _ordered = ordered("min", "max", "min is greater than max", may_equal=True)
 
 
-class Placed(Part):
-    """A thing that stands level in the cell."""
+class PlacedPart(Part):
+    """A part that is placed level in the cell."""
 
     centre: PlanePoint
     rotation: u.Angle = Field(description="of its x axis from the cell's")
 
-    def placed(self, points: ArrayLike) -> Array:
-        """Return points (n, 2), given from its centre along its axes, in the cell's frame, m."""
-        return placed(self.centre, self.rotation, points)
+    def to_cell_frame(self, points: ArrayLike) -> Array:
+        """Return points of the part's frame in the cell's frame, (n, 2) m."""
+        return to_parent_frame(self.centre, self.rotation, points)
 
-    def seen(self, points: ArrayLike) -> Array:
-        """Return ways (n, 2) in the cell's frame along its axes, m."""
-        return placed((0.0, 0.0), -self.rotation, points)
+    def to_own_axes(self, points: ArrayLike) -> Array:
+        """Return vectors of the cell's frame along the part's axes, (n, 2) m."""
+        return to_parent_frame((0.0, 0.0), -self.rotation, points)
 
 
-class Bed(Placed):
+class Bed(PlacedPart):
     """A level rectangle on which produce lies."""
 
     size: Size
 
     def from_centre(self, x: float, y: float) -> tuple[float, float]:
-        """Return how far a point (m) is from its centre, along its axes, m."""
-        along, across = self.seen([[x - self.centre[0], y - self.centre[1]]])[0].tolist()
+        """Return the vector from its centre to a point (m) of the cell's frame, along its axes, m."""
+        along, across = self.to_own_axes([[x - self.centre[0], y - self.centre[1]]])[0].tolist()
         return along, across
 
     def holds(self, x: float, y: float) -> bool:
@@ -136,17 +137,19 @@ class Tray(Bed):
     wall: Extent = Field(description="thickness of walls and floor")
     colour: Colour
     produce: Annotated[tuple[str, ...], Field(min_length=1)] = Field(description="kinds that come in it, equally often")
-    count: Range = Field(description="of fruit in it")
-    touching: u.Share = Field(description="share of the fruit that is laid against another")
+    count: CountRange = Field(description="of fruit in it")
+    touching_fraction: u.Share = Field(description="of the fruit: laid against another")
 
     @property
     def outline(self) -> Array:
-        """Corners of what it covers of the table, (4, 2) m."""
-        return rectangle(self.centre, self.rotation, (self.size[0] + 2 * self.wall, self.size[1] + 2 * self.wall))
+        """Corners of the area of the table under it, (4, 2) m."""
+        return rectangle_corners(
+            self.centre, self.rotation, (self.size[0] + 2 * self.wall, self.size[1] + 2 * self.wall)
+        )
 
 
-class Layout(Part):
-    """A container with places in rows and columns: the content of a layout file."""
+class ContainerLayout(Part):
+    """Layout of a container with places in rows and columns: the content of a layout file."""
 
     name: Name
     title: str
@@ -176,26 +179,26 @@ class Layout(Part):
         return [(along, across) for across in y for along in x]
 
 
-class Container(Placed):
+class Container(PlacedPart):
     """A punnet or tray on the table into which produce is packed."""
 
-    layout: Layout = Field(description="built-in name or file")
+    layout: ContainerLayout = Field(description="built-in name or file")
     kind: str = Field(description="of the produce that belongs into it")
     grade: str = Field(description="of that produce")
 
     @property
     def outline(self) -> Array:
-        """Corners of what it covers of the table, (4, 2) m."""
-        return rectangle(self.centre, self.rotation, self.layout.size)
+        """Corners of the area of the table under it, (4, 2) m."""
+        return rectangle_corners(self.centre, self.rotation, self.layout.size)
 
     @property
     def places(self) -> Array:
         """Centres of its places in the cell's frame, (n, 2) m, row by row."""
-        return self.placed(self.layout.places)
+        return self.to_cell_frame(self.layout.places)
 
     def place_at(self, x: float, y: float) -> int | None:
         """Return the number of the place that a point (m) is over, None where it is over none."""
-        away = self.seen(np.array([x, y]) - self.places)
+        away = self.to_own_axes(np.array([x, y]) - self.places)
         over = (2.0 * np.abs(away) < self.layout.pitch).all(axis=1)
         return int(np.argmax(over)) if over.any() else None
 
@@ -205,4 +208,4 @@ class HandlingLimits(Part):
 
     acceleration: Acceleration = Field(description="greatest of a fruit, against bruises")
     speed: Speed = Field(description="greatest of the tip")
-    press: Force = Field(description="greatest of the cup on a fruit")
+    contact_force: Force = Field(description="greatest of the cup on a fruit")

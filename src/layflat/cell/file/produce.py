@@ -1,11 +1,11 @@
-"""Kinds of produce: how their size, shape, mass and colour are spread, and their grades; and clutter among them."""
+"""Kinds of produce: distributions of size, shape, mass and colour, and grades; and clutter among them."""
 
 from typing import Annotated, Literal, Self
 
 import numpy as np
 from pydantic import Field, model_validator
 
-from layflat.cell.file.parts import Colour, Extent, Friction, Range
+from layflat.cell.file.parts import Colour, CountRange, Extent, Friction
 from layflat.description import Part, ordered
 from layflat.description import units as u
 
@@ -13,62 +13,62 @@ Diameter = Annotated[u.Length, Field(ge=1e-3, le=0.5)]
 Density = Annotated[u.Density, Field(ge=10.0, le=2e4)]
 
 
-class Spread(Part):
-    """A normal distribution that is cut off at both ends."""
+class TruncatedNormal(Part):
+    """A normal distribution that is truncated at both ends."""
 
     mean: float
-    spread: Annotated[float, Field(ge=0)] = Field(description="standard deviation before it is cut off")
-    least: float
-    most: float
+    std: Annotated[float, Field(ge=0)] = Field(description="standard deviation before truncation")
+    min: float
+    max: float
 
     @model_validator(mode="after")
-    def _ordered(self) -> Self:
-        if not self.least <= self.mean <= self.most:
-            raise ValueError("mean must lie between least and most")
+    def _check_order(self) -> Self:
+        if not self.min <= self.mean <= self.max:
+            raise ValueError("mean must lie between min and max")
         return self
 
     def draw(self, rng: np.random.Generator) -> float:
-        """Draw one value."""
+        """Draw one value, by rejection."""
         while True:
-            value = rng.normal(self.mean, self.spread)
-            if self.least <= value <= self.most:
+            value = rng.normal(self.mean, self.std)
+            if self.min <= value <= self.max:
                 return float(value)
 
 
-class LengthSpread(Spread):
-    """A spread of lengths."""
+class LengthDistribution(TruncatedNormal):
+    """A truncated normal distribution of lengths."""
 
     mean: Diameter
-    spread: Annotated[u.LengthOrZero, Field(le=0.5)]
-    least: Diameter
-    most: Diameter
+    std: Annotated[u.LengthOrZero, Field(le=0.5)]
+    min: Diameter
+    max: Diameter
 
 
-class DensitySpread(Spread):
-    """A spread of densities."""
+class DensityDistribution(TruncatedNormal):
+    """A truncated normal distribution of densities."""
 
     mean: Density
-    spread: Annotated[float, u.DENSITY, Field(ge=0)]
-    least: Density
-    most: Density
+    std: Annotated[float, u.DENSITY, Field(ge=0)]
+    min: Density
+    max: Density
 
 
 class Skin(Part):
     """A colour that this kind of produce comes in."""
 
     rgb: Colour
-    spread: u.Share = Field(description="standard deviation of brightness, as a share, and of each channel, half of it")
-    share: Annotated[u.Share, Field(gt=0)] = Field(description="of the fruit, beside the shares of the other colours")
+    std: u.Share = Field(description="relative standard deviation of brightness, and of each channel, half of it")
+    fraction: Annotated[u.Share, Field(gt=0)] = Field(description="of the fruit, beside those of the other colours")
 
 
 class Grade(Part):
     """Fruit that is packed together: limits of the diameter, and colours."""
 
-    least: Diameter
-    most: Diameter
+    min: Diameter
+    max: Diameter
     colours: Annotated[tuple[str, ...], Field(min_length=1)]
 
-    _ordered = ordered("least", "most", "least must be below most, or it takes no fruit")
+    _ordered = ordered("min", "max", "min must be below max, or it takes no fruit")
 
 
 class Produce(Part):
@@ -76,18 +76,19 @@ class Produce(Part):
 
     shape: Literal["round", "mushroom"] = Field(description="an ellipsoid, or a cap on a stem")
     top: Literal["calyx", "stalk", "bare"] = Field(description="what is seen at its upper end")
-    diameter: LengthSpread
-    flattening: Spread = Field(description="height per diameter, a mushroom's stem included")
-    density: DensitySpread = Field(description="mass per volume")
+    diameter: LengthDistribution
+    flattening: TruncatedNormal = Field(description="height per diameter, a mushroom's stem included")
+    density: DensityDistribution = Field(description="mass per volume")
     tilt: u.PositiveAngle = Field(description="greatest angle of its axis from upright as it is laid")
     friction: Friction
     rolling: Annotated[u.Length, Field(le=0.1)] = Field(description="resistance: arm of the contact force")
     colour: dict[str, Skin]
     grade: dict[str, Grade] = Field(description="the first that fits counts; what fits none is not packed")
-    known: bool = Field(default=True, description="whether vision knows it; otherwise it is an unknown object")
+    recognised: bool = Field(default=True, description="by vision; otherwise it is an unknown object")
 
     @model_validator(mode="after")
-    def _known(self) -> Self:
+    def _check_colours(self) -> Self:
+        """Raise ValueError without colours, or if a grade names an unknown one."""
         if not self.colour:
             raise ValueError("it has no colour; give a table such as [produce.tomato.colour.red]")
         for name, grade in self.grade.items():
@@ -98,7 +99,7 @@ class Produce(Part):
     def grade_of(self, diameter: float, colour: str) -> str | None:
         """Return the first grade that takes a fruit, None if none does."""
         grades = self.grade.items()
-        return next((name for name, one in grades if one.least <= diameter < one.most and colour in one.colours), None)
+        return next((name for name, one in grades if one.min <= diameter < one.max and colour in one.colours), None)
 
 
 class Clutter(Part):
@@ -108,5 +109,5 @@ class Clutter(Part):
     length: Extent
     width: Extent
     colour: Colour
-    spread: Annotated[u.Share, Field(le=0.3)] = Field(description="standard deviation of size and brightness, a share")
-    count: Range = Field(description="in all trays and on the table together")
+    std: Annotated[u.Share, Field(le=0.3)] = Field(description="standard deviation of size and brightness, a fraction")
+    count: CountRange = Field(description="in all trays and on the table together")

@@ -1,1 +1,1 @@
-"""Which fruit next, where to, how, and what if a pick fails; from descriptions and what a camera detected alone."""
+"""Planning of picks: choice of fruit and place, state machine of a pick, from descriptions and detections alone."""

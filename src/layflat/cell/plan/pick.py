@@ -1,4 +1,4 @@
-"""One pick: its phases, what it is to do, what is measured of it, what it commands, and how it may end."""
+"""Data of a pick: phases, task, rules, sensor readings, commands, state and outcomes."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -6,11 +6,11 @@ from enum import Enum
 from math import radians
 from typing import NamedTuple, Self
 
-from layflat.motion.reach import Angles
+from layflat.motion.planar import Angles
 
 
-class Phase(Enum):
-    """What a pick is doing; the value goes behind "the arm" in a sentence."""
+class PickPhase(Enum):
+    """Phase of a pick; its value completes a sentence that begins with "the arm"."""
 
     APPROACH = "moves over the fruit and settles there"
     FOLLOW = "meets the moving fruit and follows it"
@@ -28,8 +28,8 @@ class Phase(Enum):
     DONE = "has ended"
 
 
-class Outcome(Enum):
-    """How a pick ended."""
+class PickOutcome(Enum):
+    """Outcome of a pick; its value says it in words."""
 
     PLACED = "the fruit lies in its place"
     MISSED = "the fruit was not picked in all tries"
@@ -39,110 +39,110 @@ class Outcome(Enum):
 
 
 @dataclass(frozen=True)
-class Task:
-    """One fruit and its place; heights are those of the cup's lip over the table, m."""
+class PickTask:
+    """Task of a pick: one fruit and its place; heights are those of the cup's lip over the table, m."""
 
-    over_fruit: Angles  # posture, rad
-    over_place: Angles  # likewise
-    fruit_height: float  # at which the cup sits on the fruit, as far as is known from above
-    lowest: float  # at which it sits on the flattest fruit of that size, and a bit
+    over_fruit: Angles  # joint angles over the fruit, rad
+    over_place: Angles  # joint angles over the place, rad
+    fruit_height: float  # at which the cup sits on the fruit, estimated from its diameter
+    lowest: float  # lower limit of that height: on the flattest fruit of that diameter
     place_height: float  # at which the fruit is released
-    passing: float  # over everything, the cup being empty
-    carrying: float  # over everything, with the fruit
+    passing: float  # at which an empty cup clears everything
+    carrying: float  # at which a cup with the fruit clears everything
 
     def seated(self, height: float) -> Self:
-        """Return the same once the cup sits on the fruit at a height, which shows how high the fruit is."""
+        """Return the task corrected by the measured height (m) at which the cup sits on the fruit."""
         higher = height - self.fruit_height
         return replace(self, fruit_height=height, place_height=self.place_height + higher)
 
 
 @dataclass(frozen=True)
-class Rules:
-    """When something has happened, and how long it may take; vacuums are in Pa below the surroundings."""
+class PickRules:
+    """Thresholds and time limits of a pick's events; vacuums are in Pa below ambient pressure."""
 
-    tip: Callable[[Angles], tuple[float, float]]  # where the arm's tip is, m, from its angles
-    clear: Angles  # posture out of the camera's view, rad
-    near: float = 2e-3  # of the tip to its target, within which the lift may begin to lower, m
-    still: float = radians(6.0)  # speed of every joint below which it may, rad/s
+    tip: Callable[[Angles], tuple[float, float]]  # position of the arm's tip, m, by joint angles
+    clear: Angles  # joint angles out of the camera's view, rad
+    near_distance: float = 2e-3  # distance of the tip to its target within which the lift may begin to lower, m
+    still: float = radians(6.0)  # speed of every joint up to which the lift may begin to lower, rad/s
     dwell: float = 0.02  # how long both have to hold, s
-    off: float = 4e-3  # of the tip from its target, beyond which a lowered lift is raised at once, m
-    shaken: float = radians(20.0)  # speed of any joint beyond which it is, rad/s
-    sound: float = 30e3  # vacuum with which one fruit is held
-    gone: float = 10e3  # vacuum below which nothing hangs on the cup though suction is on: an open cup has some
-    empty: float = 1e3  # vacuum below which nothing does once suction is off
+    off: float = 4e-3  # distance of the tip to its target beyond which a lowered lift is raised at once, m
+    shaken: float = radians(20.0)  # speed of any joint beyond which a lowered lift is raised at once, rad/s
+    sound: float = 30e3  # vacuum from which a fruit is held
+    lost_vacuum: float = 10e3  # vacuum below which the cup holds nothing with suction on: an open cup has some
+    empty: float = 1e3  # vacuum below which the cup holds nothing with suction off
     tries: int = 3  # of one fruit, each after a new image
-    settle_time: float = 3.0  # longest time of a move until it is settled, s
-    height: float = 2e-3  # within which the lift is where it was asked to be, m
-    halted: float = 5e-3  # speed of the lift below which something is in its way, m/s,
-    starts: float = 0.06  # once it has had this time, s
-    lower_time: float = 1.0  # longest time of the lift's way down, s
-    seal_time: float = 0.4  # longest time until the vacuum is sound, s
-    heavy_time: float = 0.6  # of the lift's way up, beyond which too much hangs on the cup, s
-    raise_time: float = 1.5  # longest time of its way up, s
-    release_time: float = 0.5  # longest time until the vacuum is gone, s
-    image_time: float = 2.0  # longest time until an image comes, s
+    settle_time: float = 3.0  # upper limit from the start of a move until the arm has settled, s
+    height: float = 2e-3  # tolerance of the lift's height, m
+    halted: float = 5e-3  # speed of the lift up to which it is stopped by contact, m/s,
+    starts: float = 0.06  # after this time since its start, s
+    lower_time: float = 1.0  # upper limit of lowering, s
+    seal_time: float = 0.4  # upper limit until the vacuum holds a fruit, s
+    heavy_time: float = 0.6  # upper limit of lifting, beyond which the load is too heavy, s
+    raise_time: float = 1.5  # upper limit of raising the empty cup, s
+    release_time: float = 0.5  # upper limit until the vacuum has decayed, s
+    image_time: float = 2.0  # upper limit until an image arrives, s
 
 
 class Relocation(NamedTuple):
-    """What a new image showed of a fruit that was missed: the task where it lies now; None if it is gone."""
+    """Result of a new image after a miss: the task with the fruit's present position; None if it is not detected."""
 
-    task: Task | None
+    task: PickTask | None
 
 
-class Moving(NamedTuple):
-    """A fruit that moves, as it is known in one cycle."""
+class MovingFruit(NamedTuple):
+    """Estimate of a moving fruit in one cycle."""
 
-    over: Angles  # posture over it, or where the arm waits if it can't be followed, rad
+    over: Angles  # joint angles over it, or at which the arm waits if it can't be followed, rad
     velocities: Angles  # of the joints over it, rad/s
-    trouble: str = ""  # why it can't be followed any longer, as one clause
+    trouble: str = ""  # reason why it can't be followed any longer, as one clause
 
 
 @dataclass(frozen=True)
-class Readings:
-    """What sensors give in one cycle."""
+class CellReadings:
+    """Sensor readings of one cycle."""
 
     time: float  # s
     angles: Angles  # rad, by joint
     velocities: Angles  # rad/s, by joint
-    vacuum: float  # in the cup's line, Pa below the surroundings
+    vacuum: float  # in the cup's line, Pa below ambient pressure
     height: float  # of the cup's lip over the table, m, by the lift's stroke
     lift_speed: float = 0.0  # upwards, m/s
-    relocation: Relocation | None = None  # the answer to an image that was asked for
-    moving: Moving | None = None  # the fruit, where it moves
+    relocation: Relocation | None = None  # result of a commanded image
+    moving: MovingFruit | None = None  # the fruit, where it moves
 
 
-class Command(NamedTuple):
-    """What a pick commands until the next cycle."""
+class PickCommand(NamedTuple):
+    """Command of a pick to arm, lift and ejector until the next cycle."""
 
-    target: Angles  # posture, rad
+    target: Angles  # joint angles, rad
     height: float  # of the cup's lip, m
     suction: bool
-    image: bool  # whether to take one
+    image: bool  # whether to take an image
     follow: bool = False  # whether the target moves on, with the fruit
 
 
 @dataclass(frozen=True)
-class State:
-    """State of a pick; begin with `begun`."""
+class PickState:
+    """State of a pick; `pick_machine.begin_pick` returns the first."""
 
-    task: Task  # as it is known by now
-    phase: Phase
-    since: float  # when the phase began, s
-    target: Angles  # posture asked for, rad
+    task: PickTask  # as it is known by now
+    phase: PickPhase
+    since: float  # start of the phase, s
+    target: Angles  # commanded joint angles, rad
     suction: bool = False  # whether it is on
-    near_since: float | None = None  # since when the tip has been near and still, s; None while it is not
-    tried: int = 0  # how often the cup went down for the fruit
-    shaken: int = 0  # how often the arm moved while the cup was down
-    outcome: Outcome | None = None  # how it ended, or will, once the cup is raised
-    trouble: str = ""  # what went wrong last, as one clause
+    near_since: float | None = None  # time since which the tip has been near its target and stationary, s; None: not
+    tried: int = 0  # number of attempts to lower the cup on the fruit
+    shaken: int = 0  # number of disturbances of the arm with the cup down
+    outcome: PickOutcome | None = None  # known before the end, while the cup is raised
+    trouble: str = ""  # last failure, as one clause
 
     @property
     def passing(self) -> float:
-        """Height of the cup's lip from which on the arm may move: more while something may hang on it, m."""
+        """Least height of the cup's lip at which the arm may move, m: more while the cup may hold fruit."""
         return self.task.carrying if self.suction else self.task.passing
 
     @property
-    def over(self) -> Angles:
-        """The posture that this phase belongs to, rad: over the place with the fruit, else over the fruit."""
-        carried = self.phase in {Phase.CARRY, Phase.PLACE, Phase.RELEASE}
+    def phase_angles(self) -> Angles:
+        """Joint angles at which this phase takes place, rad: over the place with the fruit, else over the fruit."""
+        carried = self.phase in {PickPhase.CARRY, PickPhase.PLACE, PickPhase.RELEASE}
         return self.task.over_place if carried else self.task.over_fruit

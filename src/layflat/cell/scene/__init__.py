@@ -1,6 +1,6 @@
-"""The cell's physical scene in MuJoCo: what stands in it, how it moves, and what evaluation may know of it."""
+"""Physical scene of the cell in MuJoCo: parts, dynamics, cameras, and the truth for evaluation."""
 
 from layflat.cell.scene.scene import Scene
-from layflat.cell.scene.truth import FruitTruth, Truth
+from layflat.cell.scene.truth import FruitTruth, SceneTruth
 
-__all__ = ["FruitTruth", "Scene", "Truth"]
+__all__ = ["FruitTruth", "Scene", "SceneTruth"]

@@ -1,19 +1,20 @@
-"""The cameras' images, all that vision is given of the scene."""
+"""Simulated cameras: their images are vision's only input from the scene."""
 
 from typing import Any, Literal, Self
 
 import numpy as np
 
 from layflat.arrays import Picture
-from layflat.bridge.view.picture import context
+from layflat.bridge.view.picture import gl_context
 from layflat.cell.extras import mujoco, opencv
 from layflat.cell.file.imaging import Camera
-from layflat.cell.scene.furniture import BOARD_GROUP
-from layflat.cell.scene.optics import optics_of
+from layflat.cell.scene.furniture import BOARD_GROUP, camera_optics
 from layflat.cell.scene.scene import Scene
 
-# Of the model's visual quality, in overviews: looks the same there and is drawn in half the time.
-COARSE = {"shadowsize": 1024, "numquads": 1, "numslices": 20, "numstacks": 10}
+__all__ = ["SimulatedCamera"]
+
+# Visual quality of the model in overviews: no visible difference there, in half the rendering time.
+OVERVIEW_QUALITY = {"shadowsize": 1024, "numquads": 1, "numslices": 20, "numstacks": 10}
 
 
 class SimulatedCamera:
@@ -25,24 +26,24 @@ class SimulatedCamera:
 
     def __init__(self, scene: Scene) -> None:
         self._mj, self._scene = mujoco(), scene
-        self._optics = optics_of(scene.cell.camera)
+        self._optics = camera_optics(scene.cell.camera)
         self._rng = np.random.default_rng([scene.seed, 0xCA3E6A])
         frame = scene.model.vis.global_
-        self._gl = context(frame.offwidth, frame.offheight)
+        self._gl = gl_context(frame.offwidth, frame.offheight)
         self._drawn = self._mj.MjvScene(scene.model, maxgeom=2000)
         self._contexts: dict[str, Any] = {}
         self._option, self._view = self._mj.MjvOption(), self._mj.MjvCamera()
         self._view.type = self._mj.mjtCamera.mjCAMERA_FIXED
 
     def picture(self, view: Literal["camera", "overview"] = "camera") -> Picture:
-        """Return what is seen now: by the camera with all its faults, or over the whole cell without; RGB."""
+        """Return an image, RGB: of the camera with lens, blur and noise, or an ideal overview of the whole cell."""
         cell = self._scene.cell
         if view == "overview":
             return self._ideal(view, cell.overview.width, cell.overview.height)
-        return exposed(self._optics.bend(self._ideal(view, *self._optics.wide)), cell.camera, self._rng)
+        return expose(self._optics.bend(self._ideal(view, *self._optics.wide)), cell.camera, self._rng)
 
     def close(self) -> None:
-        """Free what draws."""
+        """Free the rendering contexts."""
         if self._gl is not None:
             self._gl.make_current()
             for context in self._contexts.values():
@@ -57,7 +58,7 @@ class SimulatedCamera:
         self.close()
 
     def _ideal(self, view: str, width: int, height: int) -> Picture:
-        """Return what a pinhole camera without noise sees."""
+        """Return the image of a pinhole camera without noise."""
         mj, scene = self._mj, self._scene
         self._gl.make_current()
         context = self._context(view)
@@ -73,12 +74,12 @@ class SimulatedCamera:
         return picture[::-1]
 
     def _context(self, view: str) -> Any:
-        """Return what draws a view, with shapes and shadows as fine as it needs."""
+        """Return the rendering context of a view, with the visual quality that it needs."""
         if view not in self._contexts:
             model = self._scene.model
             quality = model.vis.quality
-            fine = {name: getattr(quality, name) for name in COARSE}
-            for name, value in (COARSE if view == "overview" else fine).items():
+            fine = {name: getattr(quality, name) for name in OVERVIEW_QUALITY}
+            for name, value in (OVERVIEW_QUALITY if view == "overview" else fine).items():
                 setattr(quality, name, value)
             self._contexts[view] = self._mj.MjrContext(model, self._mj.mjtFontScale.mjFONTSCALE_100.value)
             for name, value in fine.items():
@@ -86,13 +87,19 @@ class SimulatedCamera:
         return self._contexts[view]
 
 
-def exposed(picture: Picture, camera: Camera, rng: np.random.Generator) -> Picture:
-    """Return what blur, exposure and noise of a camera make of what its lens lets through, (H, W, 3)."""
-    seen = picture.astype(np.float32)
+def expose(picture: Picture, camera: Camera, rng: np.random.Generator) -> Picture:
+    """Return a picture, (H, W, 3), after blur, exposure and noise of a camera.
+
+    Args:
+        picture: image behind the lens, (H, W, 3) RGB.
+        camera: description with the parameters.
+        rng: generator of the noise.
+    """
+    values = picture.astype(np.float32)
     if camera.blur > 0.0:
-        seen = opencv().GaussianBlur(seen, (0, 0), camera.blur)
-    seen *= np.float32(camera.exposure)
-    spread = np.sqrt(np.float32(camera.read_noise) ** 2 + np.float32(camera.shot_noise) * seen)
-    seen += spread * rng.standard_normal(seen.shape, dtype=np.float32)
-    found: Picture = np.clip(np.rint(seen), 0, 255).astype(np.uint8)
-    return found
+        values = opencv().GaussianBlur(values, (0, 0), camera.blur)
+    values *= np.float32(camera.exposure)
+    deviation = np.sqrt(np.float32(camera.read_noise) ** 2 + np.float32(camera.shot_noise) * values)
+    values += deviation * rng.standard_normal(values.shape, dtype=np.float32)
+    result: Picture = np.clip(np.rint(values), 0, 255).astype(np.uint8)
+    return result

@@ -1,62 +1,115 @@
-"""What stands in the cell and does not move: table, trays, containers, markers, lights, cameras."""
+"""Fixed parts of the cell: table, trays, containers, markers, lights, cameras with their lenses."""
 
-from math import pi
+from functools import lru_cache
+from math import atan, pi
 from typing import Any
 
 import numpy as np
 
-from layflat.arrays import Picture
-from layflat.cell.extras import UNTOUCHED, add_geom, mujoco
+from layflat.arrays import Array, Picture
+from layflat.cell.extras import NO_CONTACT, CharucoBoard, add_geom, board_picture, marker_picture, mujoco, opencv
+from layflat.cell.file.imaging import Camera
 from layflat.cell.file.model import Cell
-from layflat.cell.file.parts import Colour, Layout, Size
-from layflat.cell.geometry import about_z, looking
-from layflat.cell.markers import board_picture, marker_picture
-from layflat.cell.scene.optics import optics_of
+from layflat.cell.file.parts import Colour, ContainerLayout, Size
+from layflat.cell.geometry import look_at_orientation, rotation_about_z
 
-TABLE = 0.02  # half its thickness, m
-SHEET = 1e-3  # thickness of the board, m
-INK = 2e-4  # height of what is printed over its sheet, m: enough to be drawn
-BOARD_GROUP = 4  # of geoms: that of the calibration board, which is drawn only while it is held
+TABLE_HALF_THICKNESS = 0.02  # m
+SHEET_THICKNESS = 1e-3  # of the calibration board, m
+INK_HEIGHT = 2e-4  # of a print over its sheet, m: enough to be rendered
+BOARD_GROUP = 4  # geom group of the calibration board, which is rendered only while it is held
 
 
-def furnish(spec: Any, cell: Cell, rng: np.random.Generator) -> None:
-    """Add all that stands in the cell to a spec, with lights as this seed has them."""
+class Optics:
+    """Geometry of a camera in pinhole form with Brown and Conrady's distortion.
+
+    Matrix (3, 3, px; pixel centres are whole numbers) and distortion are OpenCV's, the orientation is a quaternion of
+    MuJoCo: it looks along its -z, x right, y up. The ideal picture is `wide` (px) and `field` high (rad).
+    """
+
+    def __init__(self, camera: Camera) -> None:
+        f = camera.focal_pixels
+        c_x = (camera.width - 1) / 2 + camera.principal_offset[0]
+        c_y = (camera.height - 1) / 2 + camera.principal_offset[1]
+        self.matrix: Array = np.array([[f, 0.0, c_x], [0.0, f, c_y], [0.0, 0.0, 1.0]])
+        bent = camera.distortion
+        self.distortion: Array = np.array([bent.k1, bent.k2, bent.p1, bent.p2, bent.k3])
+        u, v = np.meshgrid(np.arange(camera.width), np.arange(camera.height))
+        pixels = np.stack([u, v], axis=-1).reshape(-1, 1, 2).astype(np.float64)
+        criteria = (3, 50, 1e-12)  # steps and change at which the search ends
+        ideal = opencv().undistortPoints(pixels, self.matrix, self.distortion, criteria=criteria)
+        rays = ideal.reshape(camera.height, camera.width, 2)
+        half_width, half_height = f * np.abs(rays).max(axis=(0, 1)) + 2.0
+        self.wide = (2 * int(np.ceil(half_width)), 2 * int(np.ceil(half_height)))
+        self.field = 2.0 * atan(self.wide[1] / 2 / f)
+        self.orientation = look_at_orientation(camera.position, camera.looks_at, camera.rotation)
+        middle = (np.array(self.wide) - 1.0) / 2.0
+        self._from = (f * rays + middle).astype(np.float32)
+
+    def bend(self, ideal: Picture) -> Picture:
+        """Return an ideal picture of size `wide` as distorted by the lens, (H, W, 3)."""
+        bent: Picture = opencv().remap(ideal, self._from, None, opencv().INTER_LINEAR)
+        return bent
+
+
+camera_optics = lru_cache(maxsize=8)(Optics)  # of a camera's description, cached
+
+
+def add_furniture(spec: Any, cell: Cell, rng: np.random.Generator) -> None:
+    """Add the fixed parts of a cell to a spec: table, trays, containers, markers, board, lights and cameras.
+
+    Args:
+        spec: MjSpec.
+        cell: description.
+        rng: generator of the lights' deviations.
+    """
     world = spec.worldbody
     (x, y), (width, depth) = cell.table.centre, cell.table.size
-    _box(world, "table", (width / 2, depth / 2, TABLE), (x, y, -TABLE), cell.table.colour)
+    _box(world, "table", (width / 2, depth / 2, TABLE_HALF_THICKNESS), (x, y, -TABLE_HALF_THICKNESS), cell.table.colour)
     column = cell.mount.height - next(iter(cell.machine.joints.values())).body.height / 2
     size, pos = (0.6 * cell.column_radius, column / 2), [0.0, 0.0, column / 2]
     add_geom(world, "cylinder", "column", size=size, pos=pos, rgba=[0.30, 0.31, 0.33, 1.0])
     for name, tray in cell.tray.items():
         body = _body(world, f"tray.{name}", (*tray.centre, 0.0), tray.rotation)
-        _open_box(body, f"tray.{name}", tray.size, tray.height, tray.wall, tray.colour)
+        _add_open_box(body, f"tray.{name}", tray.size, tray.height, tray.wall, tray.colour)
     for name, container in cell.container.items():
         key, layout = f"container.{name}", container.layout
         body = _body(world, key, (*container.centre, 0.0), container.rotation)
         inside = (layout.size[0] - 2 * layout.wall, layout.size[1] - 2 * layout.wall)
-        _open_box(body, key, inside, layout.height, layout.wall, layout.colour)
-        _dividers(body, key, layout)
+        _add_open_box(body, key, inside, layout.height, layout.wall, layout.colour)
+        _add_dividers(body, key, layout)
     thickness = cell.base_markers.thickness
     for name, marker in cell.base_markers.marker.items():
         body = _body(world, f"base_marker.{name}", (*marker.centre, thickness), marker.rotation)
         grey = marker_picture(cell.base_markers.dictionary, marker.number)
-        _printed(spec, body, f"base_marker.{name}", grey, (marker.side, marker.side), marker.rim, thickness - INK)
+        _add_print(
+            spec, body, f"base_marker.{name}", grey, (marker.side, marker.side), marker.rim, thickness - INK_HEIGHT
+        )
     held = world.add_body(name="board", mocap=True)
     board = cell.board
-    _printed(spec, held, "board", board_picture(board), board.size, board.square / 3, SHEET, group=BOARD_GROUP)
-    _lights(spec, cell, rng)
-    _cameras(spec, cell)
+    _add_print(
+        spec,
+        held,
+        "board",
+        board_picture(CharucoBoard(**board.model_dump())),
+        board.size,
+        board.square / 3,
+        SHEET_THICKNESS,
+        group=BOARD_GROUP,
+    )
+    _add_lights(spec, cell, rng)
+    _add_cameras(spec, cell)
 
 
 def _body(world: Any, name: str, position: tuple[float, ...], rotation: float) -> Any:
-    return world.add_body(name=name, pos=list(position), quat=about_z(rotation).tolist())
+    return world.add_body(name=name, pos=list(position), quat=rotation_about_z(rotation).tolist())
 
 
 def _box(body: Any, name: str, half: tuple[float, ...], at: tuple[float, ...], colour: tuple[float, ...]) -> None:
     add_geom(body, "box", name, size=half, pos=list(at), rgba=[*colour, 1.0], condim=6)
 
 
-def _open_box(body: Any, name: str, inside: Size, height: float, wall: float, colour: Colour) -> None:
+def _add_open_box(body: Any, name: str, inside: Size, height: float, wall: float, colour: Colour) -> None:
+    """Add the boxes of an open box to a body: a floor and four walls outside of the inner size; m."""
     x, y = inside[0] / 2, inside[1] / 2
     _box(body, f"{name}.floor", (x + wall, y + wall, wall / 2), (0.0, 0.0, wall / 2), colour)
     middle, half = wall + height / 2, height / 2
@@ -65,7 +118,8 @@ def _open_box(body: Any, name: str, inside: Size, height: float, wall: float, co
         _box(body, f"{name}.wall-y{side:+d}", (x, wall / 2, half), (0.0, side * (y + wall / 2), middle), colour)
 
 
-def _dividers(body: Any, name: str, layout: Layout) -> None:
+def _add_dividers(body: Any, name: str, layout: ContainerLayout) -> None:
+    """Add the dividers between the columns and rows of a container, if its layout has some."""
     if layout.divider == 0.0:
         return
     x, y = layout.size[0] / 2 - layout.wall, layout.size[1] / 2 - layout.wall
@@ -79,12 +133,12 @@ def _dividers(body: Any, name: str, layout: Layout) -> None:
         _box(body, f"{name}.along-{i}", (x, thin, half), (0.0, at, middle), lighter)
 
 
-def _printed(
+def _add_print(
     spec: Any, body: Any, name: str, grey: Picture, size: Size, margin: float, thick: float, group: int = 0
 ) -> None:
-    """A picture in its body's plane, its first corner at -x, +y, on a sheet with a white margin; lengths in m.
+    """Add a picture in a body's plane, its first corner at -x, +y, on a sheet with a white margin; lengths in m.
 
-    The margin is part of what is printed: within a texture edges are drawn between pixels, at its end they are not.
+    The margin is part of the print: edges within a texture are rendered between pixels, those at its end are not.
     """
     mj = mujoco()
     rim = round(margin / size[0] * grey.shape[1])
@@ -96,8 +150,8 @@ def _printed(
     material.textures[mj.mjtTextureRole.mjTEXROLE_RGB] = name
     margin = rim * size[0] / (grey.shape[1] - 2 * rim)
     x, y = size[0] / 2 + margin, size[1] / 2 + margin
-    sheet: dict[str, Any] = {**UNTOUCHED, "group": group}
-    pos, rgba = [0.0, 0.0, -thick / 2 - INK], [0.95, 0.95, 0.95, 1.0]
+    sheet: dict[str, Any] = {**NO_CONTACT, "group": group}
+    pos, rgba = [0.0, 0.0, -thick / 2 - INK_HEIGHT], [0.95, 0.95, 0.95, 1.0]
     add_geom(body, "box", f"{name}.sheet", size=(x, y, thick / 2), pos=pos, rgba=rgba, **sheet)
     printed = spec.add_mesh(
         name=name,
@@ -108,7 +162,8 @@ def _printed(
     add_geom(body, "mesh", f"{name}.print", meshname=printed.name, material=name, **sheet)
 
 
-def _lights(spec: Any, cell: Cell, rng: np.random.Generator) -> None:
+def _add_lights(spec: Any, cell: Cell, rng: np.random.Generator) -> None:
+    """Add ambient light, sky and directional lights, each randomly varied in brightness, tint and position."""
     mj = mujoco()
     ambient = cell.ambient.draw(rng)
     head = spec.visual.headlight
@@ -116,8 +171,8 @@ def _lights(spec: Any, cell: Cell, rng: np.random.Generator) -> None:
     sky = {"rgb1": [0.90, 0.92, 0.94], "rgb2": [0.66, 0.70, 0.75], "width": 64, "height": 384}
     spec.add_texture(name="wall", type=mj.mjtTexture.mjTEXTURE_SKYBOX, builtin=mj.mjtBuiltin.mjBUILTIN_GRADIENT, **sky)
     for name, light in cell.light.items():
-        at = np.array(light.position) + rng.normal(0.0, light.wander, 3)
-        colour = np.clip(light.brightness.draw(rng) * (1.0 + rng.normal(0.0, light.tint, 3)), 0.0, 1.0)
+        at = np.array(light.position) + rng.normal(0.0, light.position_std, 3)
+        colour = np.clip(light.brightness.draw(rng) * (1.0 + rng.normal(0.0, light.colour_std, 3)), 0.0, 1.0)
         spec.worldbody.add_light(
             name=name, type=mj.mjtLightType.mjLIGHT_DIRECTIONAL, castshadow=light.shadows,
             pos=at.tolist(), dir=(np.array(light.looks_at) - at).tolist(),
@@ -125,11 +180,12 @@ def _lights(spec: Any, cell: Cell, rng: np.random.Generator) -> None:
         )  # fmt: skip
 
 
-def _cameras(spec: Any, cell: Cell) -> None:
-    optics, over = optics_of(cell.camera), cell.overview
+def _add_cameras(spec: Any, cell: Cell) -> None:
+    """Add the cell's camera and the overview, and enlarge the renderer to the larger picture."""
+    optics, over = camera_optics(cell.camera), cell.overview
     for name, position, orientation, field in (
         ("camera", cell.camera.position, optics.orientation, optics.field),
-        ("overview", over.position, looking(over.position, over.looks_at, 0.0), over.field),
+        ("overview", over.position, look_at_orientation(over.position, over.looks_at, 0.0), over.field_of_view),
     ):
         spec.worldbody.add_camera(name=name, pos=list(position), quat=list(orientation), fovy=field * 180 / pi)
     spec.visual.global_.offwidth = max(optics.wide[0], over.width)

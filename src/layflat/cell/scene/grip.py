@@ -1,19 +1,107 @@
-"""Cup and fruit in the scene: when the lip seals, when the vacuum holds, when a fruit is released."""
+"""Lift and suction cup of the scene: seal of the lip, vacuum, holding and release of fruit."""
 
+from math import copysign, exp, pi, sqrt
 from typing import Any
 
 import numpy as np
 
 from layflat.cell.extras import mujoco
 from layflat.cell.file.model import Cell
+from layflat.cell.file.parts import Cup, Lift
 from layflat.cell.scene.produce import SceneFruit
-from layflat.cell.scene.tool import SuctionCup
+from layflat.physics.air import GAS_CONSTANT, NORMAL_DENSITY, REFERENCE_TEMPERATURE
 
-SMOOTHED = 5e-3  # time over which forces on the lip are averaged, s: its rubber does not tear off within a step
+STIFFNESS = 4000.0  # of the air in the cylinder, between the piston and its reference, N/m
+AMBIENT = 101325.0  # Pa
+SMOOTHING_TIME = 5e-3  # time constant of forces on the lip, s: its rubber does not detach within a timestep
+
+
+class LiftDrive:
+    """Pneumatic cylinder with position control, within limits of speed, acceleration and force.
+
+    Strokes count from up (0) to down, m. `air` is its consumption so far, m^3 of normal volume: a stroke in either
+    direction fills the swept volume. `force` is called once a `step` (s).
+    """
+
+    def __init__(self, described: Lift, step: float) -> None:
+        self._lift, self._step = described, step
+        self._damping = 2.0 * sqrt(STIFFNESS * described.mass)  # critical
+        density = (described.pressure + AMBIENT) / (GAS_CONSTANT * REFERENCE_TEMPERATURE)
+        self._air_per_metre = described.force / described.pressure * density / NORMAL_DENSITY
+        self._at, self._speed, self._demand, self.air = 0.0, 0.0, 0.0, 0.0
+
+    @property
+    def demand(self) -> float:
+        """Demanded stroke, m; settable, cut to the stroke's ends."""
+        return self._demand
+
+    @demand.setter
+    def demand(self, stroke: float) -> None:
+        self._demand = min(max(stroke, 0.0), self._lift.stroke)
+
+    def force(self, stroke: float, speed: float) -> float:
+        """Advance by a timestep, and return the downward force on the piston, N, at a stroke (m) and speed (m/s)."""
+        # The reference of a blocked piston stays within the greatest force, so that it does not jump when freed.
+        max_lag = self._lift.force / STIFFNESS
+        if abs(self._at - stroke) > max_lag:
+            self._at, self._speed = stroke + copysign(max_lag, self._at - stroke), 0.0
+        self.air += self._air_per_metre * abs(speed) * self._step
+        tracking = STIFFNESS * (self._at - stroke) + self._damping * (self._speed - speed)
+        last_speed = self._speed
+        self._advance_reference()
+        force = tracking + self._lift.mass * (self._speed - last_speed) / self._step
+        return min(max(force, -self._lift.force), self._lift.force)
+
+    def _advance_reference(self) -> None:
+        """Advance the reference towards the demand, always able to stop there at the greatest deceleration."""
+        h, limit = self._step, self._lift.acceleration
+        distance = self._demand - self._at
+        # The greatest speed from which whole timesteps of deceleration still end at the demand.
+        stopping = sqrt((0.5 * limit * h) ** 2 + 2.0 * limit * abs(distance)) - 0.5 * limit * h
+        demanded_speed = copysign(min(self._lift.speed, stopping, abs(distance) / h), distance)
+        change = min(max(demanded_speed - self._speed, -limit * h), limit * h)
+        self._speed += change
+        self._at += self._speed * h
+
+
+class SuctionCup:
+    """Suction cup: its vacuum (below ambient, Pa) and holding force; set `on` to switch the ejector.
+
+    The ejector draws the vacuum p towards its level while it is on; air that leaks in, more through an open cup than
+    through skin, draws it to zero; a valve that is off lets air in besides:
+    p' = on (level - p) / build_up - p / leak - off p / release. Each step is solved exactly. `air` is what the ejector
+    has taken so far, m^3 of normal volume.
+    """
+
+    def __init__(self, described: Cup) -> None:
+        self._cup = described
+        self._area = pi / 4.0 * described.effective_diameter**2
+        self.on, self.vacuum, self.air = False, 0.0, 0.0
+
+    @property
+    def force(self) -> float:
+        """Force of the vacuum on a fruit under the cup, N."""
+        return self.vacuum * self._area
+
+    def advance(self, sealed: bool, step: float) -> None:
+        """Advance the vacuum by a timestep (s), with the lip sealed on a skin or open."""
+        rate = 1.0 / (self._cup.leak if sealed else self._cup.open_leak)
+        if self.on:
+            rate += 1.0 / self._cup.build_up
+            self.air += self._cup.air_consumption * step
+        else:
+            rate += 1.0 / self._cup.release
+        end = self._cup.vacuum / (self._cup.build_up * rate) if self.on else 0.0
+        self.vacuum = end + (self.vacuum - end) * exp(-rate * step)
+
+    def holds(self, pull: float, shear: float) -> bool:
+        """Return whether the cup holds against a pull and a shear force, N; its bellows transmit no moments."""
+        # The lip presses with the vacuum's force less the pull, which bounds friction.
+        return self.force >= pull and shear <= self._cup.friction * (self.force - pull)
 
 
 class Grip:
-    """What the cup does to fruit."""
+    """Contact between cup and fruit: seal, holding force and release."""
 
     def __init__(self, model: Any, data: Any, cell: Cell, fruits: list[SceneFruit]) -> None:
         self._mj, self._model, self._data, self._most_tilt = mujoco(), model, data, cell.cup.tilt
@@ -29,14 +117,14 @@ class Grip:
         self._pull = self._shear = 0.0
         self._step: float = model.opt.timestep
 
-    def follow(self) -> None:
-        """Advance vacuum and seal after a step, and drop a fruit that no longer holds."""
+    def update(self) -> None:
+        """Advance vacuum and seal after a timestep, and release a fruit that is no longer held."""
         step, touched = self._step, self._touched()
-        self._net(touched, step)
+        self._measure_forces(touched, step)
         if self.held is None and self.cup.on and len(touched) == 1:
             (fruit,) = touched  # two under one lip leave it open
             if self._tilt(fruit) <= self._most_tilt:
-                self._hold(fruit)
+                self._weld_fruit(fruit)
         self.cup.advance(self.held is not None, step)
         if self.held is not None and not self.cup.holds(self._pull, self._shear):
             data, tree = self._data, self._model.body_treeid
@@ -46,7 +134,7 @@ class Grip:
             self.held = None
 
     def _touched(self) -> dict[int, float]:
-        """Return fruit that the cup's lip touches, and how hard, N."""
+        """Return the normal force, N, by number of the fruit that the cup's lip touches."""
         touched: dict[int, float] = {}
         if not self._data.ncon:
             return touched
@@ -77,7 +165,8 @@ class Grip:
         normal = point / size**2
         return float(np.arccos(np.clip(normal @ along / np.linalg.norm(normal), -1.0, 1.0)))
 
-    def _hold(self, fruit: int) -> None:
+    def _weld_fruit(self, fruit: int) -> None:
+        """Weld a fruit to the cup at their present relative pose."""
         data, weld, body = self._data, self._welds[fruit], self._bodies[fruit]
         R = data.xmat[self._body].reshape(3, 3)
         back, turned = np.zeros(4), np.zeros(4)
@@ -87,8 +176,8 @@ class Grip:
         data.eq_active[weld] = 1
         self.held, self._pull, self._shear = fruit, 0.0, 0.0
 
-    def _net(self, touched: dict[int, float], step: float) -> None:
-        """Book what lip and vacuum together do to fruit: smoothed pull and shear on what is held, N, and the press."""
+    def _measure_forces(self, touched: dict[int, float], step: float) -> None:
+        """Update the forces of the cup on fruit, N: smoothed pull and shear of the held one, greatest press of each."""
         for fruit, push in touched.items():
             if fruit != self.held:
                 self.press[fruit] = max(self.press[fruit], push)
@@ -103,7 +192,7 @@ class Grip:
         along = float(force @ axis)
         pull = -along - touched.get(self.held, 0.0)
         shear = float(np.linalg.norm(force - along * axis))
-        share = min(1.0, step / SMOOTHED)
-        self._pull += share * (pull - self._pull)
-        self._shear += share * (shear - self._shear)
+        weight = min(1.0, step / SMOOTHING_TIME)
+        self._pull += weight * (pull - self._pull)
+        self._shear += weight * (shear - self._shear)
         self.press[self.held] = max(self.press[self.held], -pull)

@@ -1,4 +1,4 @@
-"""The cell's physical scene: built from a description and a seed, settled, then stepped."""
+"""Physical scene of a cell: built from a description and a seed, settled, then stepped."""
 
 from collections.abc import Callable
 from typing import Any
@@ -10,23 +10,22 @@ from layflat.bridge.arm import arm_spec
 from layflat.cell.extras import mujoco
 from layflat.cell.file.model import Cell
 from layflat.cell.scene.belt import BeltDrive, add_belt
-from layflat.cell.scene.furniture import furnish
-from layflat.cell.scene.grip import Grip
+from layflat.cell.scene.furniture import add_furniture
+from layflat.cell.scene.grip import Grip, LiftDrive
 from layflat.cell.scene.movables import add_fruit, add_shapes, add_tool
-from layflat.cell.scene.produce import GRID, SHELF, SceneFruit, add_clutter, fruit_of
-from layflat.cell.scene.tool import LiftDrive
-from layflat.cell.scene.truth import Truth, TruthRecorder
+from layflat.cell.scene.produce import SHELF_GRID, SHELF_HEIGHT, SceneFruit, add_clutter, draw_fruit
+from layflat.cell.scene.truth import SceneTruth, TruthRecorder
 from layflat.errors import CellError
 from layflat.machine import changed
 
-SETTLED = 2e-3  # speed of the fastest fruit of a settled scene, m/s
-LONGEST = 4.0  # time in which fruit has to settle, s
-ROCKING = 0.1  # time constant with which soft skin and flesh end a fruit's rocking, s
-ROUNDS = 10  # scenes that are tried until all fruit stays in its tray
+SETTLED_SPEED = 2e-3  # upper limit of all fruit's speed in a settled scene, m/s
+MAX_SETTLING_TIME = 4.0  # of fruit, s
+ROCKING_TIME = 0.1  # time constant of a fruit's rocking, by damping of soft skin and flesh, s
+MAX_ATTEMPTS = 10  # scenes drawn until all fruit stays in its tray
 
 
 class Scene:
-    """A packing cell in MuJoCo, its fruit, lights and noise drawn by a seed.
+    """Packing cell in MuJoCo, with fruit, lights and noise drawn by a seed.
 
     Same cell and seed, same scene; the timestep is `step`, s. Raise CellError if there is no room for the fruit, or it
     does not come to rest in its trays.
@@ -35,20 +34,20 @@ class Scene:
         model: MjModel; its hinges have the names of the machine's joints, without drive, damping or limits.
         data: MjData.
         lift: set `lift.demand`, m of stroke.
-        cup: set `cup.on`; `cup.vacuum` is what a vacuum sensor gives.
+        cup: set `cup.on`; `cup.vacuum` is the reading of a vacuum sensor.
         belt: the conveyor's drive; None where there is none.
-        board_held: whether the calibration board is before the camera; set False to put it away.
+        board_held: True while the calibration board is before the camera; set False to remove it.
     """
 
     def __init__(self, cell: Cell, seed: int, *, step: float = 1e-3) -> None:
         self._mj = mujoco()
         self.cell, self.seed, self.board_held = cell, seed, False
-        for attempt in range(ROUNDS):
+        for attempt in range(MAX_ATTEMPTS):
             rng = np.random.default_rng([seed, attempt])
-            self.fruits = fruit_of(cell, rng)
-            self.model = _spec_of(cell, self.fruits, rng, step).compile()
+            self.fruits = draw_fruit(cell, rng)
+            self.model = _build_spec(cell, self.fruits, rng, step).compile()
             self.data = self._mj.MjData(self.model)
-            if self._settled():
+            if self._settle_fruit():
                 break
         else:
             raise CellError("fruit does not stay in its trays", where=cell.origin, right="give higher tray walls")
@@ -62,9 +61,11 @@ class Scene:
         self._motor = self.model.actuator("lift").id
 
     def step(self, count: int = 1, advance: Callable[[Any], None] | None = None) -> None:
-        """Advance by a number of timesteps, each by `advance(data)` in place of `mj_step`, where given.
+        """Advance by a number of timesteps.
 
-        That is how pneumatic joints drive the hinges: `PneumaticJoints.step` of the bridge.
+        Args:
+            count: number of timesteps.
+            advance: function of the MjData in place of `mj_step`, such as `PneumaticJoints.step` of the bridge.
         """
         place, speed = self._slide
         for _ in range(count):
@@ -75,17 +76,17 @@ class Scene:
                 self._mj.mj_step(self.model, self.data)
             else:
                 advance(self.data)
-            self._grip.follow()
-            self._recorder.follow()
+            self._grip.update()
+            self._recorder.record()
 
     @property
     def stroke(self) -> float:
-        """Of the lift, down from its upper end, m: what a sensor on the cylinder gives."""
+        """Stroke of the lift, down from its upper end, m, as a sensor on the cylinder measures it."""
         return float(self.data.qpos[self._slide[0]])
 
     @property
     def stroke_speed(self) -> float:
-        """Of the lift, downwards, m/s."""
+        """Speed of the lift, downwards, m/s."""
         return float(self.data.qvel[self._slide[1]])
 
     def hold_board(self, position: Array, orientation: Array) -> None:
@@ -94,12 +95,12 @@ class Scene:
         self._mj.mj_kinematics(self.model, self.data)
         self.board_held = True
 
-    def truth(self) -> Truth:
-        """Return what is true now: for evaluation only."""
+    def truth(self) -> SceneTruth:
+        """Return the truth of the scene now, for evaluation only."""
         return self._recorder.truth(self._grip, None if self.belt is None else self.belt.here)
 
-    def _settled(self) -> bool:
-        """Let all fruit come to rest with heavy damping; return whether it did, in its trays."""
+    def _settle_fruit(self) -> bool:
+        """Simulate heavily damped fruit until it rests; return whether it does, in its trays."""
         model, data = self.model, self.data
         for name, angle in self.cell.mount.home.items():
             data.qpos[model.joint(name).qposadr[0]] = angle
@@ -107,11 +108,11 @@ class Scene:
         free = model.jnt_type == self._mj.mjtJoint.mjJNT_FREE
         dofs = np.add.outer(model.jnt_dofadr[free], np.arange(6)).ravel()
         others = np.setdiff1d(np.arange(model.nq), np.add.outer(model.jnt_qposadr[free], np.arange(7)))
-        model.dof_damping[dofs] = model.dof_M0[dofs] / ROCKING
-        while data.time < LONGEST:
+        model.dof_damping[dofs] = model.dof_M0[dofs] / ROCKING_TIME
+        while data.time < MAX_SETTLING_TIME:
             self._mj.mj_step(model, data, 50)
             fast = np.abs(data.qvel[dofs].reshape(-1, 6)[:, :3]).max(initial=0.0)
-            if fast < SETTLED and data.time > 0.2:
+            if fast < SETTLED_SPEED and data.time > 0.2:
                 break
         else:
             return False
@@ -122,7 +123,9 @@ class Scene:
         for fruit in self.fruits:
             x, y, z = data.body(fruit.name).xpos
             if fruit.comes is not None:
-                if z < SHELF or not np.allclose((x, y), fruit.position[:2], atol=GRID[1] / 2 - fruit.diameter / 2):
+                if z < SHELF_HEIGHT or not np.allclose(
+                    (x, y), fruit.position[:2], atol=SHELF_GRID[1] / 2 - fruit.diameter / 2
+                ):
                     return False
                 continue
             tray = self.cell.tray_at(float(x), float(y))
@@ -131,7 +134,7 @@ class Scene:
         return True
 
 
-def _spec_of(cell: Cell, fruits: list[SceneFruit], rng: np.random.Generator, step: float) -> Any:
+def _build_spec(cell: Cell, fruits: list[SceneFruit], rng: np.random.Generator, step: float) -> Any:
     """Return an MjSpec of the cell with its arm, lift, cup and fruit."""
     mj = mujoco()
     # Lift, cup and fruit move by themselves.
@@ -148,7 +151,7 @@ def _spec_of(cell: Cell, fruits: list[SceneFruit], rng: np.random.Generator, ste
     spec.visual.quality.shadowsize, spec.visual.quality.offsamples = 2048, 0
     # Fruit is drawn as a polyhedron within it: with MuJoCo's 28 slices it would be 0.4 % too small.
     spec.visual.quality.numslices, spec.visual.quality.numstacks = 64, 32
-    furnish(spec, cell, rng)
+    add_furniture(spec, cell, rng)
     if cell.conveyor is not None:
         add_belt(spec, cell.conveyor)
     add_shapes(spec, cell)

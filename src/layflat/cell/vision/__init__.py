@@ -1,15 +1,29 @@
-"""Seeing: a camera's calibration, and produce in its pictures. It is given pictures only, never a scene's state."""
+"""Vision: calibration of a camera, and detection of produce in its pictures, its only input."""
 
-from layflat.cell.vision.boards import BaseBoard, BaseMarkers, CharucoBoard, Checkerboard, Marker
-from layflat.cell.vision.calibrate import calibrate, self_check
-from layflat.cell.vision.calibration import Calibration, load_calibration
+from layflat.cell.extras import CharucoBoard
+from layflat.cell.vision.boards import BaseBoard, BaseMarkers, Checkerboard, Marker
+from layflat.cell.vision.calibration import Calibration, calibrate, load_calibration, self_check
 from layflat.cell.vision.colour import ColourDetector
-from layflat.cell.vision.detection import SURE, Colour, Detection, Kind, draw
+from layflat.cell.vision.detection import SURE_CONFIDENCE, Colour, Detection, ProduceKind, draw_detections
 from layflat.cell.vision.onnx import OnnxDetector
 from layflat.cell.vision.prepare import check_picture
 
 __all__ = [
-    "SURE", "BaseBoard", "BaseMarkers", "Calibration", "CharucoBoard", "Checkerboard", "Colour", "ColourDetector",
-    "Detection", "Kind", "Marker", "OnnxDetector", "calibrate", "check_picture", "draw", "load_calibration",
+    "SURE_CONFIDENCE",
+    "BaseBoard",
+    "BaseMarkers",
+    "Calibration",
+    "CharucoBoard",
+    "Checkerboard",
+    "Colour",
+    "ColourDetector",
+    "Detection",
+    "Marker",
+    "OnnxDetector",
+    "ProduceKind",
+    "calibrate",
+    "check_picture",
+    "draw_detections",
+    "load_calibration",
     "self_check",
 ]  # fmt: skip

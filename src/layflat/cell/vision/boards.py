@@ -1,55 +1,26 @@
-"""What a camera is calibrated with: a ChArUco board or a checkerboard, and the markers fixed beside the arm."""
+"""Calibration targets: a ChArUco board or a checkerboard, and the markers fixed beside the arm."""
 
 from dataclasses import dataclass
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
 from layflat.arrays import Picture
-from layflat.cell.extras import opencv, points
-from layflat.cell.geometry import placed
-from layflat.cell.markers import charuco, dictionary
+from layflat.cell.extras import DICTIONARY, Array, CharucoBoard, PointPairs, as_rows, marker_dictionary, opencv
+from layflat.cell.geometry import to_parent_frame
 from layflat.errors import CameraError
-
-Array: TypeAlias = NDArray[Any]  # numbers, float64 unless they are pixels' values, or truths
-Seen: TypeAlias = tuple[Array, Array]
-"""Points in the frame of a board or the base (N, 3), m, and where they are in a picture (N, 2), px."""
-
-DICTIONARY = "DICT_4X4_50"  # the markers' dictionary; the base and the board may share it if they don't share numbers
-
-
-@dataclass(frozen=True)
-class CharucoBoard:
-    """A checkerboard with ArUco markers in its white squares; may be seen in part."""
-
-    columns: int  # of squares
-    rows: int
-    square: float  # side, m
-    marker: float  # side, m
-    dictionary: str = DICTIONARY  # OpenCV's name of it
-    first_id: int = 0  # number of its first marker; the others follow
-
-    def seen(self, grey: Picture) -> Seen | None:
-        """Return its corners in a grey picture; None where there are too few."""
-        board = charuco(self)
-        corners, numbers, _, _ = opencv().aruco.CharucoDetector(board).detectBoard(grey)
-        if numbers is None or len(numbers) < 6:
-            return None
-        known = np.asarray(board.getChessboardCorners(), dtype=np.float64)[np.ravel(numbers)]
-        return known, np.asarray(points(corners), dtype=np.float64)
 
 
 @dataclass(frozen=True)
 class Checkerboard:
-    """A checkerboard without markers; must be seen whole."""
+    """Checkerboard without markers, which has to be completely in view."""
 
-    columns: int  # of squares; columns or rows odd, the others even, so that it has a beginning
+    columns: int  # of squares; one of columns and rows is odd, the other even, so that its orientation is unique
     rows: int
     square: float  # side, m
 
-    def seen(self, grey: Picture) -> Seen | None:
-        """Return its inner corners in a grey picture; None where it is not seen whole."""
+    def detect(self, grey: Picture) -> PointPairs | None:
+        """Return its inner corners and their pixels in a grey picture; None where it is not completely in view."""
         cv2 = opencv()
         inner = (self.columns - 1, self.rows - 1)
         found, corners = cv2.findChessboardCornersSB(grey, inner, flags=cv2.CALIB_CB_ACCURACY)
@@ -57,12 +28,12 @@ class Checkerboard:
             return None
         across, down = np.meshgrid(np.arange(inner[0]), np.arange(inner[1]))
         known = np.column_stack([across.ravel(), down.ravel(), np.zeros(across.size)]) * self.square
-        return known, np.asarray(points(corners), dtype=np.float64)
+        return known, np.asarray(as_rows(corners), dtype=np.float64)
 
 
 @dataclass(frozen=True)
 class Marker:
-    """An ArUco marker that lies flat at a known place in the base frame."""
+    """ArUco marker that lies flat at a known position in the base frame."""
 
     number: int  # in the dictionary
     x: float  # of its middle, m
@@ -73,14 +44,14 @@ class Marker:
 
     @property
     def corners(self) -> Array:
-        """Its corners in the base frame, from the upper left one clockwise as seen from above, (4, 3), m."""
+        """Corners in the base frame, from the upper left one clockwise as seen from above, (4, 3), m."""
         half = np.array([[-1.0, 1.0], [1.0, 1.0], [1.0, -1.0], [-1.0, -1.0]]) * self.side / 2.0
         return _on_base(half, self)
 
 
 @dataclass(frozen=True)
 class BaseMarkers:
-    """The markers fixed in the base frame, each with its own number; several that are far apart give an exact pose."""
+    """Markers fixed in the base frame, each with its own number; several that are far apart give an exact pose."""
 
     markers: tuple[Marker, ...]
     dictionary: str = DICTIONARY
@@ -93,20 +64,20 @@ class BaseMarkers:
 
     @property
     def description(self) -> str:
-        """What to look for, in words."""
+        """Description of the target, in words."""
         return ", ".join(str(marker.number) for marker in self.markers)
 
-    def seen(self, grey: Picture) -> Seen | None:
-        """Return the corners of those in a grey picture; a number that is read twice is left out."""
+    def detect(self, grey: Picture) -> PointPairs | None:
+        """Return corners and pixels of the markers in a grey picture; a number that is read twice is left out."""
         cv2 = opencv()
         parameters, last = cv2.aruco.DetectorParameters(), max(marker.number for marker in self.markers)
         parameters.cornerRefinementMethod = cv2.aruco.CORNER_REFINE_SUBPIX
         parameters.errorCorrectionRate = 0.0  # a tray with fruit in it may be a marker but for a bit
-        detector = cv2.aruco.ArucoDetector(dictionary(self.dictionary, last), parameters)
+        detector = cv2.aruco.ArucoDetector(marker_dictionary(self.dictionary, last), parameters)
         corners, numbers, _ = detector.detectMarkers(grey)
         read = [] if numbers is None else np.ravel(numbers).tolist()
         known = {marker.number: marker.corners for marker in self.markers if read.count(marker.number) == 1}
-        found = [(known[number], points(px)) for number, px in zip(read, corners, strict=True) if number in known]
+        found = [(known[number], as_rows(px)) for number, px in zip(read, corners, strict=True) if number in known]
         if not found:
             return None
         places, pixels = zip(*found, strict=True)
@@ -115,7 +86,7 @@ class BaseMarkers:
 
 @dataclass(frozen=True)
 class BaseBoard:
-    """A ChArUco board fixed flat in the base frame, in place of single markers; place and yaw as of a `Marker`."""
+    """ChArUco board fixed flat in the base frame, in place of single markers; position and yaw as of a `Marker`."""
 
     board: CharucoBoard
     x: float
@@ -125,21 +96,21 @@ class BaseBoard:
 
     @property
     def description(self) -> str:
-        """What to look for, in words."""
+        """Description of the target, in words."""
         return f"board of {self.board.columns} x {self.board.rows}, from number {self.board.first_id}"
 
-    def seen(self, grey: Picture) -> Seen | None:
-        """Return its corners in a grey picture."""
-        if (found := self.board.seen(grey)) is None:
+    def detect(self, grey: Picture) -> PointPairs | None:
+        """Return its corners and their pixels in a grey picture; None where too few are detected."""
+        if (found := self.board.detect(grey)) is None:
             return None
         half = np.array([self.board.columns, self.board.rows]) * self.board.square / 2.0
         return _on_base((found[0][:, :2] - half) * [1.0, -1.0], self), found[1]
 
 
 Board: TypeAlias = CharucoBoard | Checkerboard
-Base: TypeAlias = BaseMarkers | BaseBoard  # what is fixed in the base frame for the camera to see
+Base: TypeAlias = BaseMarkers | BaseBoard  # target that is fixed in the base frame
 
 
-def _on_base(flat: Array, at: Marker | BaseBoard) -> Array:
-    """Return points of something flat (N, 2), m, its y upwards, in the base frame (N, 3)."""
-    return np.column_stack([placed((at.x, at.y), at.yaw, flat), np.full(len(flat), at.z)])
+def _on_base(flat: Array, target: Marker | BaseBoard) -> Array:
+    """Return points of a flat target (N, 2), m, its y upwards, in the base frame (N, 3)."""
+    return np.column_stack([to_parent_frame((target.x, target.y), target.yaw, flat), np.full(len(flat), target.z)])

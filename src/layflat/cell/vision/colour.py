@@ -1,4 +1,4 @@
-"""A detector of round produce by colour."""
+"""Detector of round produce by colour."""
 
 from collections.abc import Sequence
 from typing import Any, NamedTuple
@@ -6,42 +6,47 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from layflat.arrays import Picture
-from layflat.cell.extras import opencv
+from layflat.cell.extras import Array, opencv
 from layflat.cell.vision import edges, regions
-from layflat.cell.vision.boards import Array
 from layflat.cell.vision.calibration import Calibration
-from layflat.cell.vision.detection import Colour, Detection, Kind
-from layflat.cell.vision.measure import COMPLETE, detections, inside, measure, relief
-from layflat.cell.vision.prepare import check_picture, evenly_lit
+from layflat.cell.vision.detection import Colour, Detection, ProduceKind
+from layflat.cell.vision.measure import (
+    COMPLETE_FRACTION,
+    inner_points,
+    measure_things,
+    radial_relief,
+    select_detections,
+)
+from layflat.cell.vision.prepare import check_picture, normalize_light
 from layflat.errors import InputError
 
-SLACK = 0.08  # how far a diameter may be out of its kind's limits, share
-FLAT = 0.03  # by how much a flat thing (label, lid) may get darker outwards; fruit not overexposed: 0.041 or more
-FEWEST_SEEN = 0.35  # share of an outline that must be seen for a thing to be detected at all
-OWN = 0.7  # share of a thing that must have its kind's colour
+DIAMETER_SLACK = 0.08  # relative tolerance of a kind's limits of the diameter
+MIN_RELIEF = 0.03  # relative radial darkening: of flat things (label, lid) less, of fruit 0.041 or more
+MIN_OUTLINE_FRACTION = 0.35  # visible fraction of an outline, below which a thing is not detected
+MIN_COLOUR_FRACTION = 0.7  # of a thing's area with its kind's colour
 
 
-class _Guesses(NamedTuple):
-    """Things as first seen."""
+class _Candidates(NamedTuple):
+    """Candidates of one kind, from its colours."""
 
-    kind: Kind  # that they may be of
+    kind: ProduceKind  # of all of them
     discs: Array  # rows of middle and depth, px of the halved picture
-    mask: Any  # that they are in
+    mask: Any  # pixels of the kind's colours, 0 and 255
 
 
 class ColourDetector:
-    """Finds round produce of known colours on a table, in a tray or in a container of other colours.
+    """Detector of round produce of known colours on a table, in a tray or in a container of other colours.
 
     Args:
-        kinds: of produce, no colour in two of them; InputError if there are none, or two of one name.
+        kinds: kinds of produce, no colour in two of them; InputError if there are none, or two of one name.
         table: the table's colour in the reference light, RGB of 255.
-        background: colours of table, trays and containers; what has none of these and is of no kind is unknown.
-            Without them nothing unknown is returned.
-        plane: height of what the produce rests on, m: a tray's floor.
+        background: colours of table, trays and containers; things of other colours and of no kind are unknown.
+            Without them no unknown things are returned.
+        plane: height of the floor on which produce lies, m.
     """
 
     def __init__(
-        self, kinds: Sequence[Kind], table: tuple[float, float, float], background: Sequence[Colour] = (),
+        self, kinds: Sequence[ProduceKind], table: tuple[float, float, float], background: Sequence[Colour] = (),
         plane: float = 0.0,
     ) -> None:  # fmt: skip
         names = [kind.name for kind in kinds]
@@ -49,61 +54,66 @@ class ColourDetector:
             raise InputError(f"kinds {names}", where="detector", right="needs kinds, each with its own name")
         self.kinds, self.table, self.background, self.plane = tuple(kinds), table, tuple(background), plane
         least, most = min(kind.diameter[0] for kind in kinds), max(kind.diameter[1] for kind in kinds)
-        self._unknown = Kind("unknown", (), (0.8 * least, 1.2 * most), roundness=max(kind.roundness for kind in kinds))
+        self._unknown = ProduceKind(
+            "unknown", (), (0.8 * least, 1.2 * most), roundness=max(kind.roundness for kind in kinds)
+        )
 
-    def find(self, picture: Picture, calibration: Calibration) -> list[Detection]:
-        """Return what lies on the table, surest first, in a picture (H, W, 3), RGB, of a calibrated camera.
+    def detect(self, picture: Picture, calibration: Calibration) -> list[Detection]:
+        """Return the detections in a picture (H, W, 3), RGB, of a calibrated camera, by confidence.
 
-        What is flat, not round or of another size is left out. Raises PictureError if the picture can't be used.
+        Flat things, and those that are not round or of another size, are left out. Raise PictureError if the picture
+        can't be used.
         """
         half = check_picture(picture, calibration.picture_px)
-        even = evenly_lit(half, self.table)
+        even = normalize_light(half, self.table)
         scale = calibration.pixels_per_metre(self.plane) / 2.0
-        guesses = self._guesses(opencv().cvtColor(even, opencv().COLOR_RGB2HSV_FULL), scale)
+        guesses = self._candidates(opencv().cvtColor(even, opencv().COLOR_RGB2HSV_FULL), scale)
         if not guesses:
             return []
         kinds = [guess.kind for guess in guesses for _ in guess.discs]
-        rough = [_rough(guess, scale) for guess in guesses]
+        rough = [_rough_outlines(guess, scale) for guess in guesses]
         places, usable = (np.concatenate(parts) for parts in zip(*rough, strict=True))
-        measured = measure(picture, even, calibration, places, usable, kinds, self.plane)
-        mine = _own(guesses, measured.outlines)
+        measured = measure_things(picture, even, calibration, places, usable, kinds, self.plane)
+        mine = _sample_masks(guesses, measured.outlines)
         own = mine.mean(axis=(1, 2))
-        sure = np.clip(measured.seen / COMPLETE, 0.0, 1.0) * np.clip(own / 0.95, 0.0, 1.0)
+        sure = np.clip(measured.edge_fractions / COMPLETE_FRACTION, 0.0, 1.0) * np.clip(own / 0.95, 0.0, 1.0)
         least, most = np.array([kind.diameter for kind in kinds]).T / 2.0
-        fits = (measured.radii >= (1.0 - SLACK) * least) & (measured.radii <= (1.0 + SLACK) * most)
-        good = fits & (measured.seen >= FEWEST_SEEN) & (own >= OWN)
-        good &= relief(even, measured.outlines, mine) >= FLAT
+        fits = (measured.radii >= (1.0 - DIAMETER_SLACK) * least) & (measured.radii <= (1.0 + DIAMETER_SLACK) * most)
+        good = fits & (measured.edge_fractions >= MIN_OUTLINE_FRACTION) & (own >= MIN_COLOUR_FRACTION)
+        good &= radial_relief(even, measured.outlines, mine) >= MIN_RELIEF
         names = [None if kind is self._unknown else kind.name for kind in kinds]
-        return detections(names, measured, sure, good)
+        return select_detections(names, measured, sure, good)
 
-    def _guesses(self, hsv: Any, scale: float) -> list[_Guesses]:
-        """Return where each kind's colour, and at last none, is as wide as that kind may be."""
+    def _candidates(self, hsv: Any, scale: float) -> list[_Candidates]:
+        """Return candidates by each kind's colours, and at last by the absence of all colours."""
         cv2 = opencv()
-        background = regions.in_colours(hsv, self.background)
+        background = regions.colour_mask(hsv, self.background)
         taken = background.copy()
         guesses = []
         for kind in (*self.kinds, self._unknown) if self.background else self.kinds:
             if kind is self._unknown:
                 mask = cv2.bitwise_not(cv2.dilate(taken, np.ones((5, 5), np.uint8)))
             else:
-                mask = regions.in_colours(hsv, kind.colours)
+                mask = regions.colour_mask(hsv, kind.colours)
             least = kind.diameter[0] / 2.0 * scale
-            whole = regions.filled(mask, background, np.pi * least**2)
+            whole = regions.clean_mask(mask, background, np.pi * least**2)
             taken |= whole
-            guesses.append(_Guesses(kind, regions.discs(whole, least), whole))
+            guesses.append(_Candidates(kind, regions.find_discs(whole, least), whole))
         return [guess for guess in guesses if len(guess.discs)]
 
 
-def _rough(guess: _Guesses, scale: float) -> tuple[Array, Array]:
-    """Return edges of a mask around its discs, px of the whole picture, and which of them are edges."""
+def _rough_outlines(guess: _Candidates, scale: float) -> tuple[Array, Array]:
+    """Return points on a mask's edges around its discs, px of the whole picture, and flags of true edges."""
     depth = guess.discs[:, 2]
     most = np.maximum(0.6 * guess.kind.diameter[1] * scale, 1.3 * depth)
-    places, usable = edges.edges_of_mask(guess.mask, guess.discs[:, :2], 0.4 * depth, most)
+    places, usable = edges.find_mask_edges(guess.mask, guess.discs[:, :2], 0.4 * depth, most)
     return 2.0 * places + 0.5, usable
 
 
-def _own(guesses: Sequence[_Guesses], outlines: Array) -> Array:
-    """Return where within outlines each thing has its kind's colour, 0 to 1 at each place of `inside`."""
+def _sample_masks(guesses: Sequence[_Candidates], outlines: Array) -> Array:
+    """Return the presence of a kind's colour within outlines, 0 to 1 at each point of `inner_points`."""
     parts = np.split(outlines, np.cumsum([len(guess.discs) for guess in guesses])[:-1])
-    shares = [edges.sampled(guess.mask, inside(part)) / 255.0 for guess, part in zip(guesses, parts, strict=True)]
+    shares = [
+        edges.sample_picture(guess.mask, inner_points(part)) / 255.0 for guess, part in zip(guesses, parts, strict=True)
+    ]
     return np.concatenate(shares)

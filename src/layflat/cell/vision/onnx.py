@@ -1,4 +1,4 @@
-"""A learned detector from an ONNX file, run by OpenCV: the network detects and names, geometry measures.
+"""Learned detector from an ONNX file, run by OpenCV: the network detects and classifies, geometry measures.
 
 The network takes one picture, float32 (1, 3, rows, columns), RGB of 1, and gives boxes, (1, N, 6): left, upper, right,
 lower (px of its input), score and the kind's number, as networks of the YOLO family export them with their boxes sorted
@@ -12,29 +12,28 @@ from typing import Any
 import numpy as np
 
 from layflat.arrays import Picture
-from layflat.cell.extras import opencv
+from layflat.cell.extras import Array, opencv
 from layflat.cell.geometry import unit_circle
 from layflat.cell.vision import edges
-from layflat.cell.vision.boards import Array
 from layflat.cell.vision.calibration import Calibration
-from layflat.cell.vision.detection import Detection, Kind
-from layflat.cell.vision.measure import COMPLETE, detections, measure
-from layflat.cell.vision.prepare import check_picture, evenly_lit
+from layflat.cell.vision.detection import Detection, ProduceKind
+from layflat.cell.vision.measure import COMPLETE_FRACTION, measure_things, select_detections
+from layflat.cell.vision.prepare import check_picture, normalize_light
 from layflat.errors import InputError
 
-LEAST_SCORE = 0.25
-PADDING = 114  # grey around a picture whose shape is not the network's
+MIN_SCORE = 0.25  # of a box, below which it is ignored
+PADDING_GREY = 114  # level around a picture whose shape is not the network's, of 255
 
 
 class OnnxDetector:
-    """Detects produce with a network from an ONNX file; InputError where that is none that OpenCV runs.
+    """Detector of produce by a network from an ONNX file; InputError where OpenCV can't run it.
 
     The kinds are in the order of the network's numbers, `table` and `plane` as of a `ColourDetector`, and `size` is
     rows and columns of the network's input.
     """
 
     def __init__(
-        self, path: Path, kinds: Sequence[Kind], table: tuple[float, float, float],
+        self, path: Path, kinds: Sequence[ProduceKind], table: tuple[float, float, float],
         size: tuple[int, int] = (640, 640), plane: float = 0.0,
     ) -> None:  # fmt: skip
         cv2 = opencv()
@@ -46,8 +45,8 @@ class OnnxDetector:
         except cv2.error:
             raise InputError("is not a network that OpenCV runs", where=str(path), right="export it as ONNX") from None
 
-    def find(self, picture: Picture, calibration: Calibration) -> list[Detection]:
-        """Return what the network detects, measured on the table, surest first; a number over the kinds' is unknown.
+    def detect(self, picture: Picture, calibration: Calibration) -> list[Detection]:
+        """Return the network's detections, measured on the table, by confidence; a number beyond the kinds is unknown.
 
         Raises PictureError as any detector, and InputError where the network's input or output has another shape.
         """
@@ -56,17 +55,17 @@ class OnnxDetector:
         if not len(boxes):
             return []
         numbers = boxes[:, 5].astype(int)
-        known = (numbers >= 0) & (numbers < len(self.kinds))
-        kinds = [self.kinds[number if good else 0] for number, good in zip(numbers, known, strict=True)]
-        even = evenly_lit(half, self.table)
+        is_known = (numbers >= 0) & (numbers < len(self.kinds))
+        kinds = [self.kinds[number if good else 0] for number, good in zip(numbers, is_known, strict=True)]
+        even = normalize_light(half, self.table)
         # Places on the ellipses that fill the boxes, (N, AROUND, 2).
         middle, reach = (boxes[:, :2] + boxes[:, 2:4]) / 2.0, (boxes[:, 2:4] - boxes[:, :2]) / 2.0
-        outlines = middle[:, None] + reach[:, None] * unit_circle(edges.AROUND)
+        outlines = middle[:, None] + reach[:, None] * unit_circle(edges.RAY_COUNT)
         usable = np.ones(outlines.shape[:2], bool)
-        measured = measure(picture, even, calibration, outlines, usable, kinds, self.plane)
-        sure = boxes[:, 4] * np.clip(measured.seen / COMPLETE, 0.0, 1.0)
-        names = [kind.name if good else None for kind, good in zip(kinds, known, strict=True)]
-        return detections(names, measured, sure, measured.radii > 0.0)
+        measured = measure_things(picture, even, calibration, outlines, usable, kinds, self.plane)
+        confidence = boxes[:, 4] * np.clip(measured.edge_fractions / COMPLETE_FRACTION, 0.0, 1.0)
+        names = [kind.name if good else None for kind, good in zip(kinds, is_known, strict=True)]
+        return select_detections(names, measured, confidence, measured.radii > 0.0)
 
     def _boxes(self, picture: Picture) -> Array:
         """Return boxes in px of the picture, with score and number, (N, 6)."""
@@ -74,17 +73,17 @@ class OnnxDetector:
         rows, columns = picture.shape[:2]
         scale = min(self.size[0] / rows, self.size[1] / columns)
         small = cv2.resize(picture, (round(columns * scale), round(rows * scale)), interpolation=cv2.INTER_AREA)
-        filled = np.full((*self.size, 3), PADDING, np.uint8)
+        filled = np.full((*self.size, 3), PADDING_GREY, np.uint8)
         filled[: small.shape[0], : small.shape[1]] = small
         try:
             self._network.setInput(cv2.dnn.blobFromImage(filled, 1.0 / 255.0))
-            seen: Any = np.asarray(self._network.forward(), dtype=np.float64)
+            output: Any = np.asarray(self._network.forward(), dtype=np.float64)
         except cv2.error:
             problem, right = f"fails on its input (1, 3, {self.size[0]}, {self.size[1]})", "give the size of its export"
             raise InputError(problem, where=str(self.path), right=right) from None
-        if seen.ndim != 3 or seen.shape[0] != 1 or seen.shape[2] != 6:
-            raise InputError(f"gives {seen.shape}", where=str(self.path), right="needs boxes (1, N, 6)")
-        boxes = seen[0][seen[0][:, 4] >= LEAST_SCORE]
+        if output.ndim != 3 or output.shape[0] != 1 or output.shape[2] != 6:
+            raise InputError(f"gives {output.shape}", where=str(self.path), right="needs boxes (1, N, 6)")
+        boxes = output[0][output[0][:, 4] >= MIN_SCORE]
         stretch = np.array([columns / small.shape[1], rows / small.shape[0]] * 2)
         boxes[:, :4] = boxes[:, :4] * stretch - 0.5
         return np.asarray(boxes[((boxes[:, 2:4] - boxes[:, :2]) > 1.0).all(axis=1)])

@@ -1,4 +1,4 @@
-"""Whether a picture can be used at all, and what it would be in even, white light."""
+"""Preparation of pictures: check of brightness and sharpness, and normalization of the light."""
 
 from typing import Any
 
@@ -8,20 +8,26 @@ from layflat.arrays import Picture
 from layflat.cell.extras import opencv
 from layflat.errors import PictureError
 
-LEAST_LEVEL, MOST_LEVEL = 20.0, 245.0  # mean of a picture, of 255
-WIDEST_EDGE = 2.0  # standard deviation of the blur over which a picture is refused, px
-OWN_WIDTH = 2.0  # width that halving, smoothing and differencing give to a sharp edge, px of the whole picture
-REACH = 8  # px of the halved picture within which an edge must rise
-STRONG = 25.0  # levels that an edge must rise for its blur to be measured
-SKIPPED = 12  # every twelfth pixel each way is enough to estimate the light
-NEAR = 0.09  # how far the table's chromaticity may be from its reference, in each of r and g of r + g + b = 1
-FEWEST = 40  # of those pixels that must show the table
+MIN_LEVEL, MAX_LEVEL = 20.0, 245.0  # of a picture's mean, of 255
+MAX_EDGE_WIDTH = 2.0  # standard deviation of the blur, beyond which a picture is refused, px
+PROCESSING_WIDTH = 2.0  # of a sharp edge after halving, smoothing and differencing, px of the whole picture
+EDGE_REACH = 8  # within which an edge has its full rise, px of the halved picture
+MIN_EDGE_RISE = 25.0  # levels, of an edge whose blur is measured
+PIXEL_STRIDE = 12  # in both directions, in estimating the light
+TABLE_TOLERANCE = 0.09  # deviation of the table's chromaticity from its reference, in each of r and g of 1
+MIN_TABLE_PIXELS = 40  # of the sampled pixels that show the table
 
 
 def check_picture(picture: Picture, size: tuple[int, int] | None = None, where: str = "picture") -> Any:
-    """Return an RGB picture halved; raise PictureError if it is none or not of `size`, black, overexposed or blurred.
+    """Check that a picture can be used, and return it at half the resolution.
 
-    The size is width and height.
+    Args:
+        picture: (H, W, 3) RGB, uint8.
+        size: required width and height, px; None: any.
+        where: name of the picture in errors.
+
+    Raises:
+        PictureError: it is no picture of that size, black, overexposed or blurred.
     """
     if picture.ndim != 3 or picture.shape[2] != 3 or picture.dtype != np.uint8:
         raise PictureError(f"is {picture.dtype} {picture.shape}", where=where, right="needs uint8 (height, width, 3)")
@@ -33,59 +39,59 @@ def check_picture(picture: Picture, size: tuple[int, int] | None = None, where: 
     grey = cv2.cvtColor(half, cv2.COLOR_RGB2GRAY)
     level = float(cv2.mean(grey)[0])
     seen = f"mean level {level:.0f} of 255"
-    if level < LEAST_LEVEL:
+    if level < MIN_LEVEL:
         raise PictureError(f"is black: {seen}", where=where, right="check light, lens cap, exposure")
-    if level > MOST_LEVEL:
+    if level > MAX_LEVEL:
         raise PictureError(f"is white: {seen}", where=where, right="shorten the exposure")
     width = edge_width(grey)
     if width == np.inf:
         right = "check that the camera looks at the table, that nothing covers it, and that the lens is in focus"
         raise PictureError("has no edges: neither table nor markers are in view", where=where, right=right)
-    if width > WIDEST_EDGE:
-        right = f"at most {WIDEST_EDGE} px: clean or focus the lens, hold the camera still"
+    if width > MAX_EDGE_WIDTH:
+        right = f"at most {MAX_EDGE_WIDTH} px: clean or focus the lens, hold the camera still"
         raise PictureError(f"its sharpest edges are blurred by {width:.1f} px", where=where, right=right)
     return half
 
 
 def edge_width(grey: Picture) -> float:
-    """Return how blurred a halved grey picture is: standard deviation at its strongest edges, px of the whole one.
+    """Return the blur of a halved grey picture: standard deviation at its strongest edges, px of the whole one.
 
     An edge of height h, blurred by s, rises by h / (s sqrt(2 pi)) a pixel at most, however bright and noisy the
     picture is. The worse of both directions counts, as a picture blurred by motion is sharp across it.
     """
     cv2 = opencv()
-    calm = cv2.GaussianBlur(grey, (3, 3), 0.7)
+    smooth = cv2.GaussianBlur(grey, (3, 3), 0.7)
     widths = []
     for along in (0, 1):
-        slope = np.abs(cv2.Sobel(calm, cv2.CV_32F, 1 - along, along, ksize=1)) / 2.0
-        window = np.ones((2 * REACH + 1, 1) if along else (1, 2 * REACH + 1), np.uint8)
-        rise = cv2.subtract(cv2.dilate(calm, window), cv2.erode(calm, window)).astype(np.float32)
-        strong = rise > STRONG
+        slope = np.abs(cv2.Sobel(smooth, cv2.CV_32F, 1 - along, along, ksize=1)) / 2.0
+        window = np.ones((2 * EDGE_REACH + 1, 1) if along else (1, 2 * EDGE_REACH + 1), np.uint8)
+        rise = cv2.subtract(cv2.dilate(smooth, window), cv2.erode(smooth, window)).astype(np.float32)
+        strong = rise > MIN_EDGE_RISE
         if np.count_nonzero(strong) < 20:
             return float("inf")
         steep = slope[strong] / rise[strong]
         width = 2.0 / (float(np.quantile(steep, 0.99)) * np.sqrt(2.0 * np.pi))
-        widths.append(np.sqrt(max(width**2 - OWN_WIDTH**2, 0.0)))
+        widths.append(np.sqrt(max(width**2 - PROCESSING_WIDTH**2, 0.0)))
     return float(max(widths))
 
 
-def evenly_lit(picture: Picture, table: tuple[float, float, float]) -> Any:
+def normalize_light(picture: Picture, table: tuple[float, float, float]) -> Any:
     """Return a picture with each channel scaled so that the table has its reference colour everywhere.
 
-    What the table shows of the light is smoothed by a polynomial of second degree in x and y (von Kries, a channel at
-    a time); what lies on the table and shadows are left out by their distance from it. The table's colour in the
-    reference light is RGB of 255. Raise PictureError if too little of the table is seen.
+    The light on the table is fitted by a polynomial of second degree in x and y (von Kries, a channel at a time);
+    things on the table and shadows are outliers. The table's colour in the reference light is RGB of 255. Raise
+    PictureError if too little of the table is visible.
     """
     cv2 = opencv()
-    thin = picture[::SKIPPED, ::SKIPPED].astype(np.float64)
+    thin = picture[::PIXEL_STRIDE, ::PIXEL_STRIDE].astype(np.float64)
     rows, columns = thin.shape[:2]
     x, y = np.meshgrid(np.linspace(-1.0, 1.0, columns), np.linspace(-1.0, 1.0, rows))
     basis = np.stack([np.ones_like(x), x, y, x * x, x * y, y * y], axis=-1)
     total = thin.sum(axis=2)
     reference = np.array(table) / np.sum(table)
     away = np.abs(thin / np.maximum(total, 1.0)[..., None] - reference).max(axis=2)
-    on_table = (away < NEAR) & (total > 0.15 * np.sum(table)) & (thin.max(axis=2) < 250)
-    if np.count_nonzero(on_table) < FEWEST:
+    on_table = (away < TABLE_TOLERANCE) & (total > 0.15 * np.sum(table)) & (thin.max(axis=2) < 250)
+    if np.count_nonzero(on_table) < MIN_TABLE_PIXELS:
         problem = f"shows no table of colour RGB {tuple(round(level) for level in table)}"
         right = "give the table's colour in the image; check the lights, and that the camera looks at the table"
         raise PictureError(problem, where="picture", right=right)

@@ -1,1 +1,1 @@
-"""A cell at work: hardware, what decides, who observes, and what came of it."""
+"""A cell at work: station, packers, observers and results."""

@@ -1,64 +1,72 @@
-"""Evaluates what a cell does by what is true in the scene, which the cell itself never learns."""
+"""Evaluation of a cell's work by the truth of its scene, which the cell itself does not know."""
 
 from collections.abc import Iterable
 from math import dist, hypot, nan
 
 from layflat.cell.perception import Observation
-from layflat.cell.plan.containers import Packing
-from layflat.cell.plan.order import Choice
-from layflat.cell.plan.pick import Outcome, Phase, State
+from layflat.cell.plan.order import Packing, PickChoice
+from layflat.cell.plan.pick import PickOutcome, PickPhase, PickState
 from layflat.cell.scene import Scene
 from layflat.cell.scene.truth import FruitTruth
-from layflat.cell.vision.detection import SURE
-from layflat.cell.work.observer import Observer
-from layflat.cell.work.records import Pick, Verdict, VisionErrors
+from layflat.cell.vision.detection import SURE_CONFIDENCE
+from layflat.cell.work.observer import Observer, Pick, Verdict, VisionErrors
 
-NEAR = 20e-3  # how far a fruit may be from where it was seen to be meant by it, m
+MATCHING_DISTANCE = 20e-3  # of a detection to the fruit that it is matched with, upper limit, m
 
 
 class Evaluator(Observer):
-    """Observes a packer in its scene; `vision` holds the errors of what it detects."""
+    """Observer that evaluates a packer by its scene; `vision` has the errors of its detections."""
 
     def __init__(self, scene: Scene) -> None:
         self._scene, self.vision = scene, VisionErrors()
         self._carried, self._error = "", nan
         self._picks: list[tuple[str, float]] = []
 
-    def phase(self, choice: Choice, before: State, after: State) -> None:
-        """Note what is carried, and where it is released."""
+    def on_phase_change(self, choice: PickChoice, before: PickState, after: PickState) -> None:
+        """Record the carried fruit and its position on release.
+
+        Args:
+            choice: fruit and place of the pick.
+            before: state of the pick in its last phase.
+            after: state in its new phase.
+        """
         fruits = self._scene.truth().fruits
-        if after.phase is Phase.CARRY and before.phase is Phase.LIFT:
-            held = [fruit.name for fruit in fruits.values() if fruit.held]
+        if after.phase is PickPhase.CARRY and before.phase is PickPhase.LIFT:
+            held = [fruit.name for fruit in fruits.values() if fruit.gripped]
             self._carried = held[0] if held else ""
-        if after.phase is Phase.RELEASE and self._carried:
+        if after.phase is PickPhase.RELEASE and self._carried:
             place = choice.place
             self._error = dist(fruits[self._carried].position[:2].tolist(), (place.x, place.y))
 
-    def observed(self, observation: Observation) -> None:
-        """Compare what was detected with what is there."""
-        fruits = [fruit for fruit in self._scene.truth().fruits.values() if not fruit.held]
-        for seen in observation.fruits:
-            if seen.confidence < SURE or seen.kind not in self._scene.cell.produce:
+    def on_image(self, observation: Observation) -> None:
+        """Compare the detections with the fruit in the scene."""
+        fruits = [fruit for fruit in self._scene.truth().fruits.values() if not fruit.gripped]
+        for detected in observation.fruits:
+            if detected.confidence < SURE_CONFIDENCE or detected.kind not in self._scene.cell.produce:
                 continue
-            away = {fruit.name: hypot(seen.x - fruit.position[0], seen.y - fruit.position[1]) for fruit in fruits}
-            same = [fruit for fruit in fruits if fruit.kind == seen.kind and away[fruit.name] < NEAR]
-            if not same:
+            distances = {
+                fruit.name: hypot(detected.x - fruit.position[0], detected.y - fruit.position[1]) for fruit in fruits
+            }
+            matches = [
+                fruit for fruit in fruits if fruit.kind == detected.kind and distances[fruit.name] < MATCHING_DISTANCE
+            ]
+            if not matches:
                 self.vision.false += 1
                 continue
-            meant = min(same, key=lambda fruit: away[fruit.name])
-            if meant.place is None:
-                self.vision.positions.append(float(away[meant.name]))
-                self.vision.diameters.append(abs(seen.diameter / meant.diameter - 1.0))
+            matched = min(matches, key=lambda fruit: distances[fruit.name])
+            if matched.place is None:
+                self.vision.positions.append(float(distances[matched.name]))
+                self.vision.diameters.append(abs(detected.diameter / matched.diameter - 1.0))
 
     def overlooked(self, packing: Packing) -> int:
-        """Count fruit that lies in no container though a place that is free takes its kind and grade."""
-        cell, free = self._scene.cell, {place.container for place in packing.free}
-        taken = {(cell.container[name].kind, cell.container[name].grade) for name in free}
+        """Return the number of fruit outside containers whose kind and grade a free place accepts."""
+        cell, open_containers = self._scene.cell, {place.container for place in packing.free}
+        accepted = {(cell.container[name].kind, cell.container[name].grade) for name in open_containers}
         fruits = self._scene.truth().fruits.values()
-        return sum(fruit.place is None and (fruit.kind, fruit.grade) in taken for fruit in fruits)
+        return sum(fruit.place is None and (fruit.kind, fruit.grade) in accepted for fruit in fruits)
 
-    def picked(self, pick: Pick) -> None:  # noqa: ARG002  (as all observers)
-        """Keep what was noted of the pick."""
+    def on_pick_end(self, pick: Pick) -> None:  # noqa: ARG002  (as all observers)
+        """Append the fruit carried in this pick and its distance from its place at release (m), and reset both."""
         self._picks.append((self._carried, self._error))
         self._carried, self._error = "", nan
 
@@ -71,11 +79,12 @@ class Evaluator(Observer):
         ]
 
     def _verdict(self, pick: Pick, fruit: FruitTruth, error: float) -> Verdict:
+        """Return the verdict on a pick: correct if placed, in the chosen place, among its kind and grade."""
         place = pick.choice.place
         container = self._scene.cell.container[place.container]
         inside = fruit.place is not None and fruit.place[0] == place.container
         x, y = container.places[fruit.place[1]] if inside and fruit.place is not None else (nan, nan)
-        there = dist((x, y), (place.x, place.y)) < 1e-6
+        in_chosen_place = dist((x, y), (place.x, place.y)) < 1e-6
         belongs = (fruit.kind, fruit.grade) == (container.kind, container.grade)
-        correct = pick.outcome is Outcome.PLACED and there and belongs
+        correct = pick.outcome is PickOutcome.PLACED and in_chosen_place and belongs
         return Verdict(fruit.name, fruit.kind, fruit.grade, correct, error, fruit.peak_acceleration, fruit.press)

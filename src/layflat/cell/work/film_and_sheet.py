@@ -1,24 +1,23 @@
-"""Images of a run: a film of the cell, and a sheet with the image by which each pick was chosen."""
+"""Pictures of a run: a film of the cell, and a contact sheet with the image by which each pick was chosen."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
 from pathlib import Path
 
-from layflat.cell.pictures import ContactSheet, Film, captioned
-from layflat.cell.plan.order import Choice
-from layflat.cell.plan.pick import Outcome, State
+from layflat.cell.pictures import ContactSheet, Film, add_caption
+from layflat.cell.plan.order import PickChoice
+from layflat.cell.plan.pick import PickOutcome, PickState
 from layflat.cell.scene import Scene
 from layflat.cell.scene.camera import SimulatedCamera
-from layflat.cell.vision import Calibration, draw
-from layflat.cell.work.observer import Observer
-from layflat.cell.work.records import Delivery, Pick, Verdict
-from layflat.cell.work.results import Summary, counted
+from layflat.cell.vision import Calibration, draw_detections
+from layflat.cell.work.observer import Delivery, Observer, Pick, Verdict
+from layflat.cell.work.results import PackingSummary, count_noun
 
-FPS = 10.0  # frames of a film a second of the cell's time
+FPS = 10.0  # frames of a film per second of the cell's time
 
 
 class FilmAndSheet(Observer):
-    """Makes a film, if one is open, and a contact sheet."""
+    """Observer that makes a film, if one is open, and a contact sheet."""
 
     def __init__(self, film: Film | None, sheet: ContactSheet, calibration: Calibration) -> None:
         self._film, self.sheet, self._calibration = film, sheet, calibration
@@ -27,61 +26,77 @@ class FilmAndSheet(Observer):
         self._doing, self._packed = "takes an image of the tray", 0
         self.deliveries: list[Delivery] = []
 
-    def begins(self, scene: Scene, camera: SimulatedCamera | None) -> None:  # noqa: ARG002  (as all observers)
-        """Film also a tray from which nothing is picked."""
+    def on_delivery_start(self, scene: Scene, camera: SimulatedCamera | None) -> None:  # noqa: ARG002  (as all observers)
+        """Add the first frame, also of a delivery from which nothing is picked."""
         self._camera, self._next, self._doing = camera, 0.0, "takes an image of the tray"
-        self.cycle(0.0)
+        self.on_control_cycle(0.0)
 
-    def cycle(self, time: float) -> None:
-        """Add a frame, if it is time for one."""
+    def on_control_cycle(self, time: float) -> None:
+        """Add a frame, if one is due."""
         if self._film is not None and self._camera is not None and time >= self._next:
             self._next += 1.0 / FPS
-            left = f"delivery {len(self.deliveries) + 1}: {self._doing}"
+            caption = f"delivery {len(self.deliveries) + 1}: {self._doing}"
             frame = self._camera.picture("overview")
-            self._film.add(captioned(frame, left, f"{time:.0f} s, {self._packed} packed"))
+            self._film.add(add_caption(frame, caption, f"{time:.0f} s, {self._packed} packed"))
 
-    def phase(self, choice: Choice, before: State, after: State) -> None:  # noqa: ARG002  (as all observers)
-        """Note what the next frames show."""
+    def on_phase_change(self, choice: PickChoice, before: PickState, after: PickState) -> None:  # noqa: ARG002  (as all observers)
+        """Set the caption of the next frames.
+
+        Args:
+            choice: fruit and place of the pick.
+            before: state of the pick in its last phase.
+            after: state in its new phase.
+        """
         self._doing = f"{choice.fruit.kind}: the arm {after.phase.value}"
 
-    def picked(self, pick: Pick) -> None:
-        """Count what is packed."""
-        self._packed += pick.outcome is Outcome.PLACED
+    def on_pick_end(self, pick: Pick) -> None:
+        """Count packed fruit."""
+        self._packed += pick.outcome is PickOutcome.PLACED
         self._doing = "chooses the next fruit"
 
-    def ends(self, delivery: Delivery) -> None:
-        """Put the picks, now that they are evaluated, on the sheet."""
+    def on_delivery_end(self, delivery: Delivery) -> None:
+        """Add the evaluated picks to the sheet."""
         self.deliveries.append(delivery.without_pictures)
         for pick, verdict in zip(delivery.picks, delivery.verdicts, strict=True):
             if pick.observation.picture is not None:
-                self._add(pick, verdict)
+                self._add_tile(pick, verdict)
         if self._camera is not None and len(self.deliveries) == 1:
             final = self._camera.picture("overview")
-            self.sheet.overview(final, ("the cell after its first delivery", counted(len(delivery.picks), "pick")))
+            self.sheet.overview(final, ("the cell after its first delivery", count_noun(len(delivery.picks), "pick")))
         self._camera = None
 
-    def _add(self, pick: Pick, verdict: Verdict) -> None:
-        assert pick.observation.picture is not None  # as `ends` checks
+    def _add_tile(self, pick: Pick, verdict: Verdict) -> None:
+        """Add a pick to the contact sheet: its image, fruit and place, release error (mm), peak acceleration (m/s2)."""
+        assert pick.observation.picture is not None  # as `on_delivery_end` checks
         fruit, place = pick.choice.fruit, pick.choice.place
-        picture = draw(pick.observation.picture, pick.observation.detections)
+        picture = draw_detections(pick.observation.picture, pick.observation.detections)
         x, y = self._calibration.to_pixels([fruit.x, fruit.y, fruit.radius]).tolist()
         error, peak = 1e3 * verdict.release_error, verdict.peak_acceleration
         packed = f"{place.container} {place.name}, error {error:.1f} mm, {peak:.0f} m/s\N{SUPERSCRIPT TWO}"
-        result = packed if pick.outcome is Outcome.PLACED else pick.trouble
+        result = packed if pick.outcome is PickOutcome.PLACED else pick.trouble
         head = f"{len(self.deliveries)}.{pick.number}: {fruit.kind}, {fruit.grade}, {1e3 * fruit.diameter:.0f} mm"
         self.sheet.add(picture, (x, y), (head, result), failed="" if verdict.correct else verdict.word(pick))
 
 
 @contextmanager
-def film_and_sheet(film: Path | None, sheet: Path, title: str, calibration: Calibration) -> Iterator[FilmAndSheet]:
-    """Give an observer that leaves a film (.mp4, .gif or None) and a contact sheet (.png), if the block ends well.
+def record_film_and_sheet(
+    film: Path | None, sheet: Path, title: str, calibration: Calibration
+) -> Iterator[FilmAndSheet]:
+    """Yield an observer that writes a film and a contact sheet, if the block ends without an error.
 
-    What came of the picks is added to the title of the sheet. Raises OutputError where they can't be written.
+    Args:
+        film: path that ends in .mp4 or .gif; None: no film.
+        sheet: path that ends in .png.
+        title: title of the sheet, to which the result of the picks is added.
+        calibration: calibration of the camera.
+
+    Raises:
+        OutputError: a file can't be written.
     """
     with nullcontext() if film is None else Film(film, FPS) as opened:
         observer = FilmAndSheet(opened, ContactSheet(title), calibration)
         yield observer
-        found = Summary(observer.deliveries)
-        rate = f", {found.picks_a_minute:.1f} a minute" if found.picks else ""
-        observer.sheet.title = f"{title}: {found.correct} of {counted(found.picks, 'pick')} correct{rate}"
+        summary = PackingSummary(observer.deliveries)
+        rate = f", {summary.picks_a_minute:.1f} a minute" if summary.picks else ""
+        observer.sheet.title = f"{title}: {summary.correct} of {count_noun(summary.picks, 'pick')} correct{rate}"
         observer.sheet.save(sheet)

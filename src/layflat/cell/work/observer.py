@@ -1,63 +1,136 @@
-"""Who observes a cell at work: one protocol for progress, evaluation, films and sheets."""
+"""Records of a cell's work, and its observers: one protocol for progress, evaluation, films and sheets."""
 
 from collections.abc import Callable
+from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import Any
+from math import nan
+from typing import Any, Self
 
 from layflat.cell.perception import Observation
-from layflat.cell.plan.containers import Fruit
-from layflat.cell.plan.order import Choice
-from layflat.cell.plan.pick import State
+from layflat.cell.plan.order import Fruit, NotPicked, PickChoice
+from layflat.cell.plan.pick import PickOutcome, PickState
 from layflat.cell.scene import Scene
 from layflat.cell.scene.camera import SimulatedCamera
-from layflat.cell.work.records import Delivery, Pick
+from layflat.cell.scene.truth import Collision
+from layflat.errors import LayflatError
+
+
+@dataclass(frozen=True)
+class Pick:
+    """Record of one pick, by the cell's own sensors."""
+
+    number: int  # from 1
+    choice: PickChoice  # fruit and place
+    outcome: PickOutcome
+    trouble: str  # last failure, as one clause; empty where there was none
+    tries: int  # number of attempts to lower the cup on it
+    begin: float  # s
+    end: float  # s
+    air: float  # normal litres
+    observation: Observation  # last one with the fruit before the pick
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """Truth about a pick, known once its delivery is over."""
+
+    fruit: str = ""  # name of the carried fruit; empty where none was carried
+    kind: str = ""
+    grade: str | None = None  # None where it is of none
+    correct: bool = False  # True if it is in the chosen place, and of the kind and grade of that place
+    release_error: float = nan  # from its middle to that of its place when it was released, m; nan if it never was
+    peak_acceleration: float = nan  # greatest since the scene began, m/s^2
+    press: float = nan  # greatest force of the cup on it, N
+
+    def word(self, pick: Pick) -> str:
+        """Return the result of the pick in a word."""
+        if self.correct:
+            return "correct"
+        return "wrong" if pick.outcome is PickOutcome.PLACED else pick.outcome.name.lower()
+
+
+@dataclass
+class VisionErrors:
+    """Sure detections in the trays against the fruit in them, over all images of a delivery."""
+
+    positions: list[float] = field(default_factory=list)  # errors on the table, m
+    diameters: list[float] = field(default_factory=list)  # relative errors
+    false: int = 0  # detections of a known kind where no fruit of that kind is
+
+
+@dataclass(frozen=True, eq=False)
+class Delivery:
+    """Result of a delivery."""
+
+    seed: int  # of its scene
+    picks: tuple[Pick, ...]
+    verdicts: tuple[Verdict, ...]  # of each pick
+    not_picked: tuple[NotPicked, ...]  # and why
+    collisions: tuple[Collision, ...]  # of arm, lift or cup, except contacts of the cup with fruit
+    time: float  # from the first image to the last, s
+    vision: VisionErrors  # of fruit in trays
+    overlooked: int | None = None  # fruit that could have been packed in trays that were worked off; else None
+    error: LayflatError | None = None  # error that ended it early
+
+    @property
+    def without_pictures(self) -> Self:
+        """Copy without pictures, which take half a GB for a hundred picks."""
+        bare = (replace(pick.observation, picture=None, detections=()) for pick in self.picks)
+        picks = (replace(pick, observation=observation) for pick, observation in zip(self.picks, bare, strict=True))
+        return replace(self, picks=tuple(picks))
 
 
 class Observer:
-    """Base of all observers, which does nothing."""
+    """Base of all observers: a method for each event, called when it occurs; here they do nothing."""
 
-    def begins(self, scene: Scene, camera: SimulatedCamera | None) -> None:
-        """A delivery begins; there is no camera where no image can be rendered."""
+    def on_delivery_start(self, scene: Scene, camera: SimulatedCamera | None) -> None:
+        """Handle the start of a delivery; `camera` is None where no image can be rendered."""
 
-    def cycle(self, time: float) -> None:
-        """A control cycle is over, s since the delivery began."""
+    def on_control_cycle(self, time: float) -> None:
+        """Handle the end of a control cycle; `time` is counted from the start of the delivery, s."""
 
-    def chosen(self, fruit: Fruit, observation: Observation) -> None:
-        """A pick begins: of a fruit as it lay in the image by which it was chosen."""
+    def on_pick_start(self, fruit: Fruit, observation: Observation) -> None:
+        """Handle the start of a pick: the fruit, as it lay in the observation by which it was chosen."""
 
-    def phase(self, choice: Choice, before: State, after: State) -> None:
-        """A pick's phase has changed."""
+    def on_phase_change(self, choice: PickChoice, before: PickState, after: PickState) -> None:
+        """Handle the change of a pick's phase.
 
-    def observed(self, observation: Observation) -> None:
-        """An image was taken and could be used."""
+        Args:
+            choice: fruit and place of the pick.
+            before: state in its last phase.
+            after: state in its new phase.
+        """
 
-    def picked(self, pick: Pick) -> None:
-        """A pick has ended."""
+    def on_image(self, observation: Observation) -> None:
+        """Handle an image that was taken and could be used."""
 
-    def ends(self, delivery: Delivery) -> None:
-        """The delivery is over and evaluated; the scene is still there."""
+    def on_pick_end(self, pick: Pick) -> None:
+        """Handle the end of a pick."""
+
+    def on_delivery_end(self, delivery: Delivery) -> None:
+        """Handle the end of a delivery, which is evaluated; the scene still exists."""
 
 
 class Observers(Observer):
-    """Observers as one: each event goes to all, in the order given."""
+    """Composite of observers: each event is passed to all, in their order."""
 
     def __init__(self, *observers: Observer) -> None:
-        for event in ("begins", "cycle", "chosen", "phase", "observed", "picked", "ends"):
-            setattr(self, event, partial(_tell, [getattr(observer, event) for observer in observers]))
+        for event in [name for name in vars(Observer) if name.startswith("on_")]:
+            setattr(self, event, partial(_notify, [getattr(observer, event) for observer in observers]))
 
 
 class PickCounter(Observer):
-    """Calls `count` with the number of picks that have ended, after every pick."""
+    """Observer that calls `count` with the number of picks that have ended, after every pick."""
 
     def __init__(self, count: Callable[[int], object]) -> None:
         self._count, self._picks = count, 0
 
-    def picked(self, pick: Pick) -> None:  # noqa: ARG002  (as all observers)
-        """Count one more."""
+    def on_pick_end(self, pick: Pick) -> None:  # noqa: ARG002  (as all observers)
+        """Count the pick."""
         self._picks += 1
         self._count(self._picks)
 
 
-def _tell(calls: list[Callable[..., None]], *event: Any) -> None:
+def _notify(calls: list[Callable[..., None]], *event: Any) -> None:
     for call in calls:
         call(*event)

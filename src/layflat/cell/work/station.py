@@ -1,4 +1,4 @@
-"""The cell's hardware in simulation, on one clock: the arm behind the rig's control loop, lift and cup."""
+"""Simulated hardware of the cell, on one clock: the arm behind the rig's control loop, lift and cup."""
 
 from collections.abc import Callable
 
@@ -6,102 +6,104 @@ import numpy as np
 
 from layflat.arrays import Array
 from layflat.bridge import MujocoPlant
-from layflat.cell.plan.pick import Command, Readings, Relocation
+from layflat.cell.plan.pick import CellReadings, PickCommand, Relocation
 from layflat.cell.scene import Scene
 from layflat.errors import RigStoppedError
 from layflat.machine import Machine
-from layflat.motion.following import following
 from layflat.motion.limits import arm_limits
-from layflat.motion.meeting import Course, Meeting, meet
-from layflat.motion.reach import Angles
-from layflat.motion.trajectory import States, at_rest
-from layflat.motion.travel import move_arm
+from layflat.motion.meeting import Meeting, MovingTarget, plan_meeting
+from layflat.motion.planar import Angles
+from layflat.motion.trajectory import States, rest_states
+from layflat.motion.travel import demand_style, plan_move
 from layflat.physics.air import NORMAL_DENSITY
-from layflat.rig.clock import SECOND, Clock, VirtualClock
-from layflat.rig.device.virtual import VirtualDevice
+from layflat.rig.clock import NS_PER_SECOND, LoopClock, VirtualClock
+from layflat.rig.device.virtual import SimulatedDriver, VirtualDevice
 from layflat.rig.driver import Driver
-from layflat.rig.drivers.simulated import SimulatedDriver
-from layflat.rig.loop import Loop
-from layflat.rig.record import Layout
-from layflat.rig.safety.states import State
+from layflat.rig.loop import RigLoop
+from layflat.rig.record import RowLayout
+from layflat.rig.safety.faults import RigState
 from layflat.rig.safety.supervisor import HostRequest
 
-LITRES = 1000.0  # in a m3
-MEAN_AGE = 1.5  # of averaged angles, cycles: they are means of four samples
-SOON = 0.4  # in which a meeting usually comes, s
-NOWHERE: Angles = ()  # target of an arm that goes with what moves
+LITRES_PER_CUBIC_METRE = 1000.0
+MEAN_AGE = 1.5  # of averaged angles, which are means of four samples, cycles
+TYPICAL_MEETING_TIME = 0.4  # until the arm meets a moving fruit, s
+NO_TARGET: Angles = ()  # of an arm that follows a moving fruit
 
 
-class Arm:
-    """An arm on a rig whose air is there; it is the host of the rig's loop, and goes to targets within its limits.
+class CellArm:
+    """Arm on a rig with air supply: the host of the rig's control loop, which moves to targets within its limits.
 
-    The driver of its rig is not yet configured. The load (kg) is the greatest that it carries, lift included, and the
-    speed (m/s) the greatest of its tip.
+    Args:
+        machine: description.
+        driver: driver of the rig, not yet configured.
+        clock: clock of the control loop.
+        load: greatest load, lift included, kg.
+        tip_speed: greatest speed of the tip, m/s.
     """
 
     ended = False
 
-    def __init__(self, machine: Machine, driver: Driver, clock: Clock, *, load: float, tip_speed: float) -> None:
+    def __init__(self, machine: Machine, driver: Driver, clock: LoopClock, *, load: float, tip_speed: float) -> None:
         self._machine, self._load, self._tip_speed = machine, load, tip_speed
-        self._layout = Layout.of(machine)
+        self._layout = RowLayout.for_machine(machine)
         driver.configure()
         driver.activate()
-        self.loop = Loop(machine, driver, clock, self, None)
+        self.loop = RigLoop(machine, driver, clock, self, None)
         first = driver.read()
-        self.loop.begin(first)
-        self.angles: Angles = tuple(first.angles.tolist())  # averaged, and led on by what that is late, rad
+        self.loop.start_filled(first)
+        self.angles: Angles = tuple(first.angles.tolist())  # averaged, and extrapolated by the delay of that, rad
         self.velocities: Angles = (0.0,) * len(self.angles)  # averaged, rad/s
-        self.target: Angles = self.angles  # where it is on the way to, rad
-        self._following = following(machine)
-        self._asked = at_rest(first.angles)  # in the last cycle
-        self._course = at_rest(first.angles[None])  # a row a cycle
+        self.target: Angles = self.angles  # of the present motion, rad
+        self._following = demand_style(machine)
+        self._asked = rest_states(first.angles)  # in the last cycle
+        self._course = rest_states(first.angles[None])  # a row a cycle
         self._at = 0  # row that is next
-        self._passing: Course | None = None  # of what it meets, and goes on with after the last row
-        self._now = clock.now() / SECOND  # of the last cycle, s
+        self._passing: MovingTarget | None = None  # of what it meets, and goes on with after the last row
+        self._now = clock.now() / NS_PER_SECOND  # of the last cycle, s
 
     @property
     def cycle(self) -> float:
-        """Of its control loop, s."""
+        """Cycle of the control loop, s."""
         return self.loop.deadlines.cycle
 
     def go(self, target: Angles) -> None:
-        """Move to a posture, rad."""
+        """Move to joint angles, rad."""
         if target != self.target:
-            way = move_arm(
+            way = plan_move(
                 self._machine, self._asked, np.array(target), payload=self._load, tip_speed=self._tip_speed,
-                shares=self._following.shares,
+                fractions=self._following.limit_fractions,
             )  # fmt: skip
             self._course, self._at = self._following.demands(way, self.cycle), 1
             self._passing, self.target = None, target
 
-    def meeting(self, course: Course) -> Meeting | None:
-        """Return how it would soonest come over what moves, and with its velocity; None where it can't."""
-        soon = min(max(course.enters, self._now + SOON), course.leaves)
+    def meeting(self, course: MovingTarget) -> Meeting | None:
+        """Return the earliest meeting with a moving fruit at its velocity; None where there is none."""
+        soon = min(max(course.entry_time, self._now + TYPICAL_MEETING_TIME), course.braking_time)
         if soon < self._now:
             return None
         middle = course.state(soon).angles
         limits = arm_limits(self._machine, self._asked.angles, middle, payload=self._load)
-        shares = limits.shares(*self._following.shares)
-        return meet(self._machine, self._asked, self._now, course, shares, self._tip_speed)
+        shares = limits.scaled(*self._following.limit_fractions)
+        return plan_meeting(self._machine, self._asked, self._now, course, shares, self._tip_speed)
 
-    def follow(self, course: Course) -> None:
-        """Go on to what moves, and with it; where it can't be met, what was known of its course before still counts."""
+    def follow(self, course: MovingTarget) -> None:
+        """Move to a moving fruit and follow it; where it can't be met, the last known course stays valid."""
         if course is not self._passing and (found := self.meeting(course)) is not None:
-            self._course, self._at = self._following.demands(found.way, self.cycle), 1
-            self._passing, self.target = course, NOWHERE
+            self._course, self._at = self._following.demands(found.motion, self.cycle), 1
+            self._passing, self.target = course, NO_TARGET
 
     def advance(self) -> None:
-        """Go through one control cycle; raise RigStoppedError where the rig's supervisor does not let it move."""
+        """Run one control cycle; raise RigStoppedError if the rig's supervisor has stopped the arm."""
         self.loop.cycle()
         supervisor = self.loop.supervisor
-        if supervisor.state not in {State.READY, State.MOVING}:
+        if supervisor.state not in {RigState.READY, RigState.MOVING}:
             raise RigStoppedError(f"the rig stopped: {supervisor.ledger.worst.title}")
 
     def request(self, now: int) -> HostRequest:
-        """Return what the course that it is on demands in this cycle."""
-        self._now, row = now / SECOND, self._at
+        """Return the demand of the present motion in this cycle."""
+        self._now, row = now / NS_PER_SECOND, self._at
         last = len(self._course.angles) - 1
-        if row > last and self._passing is not None and self._now < self._passing.leaves:
+        if row > last and self._passing is not None and self._now < self._passing.braking_time:
             self._asked = self._following.demand(self._passing.state(self._now))
         else:
             self._asked = States(*(of[min(row, last)] for of in self._course))
@@ -110,16 +112,19 @@ class Arm:
         return HostRequest(angles, velocities=velocities, accelerations=accelerations)
 
     def publish(self, row: Array) -> None:
-        """Read what the controllers know."""
+        """Read the controllers' averaged angles and velocities from a row of the record."""
         angles, velocities = self._layout.named(row, "averaged_angle"), self._layout.named(row, "averaged_velocity")
         self.angles = tuple((angles + MEAN_AGE * self.cycle * velocities).tolist())
         self.velocities = tuple(velocities.tolist())
 
 
-class Station:
-    """A scene's arm, lift and cup, as a control loop of 5 ms meets them: what is measured, and what is commanded.
+class CellStation:
+    """Arm, lift and cup of a scene as seen by a control loop of 5 ms: sensor readings and commands.
 
-    The seed is that of the sensors' noise; `each_cycle` is called after every control cycle.
+    Args:
+        scene: physical scene.
+        seed: seed of the sensors' noise.
+        each_cycle: called after every control cycle.
     """
 
     def __init__(self, scene: Scene, seed: int, each_cycle: Callable[[], object] = lambda: None) -> None:
@@ -129,28 +134,28 @@ class Station:
         )
         driver = SimulatedDriver(VirtualDevice(cell.machine, self._plant, self._clock, running=True))
         load = cell.lift.body + cell.lift.mass + cell.heaviest_fruit
-        self.arm = Arm(cell.machine, driver, self._clock, load=load, tip_speed=cell.limits.speed)
+        self.arm = CellArm(cell.machine, driver, self._clock, load=load, tip_speed=cell.limits.speed)
         self._top, self._each_cycle = cell.lift.clearance, each_cycle
 
     @property
     def time(self) -> float:
-        """Since it began, s."""
-        return self._clock.now() / SECOND
+        """Time since the start, s."""
+        return self._clock.now() / NS_PER_SECOND
 
     @property
     def air(self) -> float:
-        """Taken by joints, lift and cup so far, normal litres."""
+        """Air consumption of joints, lift and cup so far, normal litres."""
         joints = sum(ledger.air_taken for ledger in self._plant.ledgers) / NORMAL_DENSITY
-        return LITRES * (joints + self._scene.lift.air + self._scene.cup.air)
+        return LITRES_PER_CUBIC_METRE * (joints + self._scene.lift.air + self._scene.cup.air)
 
-    def measure(self, relocation: Relocation | None = None) -> Readings:
-        """Return what sensors give, and what an image showed of a fruit that was missed."""
+    def measure(self, relocation: Relocation | None = None) -> CellReadings:
+        """Return the sensor readings, with the relocation of a missed fruit by an image, if any."""
         arm, scene = self.arm, self._scene
         lip, speed = self._top - scene.stroke, -scene.stroke_speed
-        return Readings(self.time, arm.angles, arm.velocities, scene.cup.vacuum, lip, speed, relocation)
+        return CellReadings(self.time, arm.angles, arm.velocities, scene.cup.vacuum, lip, speed, relocation)
 
-    def advance(self, command: Command, course: Course | None = None) -> None:
-        """Go through one control cycle, with the arm on its way to the command's target, or with what is on a course.
+    def advance(self, command: PickCommand, course: MovingTarget | None = None) -> None:
+        """Run one control cycle, with the arm moving to the command's target, or following a course.
 
         Raises RigStoppedError as `Arm.advance`, DivergedError if the simulation did.
         """

@@ -1,4 +1,4 @@
-"""What the cell knows of its table: what images showed, and, of what the arm hid in them, what was known before.
+"""Model of the table: detected fruit, and remembered fruit at positions that the arm hid in the last image.
 
 | symbol | meaning | unit |
 |---|---|---|
@@ -6,8 +6,8 @@
 | P | middle of a fruit | m |
 | h | height of the arm's links | m |
 
-The arm hides a fruit if the line of sight C P passes the links, or what hangs from the tip, by less than their radius
-and the fruit's apparent radius at that height: r (C_z - h) / (C_z - P_z).
+The arm hides a fruit if the line of sight C P passes the links, or the tool at the tip, by less than the sum of their
+radius and the fruit's apparent radius at that height: r (C_z - h) / (C_z - P_z).
 """
 
 from collections.abc import Sequence
@@ -19,18 +19,18 @@ import numpy as np
 from layflat.arrays import Array
 from layflat.cell.file.model import Cell
 from layflat.cell.perception import Observation, Perception
-from layflat.cell.plan.containers import Fruit
+from layflat.cell.plan.order import Fruit
 from layflat.cell.work.observer import Observer
 from layflat.errors import PictureError
-from layflat.motion.reach import Angles, Reach
+from layflat.motion.planar import Angles, PlanarReach
 
-SAME = 15e-3  # two detections nearer than this are of one fruit, m: no two fit there
-HANGING = 0.05  # radius of what hangs from the tip, m: lift, cup and the largest fruit
+SAME_DISTANCE = 15e-3  # of two detections below which they are of one fruit, m: two fruit do not fit there
+TOOL_RADIUS = 0.05  # of lift, cup and the largest fruit at the tip, m
 
 
 @dataclass(frozen=True)
 class OcclusionModel:
-    """What the arm hides from a camera while it is still."""
+    """Model of the occlusion by a stationary arm in the camera's view."""
 
     camera: Array  # its position, (3,) m
     joints: Array  # axes of the joints and the tip, in order, (n + 1, 2) m
@@ -39,7 +39,7 @@ class OcclusionModel:
     half_height: float  # of the links, m
 
     def hides(self, fruit: Fruit) -> bool:
-        """Return whether any of a fruit is hidden."""
+        """Return whether any part of a fruit is hidden."""
         low, high = self.height - self.half_height, self.height + self.half_height
         for height in np.linspace(low, high, 3).tolist():
             at, radius = self._apparent(fruit, height)
@@ -48,50 +48,50 @@ class OcclusionModel:
                 return True
         for height in np.linspace(0.0, self.height, 5).tolist():
             at, radius = self._apparent(fruit, max(height, fruit.radius))
-            if float(np.linalg.norm(at - self.joints[-1])) < HANGING + radius:
+            if float(np.linalg.norm(at - self.joints[-1])) < TOOL_RADIUS + radius:
                 return True
         return False
 
     def _apparent(self, fruit: Fruit, height: float) -> tuple[Array, float]:
-        """Return where the line of sight passes a height (2,), m, and the fruit's apparent radius there."""
+        """Return the line of sight's point at a height, (2,) m, and the fruit's apparent radius there."""
         share = (self.camera[2] - height) / (self.camera[2] - fruit.radius)
         at: Array = self.camera[:2] + share * (np.array([fruit.x, fruit.y]) - self.camera[:2])
         return at, share * fruit.radius
 
 
 class WorldModel:
-    """Takes images of the table, gives the observations to an observer, and knows what lies there."""
+    """Model of the table, updated by images, whose observations are passed to an observer."""
 
-    def __init__(self, cell: Cell, perception: Perception, reach: Reach, observer: Observer) -> None:
+    def __init__(self, cell: Cell, perception: Perception, reach: PlanarReach, observer: Observer) -> None:
         self._cell, self._perception, self._reach, self._observer = cell, perception, reach, observer
-        self.known: list[Fruit] = []  # what lies on the table, as far as was observed
-        self.seen_in: dict[Fruit, Observation] = {}  # the last observation of each of these
+        self.known: list[Fruit] = []  # on the table, as observed
+        self.seen_in: dict[Fruit, Observation] = {}  # last observation of each known fruit
 
     @property
     def in_trays(self) -> list[Fruit]:
-        """What can be picked, as far as its place goes."""
+        """Fruit that lies in a tray."""
         return [fruit for fruit in self.known if self._cell.tray_at(fruit.x, fruit.y) is not None]
 
     @property
     def outside(self) -> list[Fruit]:
-        """What lies neither in a tray nor in a container."""
+        """Fruit that lies neither in a tray nor in a container."""
         inside = self.in_trays
         return [fruit for fruit in self.known if fruit not in inside and self._cell.place_at(fruit.x, fruit.y) is None]
 
     def update(self, time: float, arm: Angles | None) -> None:
-        """Take an image at a time (s), with the arm at its angles (rad), None where it is out of view.
+        """Update the model by an image at a time (s), with the arm's joint angles (rad), None where it is out of view.
 
-        Raises PictureError where it can't be used; all that was known is known still.
+        Raise PictureError where the image can't be used; the model is unchanged then.
         """
         observation = self._perception.observe(time)
         occlusion = self.occlusion(arm) if arm is not None else None
-        self.known = remembered(self.known, observation.fruits, occlusion)
-        # What is remembered is the very same fruit as in the observation that showed it.
+        self.known = update_fruit(self.known, observation.fruits, occlusion)
+        # Remembered fruit is the same object as in the observation that showed it.
         self.seen_in = {fruit: self.seen_in.get(fruit, observation) for fruit in self.known}
-        self._observer.observed(observation)
+        self._observer.on_image(observation)
 
-    def updated(self, time: float, arm: Angles | None) -> bool:
-        """Take an image; return whether it could be used."""
+    def try_update(self, time: float, arm: Angles | None) -> bool:
+        """Update as `update`; return whether the image could be used."""
         try:
             self.update(time, arm)
         except PictureError:
@@ -99,11 +99,11 @@ class WorldModel:
         return True
 
     def forget(self, fruit: Fruit) -> None:
-        """Drop a fruit that was picked up."""
+        """Remove a fruit that was picked up."""
         self.known = [other for other in self.known if other != fruit]
 
     def occlusion(self, arm: Angles) -> OcclusionModel:
-        """Return what the arm hides with its joints at angles, rad."""
+        """Return the occlusion by the arm at joint angles, rad."""
         joints = self._cell.machine.joints.values()
         radius = max(joint.cylinder.diameter for joint in joints) / 2
         half_height = max(joint.body.height for joint in joints) / 2
@@ -111,23 +111,31 @@ class WorldModel:
         return OcclusionModel(self._perception.position, axes, self._cell.mount.height, radius, half_height)
 
 
-def remembered(before: Sequence[Fruit], seen: Sequence[Fruit], occlusion: OcclusionModel | None) -> list[Fruit]:
-    """Return what lies on the table by now: all that is seen in the open, and what was known of what the arm hides."""
+def update_fruit(before: Sequence[Fruit], seen: Sequence[Fruit], occlusion: OcclusionModel | None) -> list[Fruit]:
+    """Return the fruit on the table: detections that are not hidden, and remembered fruit that is.
+
+    Args:
+        before: fruit known before.
+        seen: detections in the new image.
+        occlusion: occlusion by the arm in that image; None: it hides nothing.
+    """
     if occlusion is None:
         return list(seen)
-    in_the_open = [fruit for fruit in seen if not occlusion.hides(fruit)]
-    hidden = [one for one in before if occlusion.hides(one) and not any(same(one, new) for new in in_the_open)]
-    return in_the_open + hidden
+    visible = [fruit for fruit in seen if not occlusion.hides(fruit)]
+    hidden = [
+        known for known in before if occlusion.hides(known) and not any(is_same_fruit(known, new) for new in visible)
+    ]
+    return visible + hidden
 
 
-def apart(one: Fruit, other: Fruit) -> float:
+def fruit_distance(first: Fruit, second: Fruit) -> float:
     """Return the distance between the middles of two detections, m."""
-    return hypot(one.x - other.x, one.y - other.y)
+    return hypot(first.x - second.x, first.y - second.y)
 
 
-def same(one: Fruit, other: Fruit) -> bool:
+def is_same_fruit(first: Fruit, second: Fruit) -> bool:
     """Return whether two detections are of one fruit."""
-    return apart(one, other) < SAME
+    return fruit_distance(first, second) < SAME_DISTANCE
 
 
 def _distance(point: Array, start: Array, end: Array) -> float:

@@ -1,56 +1,59 @@
-"""Arrival at a goal, and the law's doubt of its model, in which it stops on the way.
+"""Arrival at a goal, and the residual of the model, by which the law gives up a motion.
 
-Arrival goes by the place of the tip, and by the joints that it does not tell of. A joint whose axis passes through the
-tip leaves it where it is, as the last one of most arms of six joints does, and with the elbow to either side the tip is
-at the same place. So each joint has to be near its own goal too: exactly where it moves the tip by little, and roughly
-where the tip's own tolerance tells of it.
+Arrival is decided by the position of the tip and by each joint's angle. The tip alone does not suffice: a joint whose
+axis passes through the tip does not move it, as the last joint of most six-joint arms, and with the elbow to either
+side the tip is at the same position. So each joint must also be near its own goal: within a tight tolerance where its
+error hardly moves the tip, and within a wide one where the tip's own tolerance already bounds it.
 
-Where the model is right, squares of the angles' innovations are their variances in the mean. Where they are many times
-that for a while, all that follows from the model is wrong, feedback included. Then the valves are centred and the
-brakes stay closed, until another goal is asked for, which is tried anew.
+If the model is right, the mean square of the angles' innovations is their variance. If it is many times that for a
+while, the model, and with it the feedback, is wrong. Then the valves are centred and the brakes stay closed until
+another goal is demanded, for which the law tries again.
 """
 
 from math import sqrt
 from typing import NamedTuple
 
-from layflat.control.tracking.reference import angle_of
+from layflat.control.tracking.reference import reference_angle
 from layflat.jit import composition, law
 from layflat.lanes import each, gather, select, slots
-from layflat.physics.algebra import largest
+from layflat.physics.algebra import max_magnitude
 from layflat.physics.arms import tip_in_space
 
-MEMORY = 0.3  # time over which squares are averaged, s
-MOST = 64.0  # mean square over the variance from which the model is not gone by
-CAP = 120.0  # of a single square: a push is no doubt
-ELSEWHERE = 0.02  # from where a goal was given up that another one is, rad
+AVERAGING_TIME = 0.3  # time constant of the mean of the squares, s
+MAX_MEAN_SQUARE = 64.0  # mean square over the variance above which the model counts as wrong
+MAX_SQUARE = 120.0  # square over the variance to which a single one is clipped, so that a push does not stop the arm
+NEW_GOAL_ANGLE = 0.02  # distance from the goal that was given up beyond which a goal is another one, rad
 
 
-class Doubt(NamedTuple):
-    """Memory of it."""
+class ModelResidual(NamedTuple):
+    """Residual of the law's model, and the goal that was given up because of it."""
 
-    mean: float  # of the squares
-    held: float  # 1 where the goal was given up, else 0
-    goal: tuple[float, ...]  # that was given up, rad
+    mean: float  # of the squares of innovations over their variances
+    held: float  # 1 while a goal is given up and the arm is held, else 0
+    goal: tuple[float, ...]  # the goal that was given up, rad
 
 
 @law
-def _apart(a, b):
+def _difference(a, b):
     return a - b
 
 
 @law
-def _kept(held, before, goal):
+def _held_goal(held, before, goal):
     return select(held > 0.5, before, goal)
 
 
 @composition
-def doubted(doubt, square, goals, T):
-    """Return the doubt after a cycle with such a square over its variance; goals: angles, rad."""
-    tried = largest(each(_apart, goals, doubt.goal)) > ELSEWHERE
-    held, mean = select(tried, 0.0, doubt.held), select(tried & (doubt.held > 0.5), 0.0, doubt.mean)
-    mean = mean + min(T / MEMORY, 1.0) * (min(square, CAP) - mean)
-    held = select(mean > MOST, 1.0, held)
-    return Doubt(mean, held, each(_kept, held, doubt.goal, goals))
+def update_residual(residual, square, goals, T):
+    """Return the residual after a cycle.
+
+    Args: residual before it; square of the cycle's greatest innovation over its variance; goals, rad, a tuple; T.
+    """
+    new_goal = max_magnitude(each(_difference, goals, residual.goal)) > NEW_GOAL_ANGLE
+    held, mean = select(new_goal, 0.0, residual.held), select(new_goal & (residual.held > 0.5), 0.0, residual.mean)
+    mean = mean + min(T / AVERAGING_TIME, 1.0) * (min(square, MAX_SQUARE) - mean)
+    held = select(mean > MAX_MEAN_SQUARE, 1.0, held)
+    return ModelResidual(mean, held, each(_held_goal, held, residual.goal, goals))
 
 
 class Tolerance(NamedTuple):
@@ -58,7 +61,7 @@ class Tolerance(NamedTuple):
 
     tip: float  # m
     angle: float  # of a joint, rad
-    blind: float  # the same where so much does not take the tip out of its own, rad
+    blind: float  # of a joint whose error of `angle` would not take the tip out of its tolerance, rad
 
 
 @law
@@ -74,7 +77,7 @@ def _error(q, goal):
 
 @law
 def _excess(error, moved, tolerance):
-    # Over the tolerance; `moved`: by how much this error alone moves the tip, m.
+    """Return a joint's error over its tolerance; `moved`: distance by which this error alone moves the tip, m."""
     visible = moved * tolerance.angle > tolerance.tip * error
     return error / select(visible, tolerance.angle, tolerance.blind)
 
@@ -82,11 +85,11 @@ def _excess(error, moved, tolerance):
 @composition
 def has_arrived(arm, q, goals, tolerance):
     """Return whether an arm at angles q (rad) is within a `Tolerance` of its goals, by its tip and by every joint."""
-    p = each(angle_of, goals)
-    place, at, moved = tip_in_space(arm, p), slots(q), slots(p)
+    p = each(reference_angle, goals)
+    tip, angles, moved = tip_in_space(arm, p), slots(q), slots(p)
     for j in range(len(q)):
-        beside = slots(p)
-        beside[j] = at[j]
-        moved[j] = _distance(tip_in_space(arm, gather(p, beside)), place)
+        with_error = slots(p)
+        with_error[j] = angles[j]
+        moved[j] = _distance(tip_in_space(arm, gather(p, with_error)), tip)
     excess = each(_excess, each(_error, q, p), gather(p, moved), tolerance)
-    return (_distance(tip_in_space(arm, q), place) < tolerance.tip) & (largest(excess) < 1.0)
+    return (_distance(tip_in_space(arm, q), tip) < tolerance.tip) & (max_magnitude(excess) < 1.0)

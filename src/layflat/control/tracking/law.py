@@ -1,20 +1,19 @@
-"""The tracking law: the whole arm follows its demand, moving or at rest, with a model of itself in the loop.
+"""The tracking law: model-based control of the whole arm towards moving and resting demands.
 
-In a cycle it
-1. corrects its model by what the sensors say, and estimates loads, friction and payload (estimation.py);
-2. looks where the model would be a cycle later with its valves centred;
-3. plans where it should be then: a reference that limits of torque and valve allow (planning.py, limits.py);
-4. finds the torques that take it there: those of the rigid body with feedback on angle and velocity, of friction and
-   losses on the way, against loads (torques.py);
-5. finds the openings that bring the air to these torques, by running the model with the valves open as well; a third
-   run, with the openings found, is what the model predicts (valves.py).
+In every control cycle it
+1. corrects its model by the sensors' readings, and estimates loads, friction and payload (estimation.py);
+2. predicts the model's state a cycle later with centred valves (valves.py);
+3. plans the reference for that time within the limits of torques and valves (planning.py, limits.py);
+4. computes the torques towards the reference: rigid-body dynamics with feedback of angle and velocity, compensation of
+   friction and losses, and loads (torques.py);
+5. computes the openings with which the air exerts these torques, from a second simulation of the model with open
+   valves; a third one, with these openings, predicts the state of the next cycle (valves.py).
 
-Besides, it sets brakes, dither and supply (auxiliary.py, stiffness.py), and gives up where its model is wrong
-(arrival.py).
+It also commands brakes, dither and supply (auxiliary.py), and gives up a motion if its model is wrong (arrival.py).
 
 | symbol | meaning | unit |
 |---|---|---|
-| q, dp | angle and differential pressure that sensors say | rad, Pa |
+| q, dp | measured angle and differential pressure | rad, Pa |
 | e | innovation of the angle | rad |
 | T | time since the last cycle | s |
 """
@@ -22,70 +21,83 @@ Besides, it sets brakes, dither and supply (auxiliary.py, stiffness.py), and giv
 from math import sqrt
 from typing import Any, NamedTuple
 
-from layflat.control.contract import Command
-from layflat.control.tracking.arrival import Doubt, doubted, has_arrived
-from layflat.control.tracking.auxiliary import Auxiliary, asked_of, begun, rested_for, tolerance_of
+from layflat.control.signals import Command
+from layflat.control.tracking.arrival import ModelResidual, has_arrived, update_residual
+from layflat.control.tracking.auxiliary import (
+    AuxiliaryState,
+    initial_auxiliary,
+    request_auxiliaries,
+    resting_time,
+    resting_tolerance,
+    state_stiffness,
+)
 from layflat.control.tracking.estimation import (
+    MatrixZeros,
     ParameterEstimate,
     Prior,
-    Shapes,
-    estimate_of,
-    heaviest,
     initial_estimate,
-    propagated,
-    updated,
+    load_estimate,
+    propagate_parameters,
+    update_parameters,
+    upper_payload,
 )
-from layflat.control.tracking.limits import ActuatorLimits, Margins, Parts
+from layflat.control.tracking.limits import ActuatorLimits, LawParts, Margins
 from layflat.control.tracking.model import (
-    Innovation,
     ObserverTuning,
-    Plant,
-    angle_of_state,
+    PlantModel,
+    PressureInnovations,
     at_rest,
-    gains_of,
-    placed,
-    pressure_correction,
+    correct_pressure,
+    joint_angle,
+    observer_gains,
+    place_joint,
 )
-from layflat.control.tracking.planning import PathState, goal_of, governed, is_resting, plan_of, stays
+from layflat.control.tracking.planning import (
+    PathState,
+    delayed_goal,
+    govern_references,
+    is_resting,
+    is_to_stay,
+    plan_cycle,
+)
 from layflat.control.tracking.reference import Reference
-from layflat.control.tracking.stiffness import stiffness_of
-from layflat.control.tracking.torques import SLOW, Feedback, computed_torques, reanchored
-from layflat.control.tracking.valves import free_response, states_on_arrival, valve_openings
+from layflat.control.tracking.torques import RESTING_SPEED, Feedback, compute_torques, reanchor_path
+from layflat.control.tracking.valves import free_response, predict_arrival, valve_openings
 from layflat.jit import composition, law
 from layflat.lanes import each, select
-from layflat.physics.algebra import diagonal, largest
+from layflat.physics.algebra import diagonal, max_magnitude
 from layflat.physics.arms import dynamics
-from layflat.physics.delay import Line
+from layflat.physics.driver import CommandDelayLine
 
 
 class Settings(NamedTuple):
-    """Settings of the law; tuples with an item a joint but for those of estimation.py."""
+    """Settings of the law; tuples have an item per joint, except in those of estimation.py."""
 
-    plant: Plant
+    plant: PlantModel
     actuators: tuple[ActuatorLimits, ...]
     observer: tuple[ObserverTuning, ...]
     feedback: tuple[Feedback, ...]
     margins: Margins
-    parts: Parts
+    parts: LawParts
     prior: Prior
-    shapes: Shapes
+    shapes: MatrixZeros
 
 
 class Memory(NamedTuple):
-    """Memory of the law: its model's state, its parameters, and where it is on its path."""
+    """Memory of the law: states of its model, estimated parameters, and state of its path."""
 
     states: tuple[Any, ...]
-    lines: tuple[Line, ...]  # commands on their way to the valves
-    innovations: tuple[Innovation, ...]
+    lines: tuple[CommandDelayLine, ...]  # commands on their way to the valves
+    innovations: tuple[PressureInnovations, ...]
     parameters: ParameterEstimate
     path: PathState
-    waited: float  # how long the arm has been at rest where it landed, s
-    doubt: Doubt
-    auxiliary: Auxiliary
+    waited: float  # time for which the arm has rested where it landed, s
+    residual: ModelResidual
+    auxiliary: AuxiliaryState
 
 
 class Report(NamedTuple):
-    """Signals of a joint that the law shows in a cycle; `SIGNALS` has units and meanings."""
+    """Signals of a joint that the law reports in a cycle; `SIGNALS` has units and meanings."""
 
     estimated_angle: float
     estimated_velocity: float
@@ -123,29 +135,46 @@ SIGNALS = {
     "model_error": ("1", "errors of the model's angles lately, over those to be expected"),
     "given_up": ("1", "1 while the model is too far from the plant, and the arm is held"),
 }
-"""Unit and meaning of what is reported."""
+"""Unit and meaning of each field of `Report`."""
 
-WAIT = 0.03  # an arm that is at rest beside its goal for so long sets out again, s
-# Standard errors of the angle's sensor by which a joint that is held does not seem to move: with dither, and without,
-# where nothing shakes it, and noise has hours to seem a motion.
-STILL, QUIET_STILL = 2.6, 8.0
+LANDING_WAIT = 0.03  # time at rest outside its tolerance after which an arm starts a new path to its goal, s
+# Innovation, in standard errors of the sensor, up to which a joint that friction holds counts as stationary: with
+# dither, and without, when noise would otherwise look like a motion in hours at rest.
+STATIONARY_ERRORS, QUIET_STATIONARY_ERRORS = 2.6, 8.0
 
 
 @law
-def _begun(joint, q, dp, around):
+def _initial_joint(joint, q, dp, around):
+    """Return a joint's initial state at rest, empty delay line and innovations, and a reference at its angle."""
     zero = 0.0 * q
-    return at_rest(joint, q, dp, around), Line(zero, zero, zero), Innovation(zero, zero), Reference(q, zero, zero)
+    return (
+        at_rest(joint, q, dp, around),
+        CommandDelayLine(zero, zero, zero),
+        PressureInnovations(zero, zero),
+        Reference(q, zero, zero),
+    )
 
 
 @composition
 def wake(settings, sensed):
-    """Return the memory of a law that begins at these measurements, at rest."""
+    """Return the memory of the law at the start, at rest at the sensors' readings."""
     joints, around = settings.plant.joints, settings.plant.around
-    states, lines, innovations, references = each(_begun, joints, sensed.angle, sensed.differential_pressure, around)
+    states, lines, innovations, references = each(
+        _initial_joint, joints, sensed.angle, sensed.differential_pressure, around
+    )
     zero = 0.0 * settings.plant.around.ambient_pressure
     parameters = initial_estimate(settings.prior, settings.shapes)
     path = PathState(references, zero, zero)
-    return Memory(states, lines, innovations, parameters, path, zero, Doubt(zero, zero, sensed.angle), begun(joints))
+    return Memory(
+        states,
+        lines,
+        innovations,
+        parameters,
+        path,
+        zero,
+        ModelResidual(zero, zero, sensed.angle),
+        initial_auxiliary(joints),
+    )
 
 
 @law
@@ -154,45 +183,50 @@ def _innovation(state, q):
 
 
 @law
-def _corrected(joint, state, innovation, observer, gains, q, dp, turn, speed, shares, around):
-    # State after the measurements of a joint; what was estimated turns it (rad) and changes its speed (rad/s).
+def _correct_joint(joint, state, innovation, observer, gains, q, dp, rotation, speed, shares, around):
+    """Return a joint's state corrected by its measurements, and the pressure innovations after them.
+
+    The estimated parameters change its angle by `rotation` (rad) and its velocity by `speed` (rad/s).
+    """
     motion = state.motion
-    e = q - motion.angle - turn
-    still = QUIET_STILL + shares.dither * (STILL - QUIET_STILL)
-    calm = (motion.velocity == 0.0) & (abs(e) < still * observer.angle)
-    v = motion.velocity + speed + select(calm, 0.0, gains.velocity) * e
-    missing = dp - (state.hose_a.pressure - state.hose_b.pressure)
-    change, after = pressure_correction(observer, innovation, missing)
-    return placed(joint, state, motion.angle + turn + gains.angle * e, v, change, around), after
+    e = q - motion.angle - rotation
+    errors = QUIET_STATIONARY_ERRORS + shares.dither * (STATIONARY_ERRORS - QUIET_STATIONARY_ERRORS)
+    stationary = (motion.velocity == 0.0) & (abs(e) < errors * observer.angle)
+    v = motion.velocity + speed + select(stationary, 0.0, gains.velocity) * e
+    pressure_error = dp - (state.hose_a.pressure - state.hose_b.pressure)
+    change, after = correct_pressure(observer, innovation, pressure_error)
+    return place_joint(joint, state, motion.angle + rotation + gains.angle * e, v, change, around), after
 
 
 @law
-def _sent(line, opening):
-    return Line(opening, line.last_1, line.last_2)
+def _send_command(line, opening):
+    return CommandDelayLine(opening, line.last_1, line.last_2)
 
 
 @law
-def _again(state, reference, again):
-    # A reference that begins where the joint is.
+def _restart_reference(state, reference, restarts):
+    """Return the reference, or where `restarts` is true one at rest at the joint's angle."""
     return Reference(
-        select(again, state.motion.angle, reference.angle),
-        select(again, 0.0, reference.velocity),
-        select(again, 0.0, reference.acceleration),
+        select(restarts, state.motion.angle, reference.angle),
+        select(restarts, 0.0, reference.velocity),
+        select(restarts, 0.0, reference.acceleration),
     )
 
 
 @law
-def _moves(state):
-    return select(abs(state.motion.velocity) < SLOW, 0.0, 1.0)
+def _is_moving(state):
+    return select(abs(state.motion.velocity) < RESTING_SPEED, 0.0, 1.0)
 
 
 @law
-def _shown(joint, state, reference, wanted, load, friction, payload, landed, shares, doubt, around):
+def _joint_report(joint, state, reference, torque, load, friction, payload, landed, shares, residual, around):
+    """Return the law's signals of one joint: estimates, reference, torque, stiffness, fractions and model residual."""
     motion = state.motion
     dp = state.hose_a.pressure - state.hose_b.pressure
     return Report(
-        motion.angle, motion.velocity, dp, reference.angle, reference.velocity, wanted, load, friction, payload, landed,
-        stiffness_of(joint, state, around), shares.brake, shares.dither, shares.supply, sqrt(doubt.mean), doubt.held,
+        motion.angle, motion.velocity, dp, reference.angle, reference.velocity, torque, load, friction, payload, landed,
+        state_stiffness(joint, state, around), shares.brake, shares.dither, shares.supply, sqrt(residual.mean),
+        residual.held,
     )  # fmt: skip
 
 
@@ -202,70 +236,82 @@ def _voltage(joint, opening):
 
 
 @composition
-def _observed(settings, memory, sensed, asked, T):
-    """Return states, innovations and parameters after the measurements, and the gains that the angles had."""
+def _observe(settings, memory, sensed, request, T):
+    """Return states, innovations and parameters after the measurements, the observer's gains, and the residual."""
     plant = settings.plant
     errors = each(_innovation, memory.states, sensed.angle)
-    parameters, turns, speeds, doubt = updated(settings.prior, memory.parameters, errors, 1.0 - asked.compliant)
-    mass, _, _ = dynamics(
-        plant.arm, estimate_of(parameters, plant.joints, asked.mean).payload, sensed.angle, sensed.angle
+    parameters, turns, speeds, residual = update_parameters(
+        settings.prior, memory.parameters, errors, 1.0 - request.compliant
     )
-    gains = each(gains_of, settings.observer, diagonal(mass, sensed.angle), T)
+    mass, _, _ = dynamics(
+        plant.arm, load_estimate(parameters, plant.joints, request.mean).payload, sensed.angle, sensed.angle
+    )
+    gains = each(observer_gains, settings.observer, diagonal(mass, sensed.angle), T)
     states, innovations = each(
-        _corrected, plant.joints, memory.states, memory.innovations, settings.observer, gains, sensed.angle,
-        sensed.differential_pressure, turns, speeds, asked.mean, plant.around,
+        _correct_joint, plant.joints, memory.states, memory.innovations, settings.observer, gains, sensed.angle,
+        sensed.differential_pressure, turns, speeds, request.mean, plant.around,
     )  # fmt: skip
-    return states, innovations, parameters, gains, doubt
+    return states, innovations, parameters, gains, residual
 
 
 @composition
-def _landing(settings, memory, plan, references, goals, after, tolerance, T):
-    """Return the path, and how long the arm has waited: at rest beside its goal it sets out again from there, s."""
-    slow = (largest(each(_moves, after)) == 0.0) & (plan.landed > 0.5)
+def _update_landing(settings, memory, plan, references, goals, after, tolerance, T):
+    """Return the path and the time waited, s; an arm at rest outside its tolerance starts a new path from there."""
+    slow = (max_magnitude(each(_is_moving, after)) == 0.0) & (plan.landed > 0.5)
     waited = select(slow, memory.waited + T, 0.0)
-    angles = each(angle_of_state, after)
+    angles = each(joint_angle, after)
     missed = select(has_arrived(settings.plant.arm, angles, goals, tolerance), 0.0, 1.0) > 0.5
-    again = (waited > WAIT) & (plan.rests > 0.5) & missed & (settings.parts.landing > 0.5)
-    path = PathState(each(_again, after, references, again), plan.length, select(again, 0.0, plan.landed))
-    return path, select(again, 0.0, waited)
+    restarts = (waited > LANDING_WAIT) & (plan.rests > 0.5) & missed & (settings.parts.landing > 0.5)
+    references = each(_restart_reference, after, references, restarts)
+    path = PathState(references, plan.length, select(restarts, 0.0, plan.landed))
+    return path, select(restarts, 0.0, waited)
 
 
 @composition
 def step(settings, memory, sensed, demand, elapsed):
-    """Do one cycle; return memory, command and report (see control/kind.py)."""
+    """Return memory, command and report of one control cycle (see control/kind.py)."""
     plant, lines, T = settings.plant, memory.lines, elapsed
-    goals = each(goal_of, demand.angle, demand.velocity, demand.acceleration, T * len(plant.late))
-    gave_up = memory.doubt.held > 0.5
+    goals = each(delayed_goal, demand.angle, demand.velocity, demand.acceleration, T * len(plant.late))
+    gave_up = memory.residual.held > 0.5
     rests = select(is_resting(goals) | gave_up, 1.0, 0.0)
-    remains = select(stays(memory.path, goals) & (memory.doubt.held < 0.5), 1.0, 0.0)
-    asked, auxiliary = asked_of(plant, memory.auxiliary, memory.states, demand, rests, remains, T)
-    states, innovations, parameters, gains, square = _observed(settings, memory, sensed, asked, T)
-    doubt = doubted(memory.doubt, square, demand.angle, T)
-    estimate = estimate_of(parameters, plant.joints, asked.mean)
-    tolerance = tolerance_of(settings.margins, auxiliary, asked)
-    met, later = states_on_arrival(plant, states, lines, estimate, asked, T)
-    response = free_response(plant, met, lines, estimate, asked, T)
-    begun_anew = reanchored(settings, memory.path, response, asked.compliant)
-    most = heaviest(settings.prior, parameters)
-    plan = plan_of(settings, begun_anew, estimate, most, response, goals, tolerance, T)
-    torques = computed_torques(settings, plan, met, response, goals, estimate, asked, T)
+    remains = select(is_to_stay(memory.path, goals) & (memory.residual.held < 0.5), 1.0, 0.0)
+    request, auxiliary = request_auxiliaries(plant, memory.auxiliary, memory.states, demand, rests, remains, T)
+    states, innovations, parameters, gains, square = _observe(settings, memory, sensed, request, T)
+    residual = update_residual(memory.residual, square, demand.angle, T)
+    estimate = load_estimate(parameters, plant.joints, request.mean)
+    tolerance = resting_tolerance(settings.margins, auxiliary, request)
+    arrival, later = predict_arrival(plant, states, lines, estimate, request, T)
+    response = free_response(plant, arrival, lines, estimate, request, T)
+    path = reanchor_path(settings, memory.path, response, request.compliant)
+    payload = upper_payload(settings.prior, parameters)
+    plan = plan_cycle(settings, path, estimate, payload, response, goals, tolerance, T)
+    torques = compute_torques(settings, plan, arrival, response, goals, estimate, request, T)
     openings, after, lacks = valve_openings(
-        settings, met, lines, response, estimate, asked, torques, asked.controls * (1.0 - doubt.held), T
+        settings, arrival, lines, response, estimate, request, torques, request.controls * (1.0 - residual.held), T
     )
     if len(plant.late) == 0:
         later = after
-    references = governed(settings, plan, response, goals, lacks, T)
-    path, waited = _landing(settings, memory, plan, references, goals, after, tolerance, T)
-    parameters = propagated(
-        settings.prior, parameters, settings.shapes, plant.arm, gains, states, later, asked.mean, plan.left, T
+    references = govern_references(settings, plan, response, goals, lacks, T)
+    path, waited = _update_landing(settings, memory, plan, references, goals, after, tolerance, T)
+    parameters = propagate_parameters(
+        settings.prior,
+        parameters,
+        settings.shapes,
+        plant.arm,
+        gains,
+        states,
+        later,
+        request.mean,
+        plan.remaining_path,
+        T,
     )
-    rested = rested_for(plant, auxiliary, asked, after, response, estimate, plan.resting, T)
+    rested = resting_time(plant, auxiliary, request, after, response, estimate, plan.resting, T)
     report = each(
-        _shown, plant.joints, later, path.references, torques, estimate.loads, estimate.frictions, estimate.payload,
-        plan.landed, asked.mean, doubt, plant.around,
+        _joint_report, plant.joints, later, path.references, torques, estimate.loads, estimate.frictions,
+        estimate.payload, plan.landed, request.mean, residual, plant.around,
     )  # fmt: skip
-    auxiliary = Auxiliary(auxiliary.shares, rested, auxiliary.stiffness, auxiliary.way)
-    sent = each(_sent, lines, openings)
-    remembered = Memory(later, sent, innovations, parameters, path, waited, doubt, auxiliary)
-    command = Command(each(_voltage, plant.joints, openings), asked.shares)
-    return remembered, command, report
+    auxiliary = AuxiliaryState(auxiliary.shares, rested, auxiliary.stiffness, auxiliary.direction)
+    lines = each(_send_command, lines, openings)
+    memory = Memory(later, lines, innovations, parameters, path, waited, residual, auxiliary)
+    command = Command(each(_voltage, plant.joints, openings), request.shares)
+    return memory, command, report

@@ -1,188 +1,194 @@
-"""Limits of the motion along a path, by what the joints' actuators can do.
+"""Limits of the motion along a path, from the torques and torque rates of the joints' actuators.
 
 | symbol | meaning | unit |
 |---|---|---|
 | e | unit vector of the path from the reference to the goal, in joint space | 1 |
 | w | torque per acceleration along the path, of each joint: M e | kg m2 |
-| h | torque that holds a joint at rest less the middle of what its hoses give, along the path | N m |
-| c | torque of velocities on a joint, over the square of the velocity along the path | N m s2 |
+| h | torque that holds a joint at rest, less the middle of its torque range, positive along the path | N m |
+| c | Coriolis and centrifugal torque on a joint, over the square of the velocity along the path | N m s2 |
 """
 
 from math import inf, sqrt
 from typing import NamedTuple
 
 from layflat.control.tracking.arrival import Tolerance
-from layflat.control.tracking.reference import ASIDE, PathLimits, angle_of
+from layflat.control.tracking.reference import OFF_PATH_SPEED, PathLimits, reference_angle
 from layflat.jit import composition, law
 from layflat.lanes import each, select
-from layflat.physics.algebra import least, times
+from layflat.physics.algebra import min_item, multiply_symmetric
 from layflat.physics.arms import dynamics
 from layflat.physics.stops_and_springs import spring_torque
 
-LEAST_SHARE = 0.1  # of its torque that a joint is always given to accelerate, whatever its friction is estimated to be
-LEAST_INERTIA = 1e-3  # along a path, kg m2
-SWUNG = 0.4  # share of a joint's torque that may go against those of velocities: they grow with their square
+MIN_TORQUE_SHARE = 0.1  # share of its torque that a joint always has to accelerate, whatever its estimated friction
+MIN_INERTIA = 1e-3  # along a path, kg m2
+VELOCITY_TORQUE_SHARE = 0.4  # share of a joint's spare torque that Coriolis and centrifugal torques may take
 
 
 class ActuatorLimits(NamedTuple):
     """Limits of a joint's hoses and valve."""
 
-    torque: float  # greatest, to either side of the middle, N m
-    middle: float  # 0 with two hoses, N m
-    rate: float  # of the torque with the valve open, N m/s
-    speed: float  # at which an open valve just feeds the hoses, rad/s
+    torque: float  # half the range of torques, N m
+    middle: float  # middle of this range, N m; 0 with two hoses
+    rate: float  # of the torque with an open valve, N m/s
+    speed: float  # at which the flow of an open valve just fills the hoses' change of volume, rad/s
 
 
 class Margins(NamedTuple):
     """Shares of its actuators' limits that the arm uses, and its accuracy."""
 
-    braking: float  # share of the torque to decelerate that is planned with
-    late: float  # the same where a motion is late
+    braking: float  # share of the decelerating torque in plans
+    late: float  # share of it that may be used if a motion brakes late
     jerk: float  # share of the torque's rate
-    quickest: float  # no move is meant to take less, s
+    min_duration: float  # of a move, s
     tolerance: Tolerance
 
 
-class Parts(NamedTuple):
-    """Parts of the law, 1, or 0 where it does without one: for comparisons."""
+class LawParts(NamedTuple):
+    """Parts of the law: 1, or 0 to leave a part out for comparison."""
 
     feedforward: float  # of accelerations
-    friction: float  # torque against friction
-    governor: float  # that slows a reference which valves can't follow
-    landing: float  # setting out again from beside the goal
+    friction: float  # compensation of friction
+    governor: float  # slows a reference that the valves can't follow
+    landing: float  # new path from where the arm stopped outside its tolerance
 
 
 @law
-def holding(joint, q, pull):
+def holding_torque(joint, q, pull):
     """Return the torque that holds a joint at rest at an angle (rad) against a pull (N m) of its arm, N m."""
     return -(pull + spring_torque(joint.spring, q))
 
 
 @law
-def _held(actuator, holds, c, w, going):
-    # Along the path, what velocities add to it included.
-    h = holds - c * going * going - actuator.middle
+def _path_torque(actuator, holds, c, w, velocity):
+    """Return h, with the torque of the velocity along the path, N m."""
+    h = holds - c * velocity * velocity - actuator.middle
     return select(w < 0.0, -h, h)
 
 
 @law
-def _most(actuator, friction, held, w):
-    return max(actuator.torque - friction - held, LEAST_SHARE * actuator.torque) / w
+def _max_acceleration(actuator, friction, h, w):
+    return max(actuator.torque - friction - h, MIN_TORQUE_SHARE * actuator.torque) / w
 
 
 @law
-def _brakes(actuator, friction, held, w):
-    return max(actuator.torque + friction + held, LEAST_SHARE * actuator.torque) / w
+def _max_deceleration(actuator, friction, h, w):
+    return max(actuator.torque + friction + h, MIN_TORQUE_SHARE * actuator.torque) / w
 
 
 @law
-def _jerk(actuator, w):
+def _max_jerk(actuator, w):
     return actuator.rate / w
 
 
 @law
-def _speed(actuator, e):
+def _max_speed(actuator, e):
     return actuator.speed / max(abs(e), 1e-6)
 
 
 @law
-def _heaviest(here, on, there):
-    heavier, later = max(abs(here), LEAST_INERTIA), max(abs(on), abs(there))
-    return max(heavier, later)
+def _max_inertia(here, halfway, goal):
+    first, later = max(abs(here), MIN_INERTIA), max(abs(halfway), abs(goal))
+    return max(first, later)
 
 
 @law
-def _greater(here, on, there):
-    later = max(on, there)
+def _max_of_three(here, halfway, goal):
+    later = max(halfway, goal)
     return max(here, later)
 
 
 @law
-def _lesser(here, on, there):
-    later = min(on, there)
+def _min_of_three(here, halfway, goal):
+    later = min(halfway, goal)
     return min(here, later)
 
 
 @law
-def _bears(actuator, holds, c):
-    # Velocity along the path, rad/s, at which its share of the torque bears c.
-    spare = max(actuator.torque - abs(holds - actuator.middle), LEAST_SHARE * actuator.torque)
-    return sqrt(SWUNG * spare / max(abs(c), 1e-9))
+def _torque_limited_speed(actuator, holds, c):
+    """Return the velocity along the path, rad/s, at which c takes its share of the torque."""
+    spare = max(actuator.torque - abs(holds - actuator.middle), MIN_TORQUE_SHARE * actuator.torque)
+    return sqrt(VELOCITY_TORQUE_SHARE * spare / max(abs(c), 1e-9))
 
 
 @law
-def _between(q, p):
+def _midpoint(q, p):
     return 0.5 * (q + p)
 
 
 @law
-def own_limits(actuator, friction, inertia, holds, speed, margins):
-    """Return the limits of a joint alone, of an inertia (kg m2), whichever way it turns; a torque holds it at rest.
+def joint_path_limits(actuator, friction, inertia, holds, speed, margins):
+    """Return the limits of a joint by itself, in either direction.
 
-    No stop from a speed (rad/s) is meant to take less than a quarter of what a move takes: light joints would swing.
+    A stop takes at least a quarter of the min duration of a move, since light joints would oscillate otherwise.
+
+    Args: `ActuatorLimits`; friction, N m; inertia, kg m2; torque that holds the joint at rest, N m; speed from which it
+    stops, rad/s; `Margins`.
     """
-    w, h, quickest = max(inertia, LEAST_INERTIA), abs(holds - actuator.middle), margins.quickest
-    gentle = 8.0 * max(abs(speed), ASIDE) / quickest
-    brakes = min(_brakes(actuator, friction, -h, w), gentle)
+    w, h, min_duration = max(inertia, MIN_INERTIA), abs(holds - actuator.middle), margins.min_duration
+    smooth = 8.0 * max(abs(speed), OFF_PATH_SPEED) / min_duration
+    deceleration = min(_max_deceleration(actuator, friction, -h, w), smooth)
     return PathLimits(
-        _most(actuator, friction, h, w),
-        margins.braking * brakes,
-        margins.late * brakes,
-        min(margins.jerk * _jerk(actuator, w), 8.0 * gentle / quickest),
+        _max_acceleration(actuator, friction, h, w),
+        margins.braking * deceleration,
+        margins.late * deceleration,
+        min(margins.jerk * _max_jerk(actuator, w), 8.0 * smooth / min_duration),
         actuator.speed,
         inf,
     )
 
 
-class Place(NamedTuple):
-    """Demands of a posture on the joints along a path."""
+class PathLoad(NamedTuple):
+    """Load of a configuration on the joints' actuators, along a path."""
 
     inertias: tuple[float, ...]  # w, kg m2
-    held: tuple[float, ...]  # h, and what velocities add to it, N m
-    fastest: float  # at which they bear the torques of velocities, rad/s
+    torques: tuple[float, ...]  # h, with the torque of the velocity along the path, N m
+    torque_velocity: float  # max velocity along the path by the torques of velocities, rad/s
 
 
 @composition
-def _place(plant, actuators, payload, q, direction, going):
-    mass, swings, pulls = dynamics(plant.arm, payload, q, direction)
-    w, holds = times(mass, direction), each(holding, plant.joints, q, pulls)
-    held = each(_held, actuators, holds, swings, w, going)
-    return Place(w, held, least(each(_bears, actuators, holds, swings)))
+def _path_load(plant, actuators, payload, q, direction, velocity):
+    """Return the load on the actuators at angles q, moving in a direction of joint space at a velocity, rad/s."""
+    mass, coriolis, pulls = dynamics(plant.arm, payload, q, direction)
+    w, holds = multiply_symmetric(mass, direction), each(holding_torque, plant.joints, q, pulls)
+    h = each(_path_torque, actuators, holds, coriolis, w, velocity)
+    return PathLoad(w, h, min_item(each(_torque_limited_speed, actuators, holds, coriolis)))
 
 
 @composition
-def path_limits(margins, actuators, frictions, payload, plant, angles, goals, direction, going):
-    """Return limits along a path, by the torques that remain here, half of the way on and at the goal.
+def path_limits(margins, actuators, frictions, payload, plant, angles, goals, direction, velocity):
+    """Return limits along a path: the tightest of those here, halfway to the goal and at the goal.
 
-    Whichever of the three leaves less counts. Args: payload, kg; where the path is, rad, a tuple, and how fast the arm
-    goes along it, rad/s.
+    Args: `Margins`; `ActuatorLimits`, frictions (N m), tuples; payload, kg; model of the plant; present angles, rad;
+    goals (`Reference`); unit vector of the path; velocity along the path, rad/s.
     """
-    q = each(angle_of, goals)
-    here = _place(plant, actuators, payload, angles, direction, going)
-    on = _place(plant, actuators, payload, each(_between, angles, q), direction, going)
-    there = _place(plant, actuators, payload, q, direction, going)
-    w = each(_heaviest, here.inertias, on.inertias, there.inertias)
-    brakes = least(each(_brakes, actuators, frictions, each(_lesser, here.held, on.held, there.held), w))
+    q = each(reference_angle, goals)
+    here = _path_load(plant, actuators, payload, angles, direction, velocity)
+    halfway = _path_load(plant, actuators, payload, each(_midpoint, angles, q), direction, velocity)
+    goal = _path_load(plant, actuators, payload, q, direction, velocity)
+    w = each(_max_inertia, here.inertias, halfway.inertias, goal.inertias)
+    low = each(_min_of_three, here.torques, halfway.torques, goal.torques)
+    high = each(_max_of_three, here.torques, halfway.torques, goal.torques)
+    deceleration = min_item(each(_max_deceleration, actuators, frictions, low, w))
     return PathLimits(
-        least(each(_most, actuators, frictions, each(_greater, here.held, on.held, there.held), w)),
-        margins.braking * brakes,
-        margins.late * brakes,
-        margins.jerk * least(each(_jerk, actuators, w)),
-        least(each(_speed, actuators, direction)),
-        _lesser(here.fastest, on.fastest, there.fastest),
+        min_item(each(_max_acceleration, actuators, frictions, high, w)),
+        margins.braking * deceleration,
+        margins.late * deceleration,
+        margins.jerk * min_item(each(_max_jerk, actuators, w)),
+        min_item(each(_max_speed, actuators, direction)),
+        _min_of_three(here.torque_velocity, halfway.torque_velocity, goal.torque_velocity),
     )
 
 
 @law
-def for_length(limits, length, quickest):
-    """Return limits with which a path of this length (rad) takes some time at least (s), were jerk the only limit."""
-    # Jerk alone takes t for 1/32 j t^3, and comes to an acceleration of 1/4 j t on the way.
-    acceleration = 8.0 * length / (quickest * quickest)
+def limit_by_length(limits, length, min_duration):
+    """Return limits with which a path of a length (rad) takes at least the duration `min_duration` (s)."""
+    # With constant jerk j, a move of duration t has length 1/32 j t^3 and a peak acceleration of 1/4 j t.
+    acceleration = 8.0 * length / (min_duration * min_duration)
     return PathLimits(
         min(limits.acceleration, acceleration),
         min(limits.deceleration, acceleration),
-        limits.hardest,
-        min(limits.jerk, 4.0 * acceleration / quickest),
+        limits.late_deceleration,
+        min(limits.jerk, 4.0 * acceleration / min_duration),
         limits.velocity,
-        limits.fastest,
+        limits.torque_velocity,
     )

@@ -1,4 +1,4 @@
-"""The model of the plant: its own laws in long steps, with valves as they are on average.
+"""The controller's model of the plant: the plant's own laws in long steps, with valves averaged over the dither.
 
 | symbol | meaning | unit |
 |---|---|---|
@@ -6,8 +6,8 @@
 | dp | differential pressure, hose A less hose B | Pa |
 | T | time since the last cycle | s |
 
-Its steps are short enough for what is light to oscillate on its air: steps of more than two radians of an oscillation
-would make it grow without limit, and so would damping that takes more than twice a velocity in a step (see
+Its steps are short enough for the natural oscillations of light joints on their air: with more than two radians of an
+oscillation in a step, or a damping that takes away more than twice the velocity, the motion would diverge (see
 docs/derivations.md).
 """
 
@@ -20,78 +20,78 @@ from layflat.physics.chamber import energy
 from layflat.physics.hose import swept_volume, torque_per_pressure
 from layflat.physics.hysteresis import torques
 from layflat.physics.joint import (
-    FILLED,
-    AirTaken,
+    REST_PRESSURE_RATIO,
+    AirLedger,
     HoseState,
-    Joint,
+    JointMotion,
+    JointParameters,
     JointState,
-    Motion,
     Surroundings,
     has_second,
     joint_at_rest,
 )
 from layflat.physics.natural_rates import natural_rates
-from layflat.physics.plant import advance, together
+from layflat.physics.plant import advance_arm, pack_joints
 from layflat.physics.stops_and_springs import stop_damping, stop_torque
 from layflat.physics.valves import start_wave, weaken_wave
 
-STEP = 2.5e-3  # longest of the model, s
-MAX_PHASE, MAX_DECAY = 1.0, 1.0  # of an oscillation, rad, and of a velocity, in a step: half of what would grow
-MAX_DOUBLINGS = 5  # of the number of steps: a model that needed more would take longer than a control cycle
+MAX_MODEL_STEP = 2.5e-3  # s
+MAX_PHASE, MAX_DECAY = 1.0, 1.0  # of an oscillation (rad) and of a velocity in a step: half the stability limit
+MAX_DOUBLINGS = 5  # of the number of steps: with more, the model would take longer than a control cycle
 
 
-def step_count(arm: Any, joints: tuple[Joint, ...], around: Surroundings, cycle: float) -> int:
-    """Return the number of the model's steps in a control cycle (s): as `STEP` needs, or doubled for what is light.
+def step_count(arm: Any, joints: tuple[JointParameters, ...], around: Surroundings, cycle: float) -> int:
+    """Return the number of the model's steps in a control cycle, doubled as often as light joints need for stability.
 
     Args:
-        arm: parameters of its kind; as all of these, with arrays where runs differ: the lightest counts.
-        joints: parameters, an item a joint.
+        arm: parameters of its kind; here and below with arrays where runs differ: the fastest oscillation counts.
+        joints: parameters, an item per joint.
         around: supply and surroundings.
-        cycle: s.
+        cycle: control cycle, s.
     """
-    usual = ceil(cycle / STEP - 1e-9)
+    usual = ceil(cycle / MAX_MODEL_STEP - 1e-9)
     frequency, decay = natural_rates(arm, joints, around)
     over = max(frequency / MAX_PHASE, decay / MAX_DECAY) * cycle / usual
     doublings = min(max(ceil(log2(max(over, 1e-9)) - 1e-9), 0), MAX_DOUBLINGS)
     return usual << doublings
 
 
-class Plant(NamedTuple):
-    """Parameters of the laws of an arm, its joints with valves on average, and what is around them."""
+class PlantModel(NamedTuple):
+    """Parameters of the model of an arm, its joints with averaged valves, and its surroundings."""
 
     arm: Any
     joints: tuple[Any, ...]
     around: Surroundings
     steps: tuple[float, ...]  # an item for every step of the model in a cycle
-    late: tuple[float, ...]  # an item for every whole cycle that any command takes to its valve
+    late: tuple[float, ...]  # an item for every whole cycle of the longest delay between command and valve
 
 
 class ObserverTuning(NamedTuple):
-    """Trust in the model of a joint and in its sensors."""
+    """Errors of a joint's model and sensors, from which the observer's gains follow."""
 
-    torque: float  # error of the model's torque, standard deviation, N m
-    angle: float  # error of the sensor's angle, standard deviation, rad
-    pressure: float  # share of a differential pressure's innovation that the model takes over
-    notch: float  # weight of the last innovation beside now's and that before it: see `pressure_correction`
+    torque: float  # standard deviation of the model's torque, N m
+    angle: float  # standard deviation of the sensor's angle, rad
+    pressure: float  # gain of the differential pressure's innovation, 0..1
+    notch: float  # weight of the last innovation in the notch filter of `correct_pressure`
 
 
-class Gains(NamedTuple):
-    """Shares of an angle's innovation that a joint's model takes over in a cycle."""
+class ObserverGains(NamedTuple):
+    """Gains of the observer of a joint, per innovation of its angle."""
 
     angle: float  # 1
-    velocity: float  # to the velocity, 1/s
+    velocity: float  # 1/s
 
 
-class Innovation(NamedTuple):
-    """Innovations of the differential pressure in the last cycles, after their corrections, Pa."""
+class PressureInnovations(NamedTuple):
+    """Innovations of the differential pressure in the last two cycles, after their corrections, Pa."""
 
     last: float
     before: float
 
 
 @law
-def _with_air(hose, state, travel, change, p_a):
-    # The hose at a travel and with a change of pressure, at its temperature.
+def _place_hose(hose, state, travel, change, p_a):
+    """Return a hose's state at another travel, with its pressure changed by `change` (Pa), at the same temperature."""
     volume = hose.chamber.dead_volume + swept_volume(hose.stroke, travel)
     p = max(state.pressure + change, p_a)
     stored, mass = energy(hose.chamber, p, volume, p_a), state.mass * p / state.pressure
@@ -99,47 +99,49 @@ def _with_air(hose, state, travel, change, p_a):
 
 
 @law
-def placed(joint, state, q, v, change, around):
-    """Return the state of a joint at another angle and velocity, with its differential pressure changed."""
+def place_joint(joint, state, q, v, change, around):
+    """Return the state of a joint at another angle q and velocity v, its differential pressure changed (Pa)."""
     p_a, of_second = around.ambient_pressure, 0.5 * has_second(joint.second)
-    a = _with_air(joint.hose_a, state.hose_a, joint.hose_a.neutral + q, (1.0 - of_second) * change, p_a)
-    b = _with_air(joint.hose_b, state.hose_b, joint.hose_b.neutral - q, -of_second * change, p_a)
-    return JointState(Motion(q, v, state.motion.velocity_change), state.valve, a, b, state.ledger)
+    a = _place_hose(joint.hose_a, state.hose_a, joint.hose_a.neutral + q, (1.0 - of_second) * change, p_a)
+    b = _place_hose(joint.hose_b, state.hose_b, joint.hose_b.neutral - q, -of_second * change, p_a)
+    return JointState(JointMotion(q, v, state.motion.velocity_change), state.valve, a, b, state.ledger)
 
 
 @law
 def at_rest(joint, q, dp, around):
-    """Return the state of a joint at rest, at what its sensors say; its pressures as equal leaks would leave them."""
+    """Return the state of a joint at rest at its sensors' readings; its mean pressure is that of equal leaks."""
     second = has_second(joint.second)
-    p = second * (FILLED * around.supply_pressure) + (1.0 - second) * around.ambient_pressure
+    p = second * (REST_PRESSURE_RATIO * around.supply_pressure) + (1.0 - second) * around.ambient_pressure
     state = joint_at_rest(joint, q, p + (1.0 - 0.5 * second) * dp, p - 0.5 * second * dp, around)
-    return JointState(state.motion, state.valve, state.hose_a, state.hose_b, AirTaken(0.0))
+    return JointState(state.motion, state.valve, state.hose_a, state.hose_b, AirLedger(0.0))
 
 
 @law
-def gains_of(observer, inertia, T):
-    """Return the steady gains of an observer of angle and velocity with errors of torque and sensor.
+def observer_gains(observer, inertia, T):
+    """Return the steady-state gains of an alpha-beta observer of angle and velocity.
 
     Source: kalata1984, the tracking index of alpha-beta filters.
+
+    Args: `ObserverTuning`; inertia of the joint, kg m2; T.
     """
     index = observer.torque * T * T / (inertia * observer.angle)
     root = 0.25 * (4.0 + index - sqrt(8.0 * index + index * index))
     alpha = 1.0 - root * root
-    return Gains(alpha, (2.0 * (2.0 - alpha) - 4.0 * root) / T)
+    return ObserverGains(alpha, (2.0 * (2.0 - alpha) - 4.0 * root) / T)
 
 
 @law
-def pressure_correction(observer, innovation, e):
-    """Return by how much to change the differential pressure after an innovation e, and innovations to keep (Pa).
+def correct_pressure(observer, innovation, e):
+    """Return the correction of the differential pressure after an innovation e, and the corrected innovations, Pa.
 
-    The mean of e and of what it was half a period of the dither ago has none of the dither.
+    A notch filter over three innovations, with zero gain at the dither frequency, removes the dither from them.
     """
     change = observer.pressure * (e + observer.notch * innovation.last + innovation.before) / (2.0 + observer.notch)
-    return change, Innovation(e - change, innovation.last - change)
+    return change, PressureInnovations(e - change, innovation.last - change)
 
 
 @law
-def angle_of_state(state):
+def joint_angle(state):
     """Return the angle of a joint, rad."""
     return state.motion.angle
 
@@ -160,13 +162,13 @@ def loss_torque(joint, state):
 
 @law
 def opposing_torque(joint, state, around):
-    """Return the torque against the motion but for dry friction: of losses, damping and stops, N m."""
+    """Return the torque against the motion of losses, damping and stops, without dry friction, N m."""
     q, v, p_a = state.motion.angle, state.motion.velocity, around.ambient_pressure
     a, b = joint.hose_a.damping, joint.hose_b.damping
-    damped = a.base + b.base + a.slope * max(state.hose_a.pressure - p_a, 0.0)
-    damped = damped + b.slope * max(state.hose_b.pressure - p_a, 0.0)
-    damped = damped + joint.viscous_friction + stop_damping(joint.stops, q)
-    return loss_torque(joint, state) + damped * v - stop_torque(joint.stops, q)
+    damping = a.base + b.base + a.slope * max(state.hose_a.pressure - p_a, 0.0)
+    damping = damping + b.slope * max(state.hose_b.pressure - p_a, 0.0)
+    damping = damping + joint.viscous_friction + stop_damping(joint.stops, q)
+    return loss_torque(joint, state) + damping * v - stop_torque(joint.stops, q)
 
 
 @law
@@ -175,13 +177,16 @@ def _wave(joint, shares, T):
 
 
 @composition
-def a_cycle_later(plant, states, drives, shares, payload, T):
-    """Return the states of the joints after a cycle in which drives act on them, with these `Shares`, tuples."""
-    around, joined = plant.around, together(plant.arm, slots(plant.joints))
+def simulate_model_cycle(plant, states, drives, shares, payload, T):
+    """Return the states of the joints after a control cycle, simulated by the model.
+
+    Args: `PlantModel`; states, `Drive`s and mean `DriveFractions` of the joints, tuples; payload, kg; T.
+    """
+    around, joined = plant.around, pack_joints(plant.arm, slots(plant.joints))
     carrying = Surroundings(
         around.supply_pressure, around.supply_temperature, around.ambient_pressure, around.ambient_temperature, payload
     )
     after, waves = slots(states), slots(each(_wave, plant.joints, shares, T))
     n = len(plant.steps)
-    advance(plant.arm, joined, after, slots(drives), waves, carrying, T / n, n)
+    advance_arm(plant.arm, joined, after, slots(drives), waves, carrying, T / n, n)
     return gather(states, after)

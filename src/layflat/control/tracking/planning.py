@@ -1,4 +1,4 @@
-"""The reference: where the joints should be in the next cycle on their path to the goal, and when it has landed.
+"""Plan of the next cycle: the reference of the joints on their path to the goal, and whether it has landed there.
 
 | symbol | meaning | unit |
 |---|---|---|
@@ -10,125 +10,132 @@ from math import sqrt
 from typing import Any, NamedTuple
 
 from layflat.control.tracking.arrival import has_arrived
-from layflat.control.tracking.limits import LEAST_INERTIA, LEAST_SHARE, for_length, own_limits, path_limits
+from layflat.control.tracking.limits import (
+    MIN_INERTIA,
+    MIN_TORQUE_SHARE,
+    joint_path_limits,
+    limit_by_length,
+    path_limits,
+)
 from layflat.control.tracking.model import loss_torque
 from layflat.control.tracking.reference import (
     PathLimits,
     Reference,
-    advanced,
-    kept_before,
+    advance_reference,
+    limit_before_goal,
     path_acceleration,
-    taken_back,
-    velocity_of,
+    reduce_acceleration,
+    reference_velocity,
 )
 from layflat.jit import composition, law
 from layflat.lanes import each, select
-from layflat.physics.algebra import diagonal, dot, greatest, largest, least, times
+from layflat.physics.algebra import diagonal, dot, max_item, max_magnitude, min_item, multiply_symmetric
 
-SHORTEST = 1e-4  # path that is planned, rad
-REST = 1e-3  # velocity of a goal below which it is at rest, rad/s
-CALM = 0.05  # velocity of joints that have all but stopped, rad/s
-OWN_SHARE = 0.3  # of its own inertia that a joint counts with at least
-GIVEN_WAY = 0.5  # share of what a valve lacks that the reference gives way in a cycle
-UNNOTICED = 0.05  # share of a joint's torque that may be lacking
+MIN_PATH_LENGTH = 1e-4  # of a path that is planned, rad
+RESTING_GOAL_SPEED = 1e-3  # speed of a goal below which it is at rest, rad/s
+STOPPED_SPEED = 0.05  # speed of joints below which they may land, rad/s
+MIN_INERTIA_SHARE = 0.3  # min inertia of a joint along the path, over its own inertia
+GOVERNOR_SHARE = 0.5  # share of a missing torque by which the reference is slowed in a cycle
+GOVERNOR_DEADBAND = 0.05  # missing torque that is ignored, over the joint's torque
 
 
-class Nearness(NamedTuple):
-    """How near its goal a reference has to be to be put on it."""
+class CaptureLimits(NamedTuple):
+    """Distance and relative speed from its goal within which a reference lands on it."""
 
     angle: float  # rad
     velocity: float  # rad/s
 
 
-LANDS, CAUGHT, KEPT = Nearness(1e-3, 0.05), Nearness(2e-3, 0.2), Nearness(4e-3, 0.4)
-"""Of a goal at rest, of one that moves, and of either once it is there."""
+RESTING_CAPTURE = CaptureLimits(1e-3, 0.05)  # of a goal at rest
+MOVING_CAPTURE = CaptureLimits(2e-3, 0.2)  # of a moving goal
+LANDED_CAPTURE = CaptureLimits(4e-3, 0.4)  # of a reference that has landed, to stay landed
 
 
 class FreeResponse(NamedTuple):
-    """Response of the arm a cycle later were its valves centred; tuples with an item a joint."""
+    """Predicted response of the arm a cycle later with centred valves; tuples with an item per joint."""
 
     states: tuple[Any, ...]
-    angles: tuple[float, ...]
-    velocities: tuple[float, ...]
-    mass: tuple[float, ...]  # upper triangle
-    steady: tuple[float, ...]  # torque that keeps the velocity, friction and losses aside, N m
-    holds: tuple[float, ...]  # torque that holds the joint there at rest, N m
+    angles: tuple[float, ...]  # rad
+    velocities: tuple[float, ...]  # rad/s
+    mass: tuple[float, ...]  # upper triangle of the mass matrix, kg m2
+    steady: tuple[float, ...]  # torque that keeps the velocity, without friction and losses, N m
+    holds: tuple[float, ...]  # torque that holds the joint at rest at these angles, N m
 
 
 class PathState(NamedTuple):
-    """Where the arm is on its path, kept from cycle to cycle."""
+    """State of the path between cycles."""
 
     references: tuple[Reference, ...]
-    length: float  # of the path when it began, rad
-    landed: float  # 1 where the references are the goals', else 0
+    length: float  # of the path at its beginning, rad
+    landed: float  # 1 if the references are the goals, else 0
 
 
-class Plan(NamedTuple):
-    """The next cycle."""
+class CyclePlan(NamedTuple):
+    """Plan of the next cycle."""
 
     references: tuple[Reference, ...]
-    length: float
-    left: float  # of the path, rad
-    landed: float
-    rests: float  # 1 where the goal is at rest, else 0
-    resting: float  # 1 where it has landed, the goal is at rest and the arm there, else 0
-    direction: tuple[float, ...]
+    length: float  # of the path at its beginning, rad
+    remaining_path: float  # remaining path, rad
+    landed: float  # 1 if the references are the goals, else 0
+    rests: float  # 1 if the goal is at rest, else 0
+    resting: float  # 1 if it has landed on a goal at rest, and the arm is within its tolerance, else 0
+    direction: tuple[float, ...]  # e
     limits: PathLimits
 
 
 @law
-def goal_of(angle, velocity, acceleration, late):
-    """Return a demand as a reference, so many seconds later."""
+def delayed_goal(angle, velocity, acceleration, late):
+    """Return a demand (rad, rad/s, rad/s2) as a reference, extrapolated by `late` seconds."""
     return Reference(
         angle + late * (velocity + 0.5 * late * acceleration), velocity + late * acceleration, acceleration
     )
 
 
 @law
-def _apart(reference, goal):
+def _angle_to_goal(reference, goal):
     return goal.angle - reference.angle
 
 
 @law
-def _gain(reference, goal):
+def _relative_velocity(reference, goal):
     return reference.velocity - goal.velocity
 
 
 @law
-def _per(x, size):
+def _divide(x, size):
     return x / size
 
 
 @law
-def _restless(goal):
+def _goal_motion(goal):
     return abs(goal.velocity) + abs(goal.acceleration)
 
 
 @composition
 def is_resting(goals):
     """Return whether goals are at rest."""
-    return largest(each(_restless, goals)) < REST
+    return max_magnitude(each(_goal_motion, goals)) < RESTING_GOAL_SPEED
 
 
 @composition
-def stays(path, goals):
-    """Return whether an arm that has landed is to stay where it is."""
-    apart = each(_apart, path.references, goals)
-    return (path.landed > 0.5) & is_resting(goals) & (sqrt(dot(apart, apart)) < KEPT.angle)
+def is_to_stay(path, goals):
+    """Return whether an arm that has landed is to stay: its goal is at rest and near its references."""
+    apart = each(_angle_to_goal, path.references, goals)
+    return (path.landed > 0.5) & is_resting(goals) & (sqrt(dot(apart, apart)) < LANDED_CAPTURE.angle)
 
 
 @law
-def _feasible(actuator, friction, joint, state, speed, inertial, steady, load):
-    # Share of a torque that a joint can give.
-    rubs = friction + abs(loss_torque(joint, state))
-    force = inertial + steady - load - actuator.middle
-    return (actuator.torque + select(force * speed > 0.0, -rubs, rubs)) / max(abs(force), 1e-3)
+def _torque_ratio(actuator, friction, joint, state, speed, inertial, steady, load):
+    """Return the torque that a joint can exert over that of its planned acceleration, 1 or more if it suffices."""
+    losses = friction + abs(loss_torque(joint, state))
+    torque = inertial + steady - load - actuator.middle
+    return (actuator.torque + select(torque * speed > 0.0, -losses, losses)) / max(abs(torque), 1e-3)
 
 
 @law
-def _onward(reference, goal, a, share, landed, T):
-    # A reference that has landed goes along with its goal.
-    free, with_goal = advanced(reference, share * a, T), advanced(goal, goal.acceleration, T)
+def _next_reference(reference, goal, a, share, landed, T):
+    """Return the reference a cycle later, with acceleration `share` times a; once landed, it moves as its goal."""
+    free, with_goal = advance_reference(reference, share * a, T), advance_reference(goal, goal.acceleration, T)
     return Reference(
         select(landed, with_goal.angle, free.angle),
         select(landed, with_goal.velocity, free.velocity),
@@ -137,38 +144,42 @@ def _onward(reference, goal, a, share, landed, T):
 
 
 @composition
-def plan_of(settings, path, estimate, heaviest, response, goals, tolerance, T):
-    """Return the `Plan` of the next cycle towards goals (`Reference`); the arm lands within a `Tolerance` of them."""
+def plan_cycle(settings, path, estimate, heaviest, response, goals, tolerance, T):
+    """Return the `CyclePlan` of the next cycle towards goals.
+
+    Args: `Settings` of the law; `PathState`; `LoadEstimate`; upper bound of the payload, kg; `FreeResponse`; goals, a
+    tuple of `Reference`; `Tolerance` within which the arm lands; T.
+    """
     plant, margins, references = settings.plant, settings.margins, path.references
-    apart = each(_apart, references, goals)
+    apart = each(_angle_to_goal, references, goals)
     distance = sqrt(dot(apart, apart))
-    direction = each(_per, apart, max(distance, 1e-9))
+    direction = each(_divide, apart, max(distance, 1e-9))
     length = max(select(path.landed > 0.5, 0.0, path.length), distance)
-    speeds, gains = each(velocity_of, references), each(_gain, references, goals)
+    speeds, relative = each(reference_velocity, references), each(_relative_velocity, references, goals)
     full = path_limits(
         margins, settings.actuators, estimate.frictions, heaviest, plant, response.angles, goals, direction,
         dot(direction, speeds),
     )  # fmt: skip
-    limits = for_length(full, max(length, SHORTEST), margins.quickest)
+    limits = limit_by_length(full, max(length, MIN_PATH_LENGTH), margins.min_duration)
     a = path_acceleration(references, goals, direction, limits, T)
     inertias = diagonal(response.mass, direction)
-    alone = each(own_limits, settings.actuators, estimate.frictions, inertias, response.holds, gains, margins)
-    going = dot(direction, gains)
-    a = each(kept_before, a, references, goals, direction, going, limits, alone, T)
-    inertial = times(response.mass, a)
+    alone = each(joint_path_limits, settings.actuators, estimate.frictions, inertias, response.holds, relative, margins)
+    velocity = dot(direction, relative)
+    a = each(limit_before_goal, a, references, goals, direction, velocity, limits, alone, T)
+    inertial = multiply_symmetric(response.mass, a)
     shares = each(
-        _feasible, settings.actuators, estimate.frictions, plant.joints, response.states, speeds, inertial,
+        _torque_ratio, settings.actuators, estimate.frictions, plant.joints, response.states, speeds, inertial,
         response.steady, estimate.loads,
     )  # fmt: skip
-    share = select(settings.parts.governor > 0.5, max(min(least(shares), 1.0), LEAST_SHARE), 1.0)
+    share = select(settings.parts.governor > 0.5, max(min(min_item(shares), 1.0), MIN_TORQUE_SHARE), 1.0)
     rests = is_resting(goals)
     inside = has_arrived(plant.arm, response.angles, goals, tolerance)
-    landed = _lands(path.landed > 0.5, rests, distance, largest(gains))
-    landed = landed | (rests & inside & (largest(response.velocities) < CALM))
-    onward = each(_onward, references, goals, a, share, landed, T)
-    # A path begins where the arm turns to the goal.
-    turns = (going <= 0.0) & (dot(direction, each(_gain, onward, goals)) > 0.0)
-    return Plan(
+    landed = _is_captured(path.landed > 0.5, rests, distance, max_magnitude(relative))
+    landed = landed | (rests & inside & (max_magnitude(response.velocities) < STOPPED_SPEED))
+    onward = each(_next_reference, references, goals, a, share, landed, T)
+    # A path begins when the motion turns towards the goal.
+    turns = (velocity <= 0.0) & (dot(direction, each(_relative_velocity, onward, goals)) > 0.0)
+    return CyclePlan(
         onward,
         select(turns, distance, length),
         distance,
@@ -181,21 +192,24 @@ def plan_of(settings, path, estimate, heaviest, response, goals, tolerance, T):
 
 
 @law
-def _lands(landed, rests, distance, speed):
-    # Whether a reference is put on its goal: a moving one is caught from further off, and one that was is kept.
-    near = select(landed, KEPT.angle, select(rests, LANDS.angle, CAUGHT.angle))
-    slow = select(landed, KEPT.velocity, select(rests, LANDS.velocity, CAUGHT.velocity))
+def _is_captured(landed, rests, distance, speed):
+    """Return whether a reference lands on its goal: from farther on a moving one, and once landed it stays with it."""
+    near = select(landed, LANDED_CAPTURE.angle, select(rests, RESTING_CAPTURE.angle, MOVING_CAPTURE.angle))
+    slow = select(landed, LANDED_CAPTURE.velocity, select(rests, RESTING_CAPTURE.velocity, MOVING_CAPTURE.velocity))
     return (distance < near) & (speed < slow)
 
 
 @law
-def _short(actuator, lack, w, own, e, brakes):
-    # By how much the acceleration along the path is too great for one joint: below zero where it can't brake.
-    # A joint whose own inertia the others' motion balances still moves it.
-    inertia = max(abs(w), OWN_SHARE * own * abs(e))
-    much = GIVEN_WAY * abs(lack) / max(inertia, LEAST_INERTIA)
-    much = select(abs(lack) > UNNOTICED * actuator.torque, much, 0.0)
-    return select(lack * e > 0.0, much, select(brakes, -much, 0.0))
+def _excess_acceleration(actuator, lack, w, inertia, e, brakes):
+    """Return the excess of the acceleration along the path by one joint's lack of torque (N m), rad/s2.
+
+    It is negative if the joint can't brake enough. A joint whose inertia along the path is balanced by the motion of
+    others still has to move itself.
+    """
+    along = max(abs(w), MIN_INERTIA_SHARE * inertia * abs(e))
+    excess = GOVERNOR_SHARE * abs(lack) / max(along, MIN_INERTIA)
+    excess = select(abs(lack) > GOVERNOR_DEADBAND * actuator.torque, excess, 0.0)
+    return select(lack * e > 0.0, excess, select(brakes, -excess, 0.0))
 
 
 @law
@@ -204,23 +218,24 @@ def _acceleration_of(reference):
 
 
 @law
-def _one_back(reference, e, much, T):
-    return taken_back(reference, much * e, T)
+def _reduce_along_path(reference, e, excess, T):
+    return reduce_acceleration(reference, excess * e, T)
 
 
 @composition
-def governed(settings, plan, response, goals, lacks, T):
-    """Return the references of a plan, slowed along the path where open valves give less torque than it takes.
+def govern_references(settings, plan, response, goals, lacks, T):
+    """Return the references of a plan, slowed along the path if fully open valves yield too little torque for it.
 
-    `lacks`: what they give less, N m, a tuple.
+    Args: `Settings` of the law; `CyclePlan`; `FreeResponse`; goals (`Reference`), a tuple; missing torques, N m, a
+    tuple; T.
     """
     direction, limits = plan.direction, plan.limits
-    going = dot(direction, each(_gain, plan.references, goals))
+    velocity = dot(direction, each(_relative_velocity, plan.references, goals))
     brakes = dot(direction, each(_acceleration_of, plan.references)) < 0.0
-    own, w = diagonal(response.mass, direction), times(response.mass, direction)
-    shorts = each(_short, settings.actuators, lacks, w, own, direction, brakes)
-    much = select(greatest(shorts) > 0.0, greatest(shorts), least(shorts))
-    much = settings.parts.governor * min(max(much, -limits.jerk * T), limits.jerk * T)
-    # It may wait, but does not turn back.
-    much = select(plan.landed > 0.5, 0.0, min(much, max(going, 0.0) / T))
-    return each(_one_back, plan.references, direction, much, T)
+    inertias, w = diagonal(response.mass, direction), multiply_symmetric(response.mass, direction)
+    excesses = each(_excess_acceleration, settings.actuators, lacks, w, inertias, direction, brakes)
+    excess = select(max_item(excesses) > 0.0, max_item(excesses), min_item(excesses))
+    excess = settings.parts.governor * min(max(excess, -limits.jerk * T), limits.jerk * T)
+    # The reference may stop, but does not reverse.
+    excess = select(plan.landed > 0.5, 0.0, min(excess, max(velocity, 0.0) / T))
+    return each(_reduce_along_path, plan.references, direction, excess, T)

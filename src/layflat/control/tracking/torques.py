@@ -1,13 +1,13 @@
-"""Torques that the air of the joints is to have: those of the rigid body, of feedback, and of what opposes motion.
+"""Demanded torques of the air in the joints: rigid-body dynamics, feedback, and compensation of losses and friction.
 
-Dry friction has no value at rest. What the law adds for it goes by a velocity that says where the joint is to go: that
-of its reference, and with it what is left of the path and by how much the joint is behind. So the torque comes as a
-motion begins, goes as it ends, and brings back a joint that friction holds beside its reference.
+Dry friction is undefined at rest. Its compensation follows an effective velocity: the reference's, plus terms of the
+remaining path and of the joint's lag. So the torque rises as a motion begins, falls as it ends, and moves a joint that
+friction holds away from its reference.
 
 | symbol | meaning | unit |
 |---|---|---|
-| q, v | angle and velocity that the model will have with centred valves | rad, rad/s |
-| e | angle by which a joint is behind its reference | rad |
+| q, v | angle and velocity that the model predicts with centred valves | rad, rad/s |
+| e | lag of a joint behind its reference | rad |
 | T | control cycle | s |
 """
 
@@ -18,30 +18,30 @@ from layflat.control.tracking.planning import PathState
 from layflat.control.tracking.reference import Reference
 from layflat.jit import composition, law
 from layflat.lanes import each, gather, select, slots
-from layflat.physics.algebra import diagonal, greatest, inverse, times
+from layflat.physics.algebra import diagonal, invert_symmetric, max_item, multiply_symmetric
 
-CREEP = 0.06  # velocity below which friction is compensated in part, rad/s
-# What counts as velocity there:
-ONWARD = 30.0  # per angle that is left to the goal, 1/s
-LEAD = 0.02  # per acceleration of the goal, s: a motion that turns needs its friction turned in time
-BEHIND = 20.0  # per angle that a joint is behind its reference by more than `SLACK`, 1/s
-SLACK = 0.001  # rad
-PAST = 200.0  # per angle by which a joint has passed its goal before its reference is there: it broke away, 1/s
-STIFFEST = 3.0  # times as stiff as feedback friction may so make a light joint
-CALMED = 1.0  # share of its velocity that the damping of a light joint may take from it in a cycle
-SLOW = 0.03  # velocity below which a joint is taken for resting, rad/s
-ASTRAY = 0.05  # angle, or velocity as feedback weighs it, within which no joint is too far from its reference, rad
-FREELY = 1e3  # length of a path that is not begun at rest, rad: it is not limited for its length
+CREEP_SPEED = 0.06  # effective velocity below which friction is compensated in part, rad/s
+# Terms of the effective velocity:
+PATH_GAIN = 30.0  # per remaining angle to the goal, 1/s
+LEAD_TIME = 0.02  # per acceleration of the goal, s: a motion that reverses needs its compensation reversed in time
+LAG_GAIN = 20.0  # per lag behind the reference beyond `LAG_DEADBAND`, 1/s
+LAG_DEADBAND = 0.001  # rad
+OVERRUN_GAIN = 200.0  # per angle beyond the goal that the reference has not reached yet: the joint broke away, 1/s
+MAX_STIFFNESS_RATIO = 3.0  # max stiffness that the term of the lag makes, over that of feedback
+MAX_DAMPING_FRACTION = 1.0  # fraction of its velocity that the damping of a light joint may remove in a cycle
+RESTING_SPEED = 0.03  # speed below which a joint counts as at rest, rad/s
+MAX_TRACKING_ERROR = 0.05  # error of the angle up to which feedback is never regarded as saturated, rad
+UNLIMITED_LENGTH = 1e3  # length of a path that does not begin at rest, rad, so that its length limits nothing
 
 
 class Feedback(NamedTuple):
-    """How torques follow from where a joint is, and should be."""
+    """Gains of the feedback of a joint."""
 
-    stiffness: float  # acceleration per angle, 1/s2
-    damping: float  # acceleration per velocity, 1/s
-    closing: float  # share of a missing torque that the valve makes up in a cycle
-    easing: float  # change of torque per time of a joint that has arrived, N m/s
-    least: float  # torque per angle, however light the joint is, N m/rad
+    stiffness: float  # acceleration per error of the angle, 1/s2
+    damping: float  # acceleration per error of the velocity, 1/s
+    closing: float  # share of a missing torque that the valve supplies in a cycle
+    easing: float  # rate at which the torque of a joint that has arrived falls to its load, N m/s
+    min_stiffness: float  # min torque per error of the angle, whatever the joint's inertia, N m/rad
 
 
 @law
@@ -55,74 +55,93 @@ def _acceleration(feedback, reference, q, v, forward):
 
 
 @law
-def _lost(actuator, feedback, inertia, torque):
-    # Whether feedback asks for more than a joint has, and not only since that is little.
-    return select(abs(torque) > max(actuator.torque, ASTRAY * feedback.stiffness * inertia), 1.0, 0.0)
+def _is_saturated(actuator, feedback, inertia, torque):
+    """Return whether feedback exceeds the joint's torque, and its error is not merely small with a weak actuator."""
+    return select(abs(torque) > max(actuator.torque, MAX_TRACKING_ERROR * feedback.stiffness * inertia), 1.0, 0.0)
 
 
 @law
-def _where_it_is(reference, q, v, lost):
+def _reset_reference(reference, q, v, lost):
     return Reference(select(lost, q, reference.angle), select(lost, v, reference.velocity), reference.acceleration)
 
 
 @composition
-def reanchored(settings, path, response, compliant):
-    """Return the path, begun anew where the arm is if it is too far from its reference to be led back by feedback.
+def reanchor_path(settings, path, response, compliant):
+    """Return the path, restarted from the arm's motion if the feedback of any joint saturates.
 
-    Feedback that saturates would swing for ever about a reference at rest; a new path has the torques that it takes.
+    Saturated feedback would oscillate for ever about a reference at rest; a new path respects the torque limits.
+
+    Args: `Settings` of the law; `PathState`; `FreeResponse`; 1 while the arm is compliant, when no path is restarted.
     """
     q, v = response.angles, response.velocities
-    pulled = times(response.mass, each(_feedback, settings.feedback, path.references, q, v))
+    pulled = multiply_symmetric(response.mass, each(_feedback, settings.feedback, path.references, q, v))
     inertias = diagonal(response.mass, pulled)
-    lost = (greatest(each(_lost, settings.actuators, settings.feedback, inertias, pulled)) > 0.0) & (compliant < 0.5)
-    references = each(_where_it_is, path.references, q, v, lost)
-    return PathState(references, select(lost, FREELY, path.length), select(lost, 0.0, path.landed))
+    lost = (max_item(each(_is_saturated, settings.actuators, settings.feedback, inertias, pulled)) > 0.0) & (
+        compliant < 0.5
+    )
+    references = each(_reset_reference, path.references, q, v, lost)
+    return PathState(references, select(lost, UNLIMITED_LENGTH, path.length), select(lost, 0.0, path.landed))
 
 
 @law
-def _light(feedback, reference, q, v, inertia, alone, T):
-    # What feedback lacks of its least stiffness where a joint is light: it follows its air then, and hardly torques.
-    # Damping of more than the joint has `alone`, where others give way, would turn its velocity round in every cycle.
-    lacks = max(feedback.least - feedback.stiffness * inertia, 0.0)
-    damping = min(lacks * feedback.damping / max(feedback.stiffness, 1.0), CALMED * alone / T)
-    return damping * (reference.velocity - v) + lacks * (reference.angle - q)
+def _light_joint_feedback(feedback, reference, free, inertia, free_inertia, T):
+    """Return the torque (N m) of feedback that a light joint lacks to its least stiffness: air, not inertia, moves it.
+
+    Damping is limited to `MAX_DAMPING_FRACTION` of free_inertia / T (inertia of the joint with free neighbours), beyond
+    which it would reverse the velocity in every cycle.
+    """
+    stiffness = max(feedback.min_stiffness - feedback.stiffness * inertia, 0.0)
+    damping = min(stiffness * feedback.damping / max(feedback.stiffness, 1.0), MAX_DAMPING_FRACTION * free_inertia / T)
+    return damping * (reference.velocity - free.motion.velocity) + stiffness * (reference.angle - free.motion.angle)
 
 
 @law
-def _torque(
-    joint,
-    feedback,
-    state,
-    free,
-    reference,
-    goal,
-    inertial,
-    inertia,
-    alone,
-    steady,
-    load,
-    friction,
-    k,
-    resting,
-    around,
-    T,
-):
+def _friction_compensation(feedback, reference, free, goal, inertia, friction):
+    """Return the torque (N m) against friction in the direction in which the joint is to move."""
     e = reference.angle - free.motion.angle
-    beyond = select(e > 0.0, max(e - SLACK, 0.0), min(e + SLACK, 0.0))
-    left, beside = goal.angle - reference.angle, free.motion.angle - goal.angle
-    past = select(left > 0.0, max(beside, 0.0), select(left < 0.0, min(beside, 0.0), 0.0))
-    stiff = max(feedback.stiffness * inertia, feedback.least)
-    behind = min(BEHIND, STIFFEST * stiff * CREEP / max(friction, 1e-3))
-    sliding = reference.velocity + ONWARD * left + LEAD * goal.acceleration + behind * beyond - PAST * past
-    rubs = friction * min(max(sliding / CREEP, -1.0), 1.0)
+    lag = select(e > 0.0, max(e - LAG_DEADBAND, 0.0), min(e + LAG_DEADBAND, 0.0))
+    remaining, error = goal.angle - reference.angle, free.motion.angle - goal.angle
+    overrun = select(remaining > 0.0, max(error, 0.0), select(remaining < 0.0, min(error, 0.0), 0.0))
+    stiffness = max(feedback.stiffness * inertia, feedback.min_stiffness)
+    lag_gain = min(LAG_GAIN, MAX_STIFFNESS_RATIO * stiffness * CREEP_SPEED / max(friction, 1e-3))
+    effective = (
+        reference.velocity
+        + PATH_GAIN * remaining
+        + LEAD_TIME * goal.acceleration
+        + lag_gain * lag
+        - OVERRUN_GAIN * overrun
+    )
+    return friction * min(max(effective / CREEP_SPEED, -1.0), 1.0)
+
+
+class TorqueTerms(NamedTuple):
+    """Terms of the torque that is demanded of a joint's air, N m, without losses and damping."""
+
+    motion: float  # acceleration, load and friction
+    light: float  # additional feedback of a light joint
+    load: float  # load alone, for a joint that has arrived
+
+
+@law
+def _torque_terms(feedback, reference, free, goal, inertial, inertia, free_inertia, steady, load, friction, T):
+    compensation = _friction_compensation(feedback, reference, free, goal, inertia, friction)
+    light = _light_joint_feedback(feedback, reference, free, inertia, free_inertia, T)
+    return TorqueTerms(inertial + steady - load + compensation, light, steady - load)
+
+
+@law
+def _demanded_torque(joint, feedback, state, free, terms, k, resting, around, T):
+    """Return the torque that the air of a joint is to exert, N m: of its motion, or eased towards the load if it rests.
+
+    `resting` is 1 once the arm rests on its goal; k is the demanded stiffness, 0 for none.
+    """
     opposes = opposing_torque(joint, free, around)
-    light = _light(feedback, reference, free.motion.angle, free.motion.velocity, inertia, alone, T)
-    moving = inertial + steady - load + rubs + opposes + light
+    moving = terms.motion + opposes + terms.light
     now, step = gas_torque(joint, state, around), feedback.easing * T
-    # Friction bears what is left of losses, unless the joint is to be compliant.
-    borne = steady - load + select(k > 0.0, opposes, 0.0)
-    eased = min(max(borne, now - step), now + step)
-    return select((resting > 0.5) & (abs(free.motion.velocity) < SLOW), eased, moving)
+    # Friction holds the rest of the losses, unless the joint is to be compliant.
+    resting_torque = terms.load + select(k > 0.0, opposes, 0.0)
+    eased = min(max(resting_torque, now - step), now + step)
+    return select((resting > 0.5) & (abs(free.motion.velocity) < RESTING_SPEED), eased, moving)
 
 
 @law
@@ -131,30 +150,38 @@ def _zero(x):
 
 
 @composition
-def _alone(mass, like, whole):
-    # Inertia of each joint where the others give way, kg m2.
-    W, found, n = slots(inverse(mass, each(_zero, like), whole)), slots(like), len(like)
+def _free_inertias(mass, like, whole):
+    """Return the inertia of each joint if all others are free to move, kg m2."""
+    W, inertias, n = slots(invert_symmetric(mass, each(_zero, like), whole)), slots(like), len(like)
     for j in range(n):
-        found[j] = 1.0 / W[j * n + j]
-    return gather(like, found)
+        inertias[j] = 1.0 / W[j * n + j]
+    return gather(like, inertias)
 
 
 @law
-def _part(friction, part):
-    return part * friction
+def _scale_friction(friction, factor):
+    return factor * friction
 
 
 @composition
-def computed_torques(settings, plan, states, response, goals, estimate, asked, T):
-    """Return torques of the air at the end of the cycle, N m, a tuple; joints that arrived only bear their loads."""
-    resting = plan.resting * (1.0 - asked.led)
-    parts, frictions = settings.parts, each(_part, estimate.frictions, settings.parts.friction)
-    wanted = each(
+def compute_torques(settings, plan, states, response, goals, estimate, request, T):
+    """Return the demanded torques of the air at the end of the cycle, N m, a tuple; at rest, those of loads alone.
+
+    Args: `Settings` of the law; `CyclePlan`; states of the joints; `FreeResponse`; goals (`Reference`), a tuple;
+    `LoadEstimate`; `AuxiliaryRequest`; T.
+    """
+    resting = plan.resting * (1.0 - request.guided)
+    parts, frictions = settings.parts, each(_scale_friction, estimate.frictions, settings.parts.friction)
+    accelerations = each(
         _acceleration, settings.feedback, plan.references, response.angles, response.velocities, parts.feedforward
     )
-    inertial, inertia = times(response.mass, wanted), diagonal(response.mass, wanted)
-    alone = _alone(response.mass, wanted, settings.shapes.joints)
+    inertial, inertia = multiply_symmetric(response.mass, accelerations), diagonal(response.mass, accelerations)
+    free_inertias = _free_inertias(response.mass, accelerations, settings.shapes.joints)
+    terms = each(
+        _torque_terms, settings.feedback, plan.references, response.states, goals, inertial, inertia, free_inertias,
+        response.steady, estimate.loads, frictions, T,
+    )  # fmt: skip
     return each(
-        _torque, settings.plant.joints, settings.feedback, states, response.states, plan.references, goals, inertial,
-        inertia, alone, response.steady, estimate.loads, frictions, asked.stiffness, resting, settings.plant.around, T,
+        _demanded_torque, settings.plant.joints, settings.feedback, states, response.states, terms, request.stiffness,
+        resting, settings.plant.around, T,
     )  # fmt: skip

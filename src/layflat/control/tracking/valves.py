@@ -1,40 +1,52 @@
-"""Openings of the valves that bring the air to given torques: found by running the model, which knows what it takes.
+"""Openings of the valves that yield demanded torques of the air, by simulations of the model over a cycle.
 
-A run with the valves centred and one with them open have the torques between them at the end of a cycle; in between
-they are taken for straight. A command that is late by whole cycles meets the arm where commands before it bring it.
+The torque at the end of the cycle is interpolated linearly between a simulation with centred valves and one with fully
+open valves. A command that is delayed by whole cycles acts on the state to which earlier commands bring the arm.
 
 | symbol | meaning | unit |
 |---|---|---|
 | T | control cycle | s |
 """
 
-from layflat.control.tracking.limits import holding
-from layflat.control.tracking.model import a_cycle_later, gas_torque
+from layflat.control.tracking.limits import holding_torque
+from layflat.control.tracking.model import gas_torque, simulate_model_cycle
 from layflat.control.tracking.planning import FreeResponse
 from layflat.jit import composition, law
 from layflat.lanes import each, select
-from layflat.physics.adjustable import regulated
+from layflat.physics.adjustable import regulated_pressure
 from layflat.physics.arms import dynamics
-from layflat.physics.delay import delayed
+from layflat.physics.driver import delay_command
 from layflat.physics.joint import Drive
 
-LEAST_GAIN = 1e-3  # of torque by an open valve, N m, that counts
-OPEN = 0.99  # an opening that can't be greater
+MIN_TORQUE_GAIN = 1e-3  # min change of torque by an open valve, by which openings are divided, N m
+FULL_OPENING = 0.99  # opening above which a valve counts as fully open
 
 
 @law
-def _acting(joint, line, opening, friction, load, shares, around, passed, T):
-    acts, _ = delayed(line, opening, joint.valve.delay / T - passed)
-    return Drive(acts, friction, load, regulated(shares.supply, around.supply_pressure, around.ambient_pressure))
+def _delayed_drive(joint, line, opening, friction, load, shares, around, passed, T):
+    """Return the drive of a joint in a cycle, with the opening that acts after the delay, less `passed` cycles."""
+    acts, _ = delay_command(line, opening, joint.valve.delay / T - passed)
+    return Drive(
+        acts, friction, load, regulated_pressure(shares.supply, around.supply_pressure, around.ambient_pressure)
+    )
 
 
 @composition
-def _run(plant, states, lines, openings, passed, estimate, asked, T):
-    # States a cycle later; it begins when so many cycles have passed since these openings were commanded.
+def _predict_states(plant, states, lines, openings, passed, estimate, request, T):
+    """Return the states a cycle later, if the cycle begins `passed` cycles after these openings were commanded."""
     drives = each(
-        _acting, plant.joints, lines, openings, estimate.frictions, estimate.loads, asked.mean, plant.around, passed, T
+        _delayed_drive,
+        plant.joints,
+        lines,
+        openings,
+        estimate.frictions,
+        estimate.loads,
+        request.mean,
+        plant.around,
+        passed,
+        T,
     )
-    return a_cycle_later(plant, states, drives, asked.mean, estimate.payload, T)
+    return simulate_model_cycle(plant, states, drives, request.mean, estimate.payload, T)
 
 
 @law
@@ -43,11 +55,11 @@ def _centred(friction):
 
 
 @composition
-def states_on_arrival(plant, states, lines, estimate, asked, T):
-    """Return the states that a command given now meets, and states a cycle from now if it meets later ones."""
+def predict_arrival(plant, states, lines, estimate, request, T):
+    """Return the states at which the present command arrives, and those a cycle from now if these come before."""
     later = states
     for passed in range(len(plant.late)):
-        states = _run(plant, states, lines, each(_centred, estimate.frictions), passed, estimate, asked, T)
+        states = _predict_states(plant, states, lines, each(_centred, estimate.frictions), passed, estimate, request, T)
         if passed == 0:
             later = states
     return states, later
@@ -59,53 +71,59 @@ def _motion(state):
 
 
 @law
-def _against(velocity_torque, holds):
+def _steady_torque(velocity_torque, holds):
     return holds - velocity_torque
 
 
 @composition
-def free_response(plant, states, lines, estimate, asked, T):
-    """Return the arm a cycle after it met a command that centres all valves."""
-    free = _run(plant, states, lines, each(_centred, estimate.frictions), len(plant.late), estimate, asked, T)
+def free_response(plant, states, lines, estimate, request, T):
+    """Return the `FreeResponse`: the arm a cycle after the arrival of a command that centres all valves.
+
+    Args: model of the plant; states at the arrival; lines of commands; `LoadEstimate`; `AuxiliaryRequest`; T.
+    """
+    free = _predict_states(
+        plant, states, lines, each(_centred, estimate.frictions), len(plant.late), estimate, request, T
+    )
     q, v = each(_motion, free)
     mass, coriolis, pull = dynamics(plant.arm, estimate.payload, q, v)
-    holds = each(holding, plant.joints, q, pull)
-    return FreeResponse(free, q, v, mass, each(_against, coriolis, holds), holds)
+    holds = each(holding_torque, plant.joints, q, pull)
+    return FreeResponse(free, q, v, mass, each(_steady_torque, coriolis, holds), holds)
 
 
 @law
-def _full(joint, free, wanted, around):
-    return select(wanted > gas_torque(joint, free, around), 1.0, -1.0) + 0.0 * wanted
+def _full_opening(joint, free, torque, around):
+    return select(torque > gas_torque(joint, free, around), 1.0, -1.0) + 0.0 * torque
 
 
 @law
-def _opening(joint, feedback, free, opened, full, wanted, around):
+def _opening(joint, feedback, free, opened, full, torque, around):
     t_0, t_1 = gas_torque(joint, free, around), gas_torque(joint, opened, around)
-    gained = select(abs(t_1 - t_0) > LEAST_GAIN, t_1 - t_0, LEAST_GAIN)
-    return full * min(max(feedback.closing * (wanted - t_0) / gained, 0.0), 1.0)
+    gain = select(abs(t_1 - t_0) > MIN_TORQUE_GAIN, t_1 - t_0, MIN_TORQUE_GAIN)
+    return full * min(max(feedback.closing * (torque - t_0) / gain, 0.0), 1.0)
 
 
 @law
-def _commanded(opening, pumped, controls):
+def _command_opening(opening, pumped, controls):
     return min(max(controls * opening + pumped, -1.0), 1.0)
 
 
 @law
-def _lack(joint, actuator, after, opening, wanted, around):
-    missing = wanted - gas_torque(joint, after, around)
-    return select((abs(opening) > OPEN) & ((wanted - actuator.middle) * missing > 0.0), missing, 0.0)
+def _lack(joint, actuator, after, opening, torque, around):
+    missing = torque - gas_torque(joint, after, around)
+    return select((abs(opening) > FULL_OPENING) & ((torque - actuator.middle) * missing > 0.0), missing, 0.0)
 
 
 @composition
-def valve_openings(settings, states, lines, response, estimate, asked, torques, controls, T):
-    """Return openings for torques, the states that follow, and the torques that open valves lack, N m.
+def valve_openings(settings, states, lines, response, estimate, request, torques, controls, T):
+    """Return the openings of the valves, the states after the cycle, and the torques that fully open valves lack, N m.
 
-    Args: controls: 1, or 0 where the valves are to stay centred.
+    Args: `Settings` of the law; states at the command's arrival; lines of commands; `FreeResponse`; `LoadEstimate`;
+    `AuxiliaryRequest`; demanded torques of the air, N m, a tuple; controls: 1, or 0 for centred valves; T.
     """
     plant, around, passed = settings.plant, settings.plant.around, len(settings.plant.late)
-    full = each(_full, plant.joints, response.states, torques, around)
-    opened = _run(plant, states, lines, full, passed, estimate, asked, T)
+    full = each(_full_opening, plant.joints, response.states, torques, around)
+    opened = _predict_states(plant, states, lines, full, passed, estimate, request, T)
     openings = each(_opening, plant.joints, settings.feedback, response.states, opened, full, torques, around)
-    openings = each(_commanded, openings, asked.pumped, controls)
-    after = _run(plant, states, lines, openings, passed, estimate, asked, T)
+    openings = each(_command_opening, openings, request.pumped, controls)
+    after = _predict_states(plant, states, lines, openings, passed, estimate, request, T)
     return openings, after, each(_lack, plant.joints, settings.actuators, after, openings, torques, around)

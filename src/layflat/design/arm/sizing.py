@@ -11,51 +11,54 @@ from dataclasses import dataclass
 from functools import cached_property
 from math import degrees
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, Unpack
 
 import numpy as np
 
-from layflat.design.arm.described import Part, machine_of, said_of, text_of
-from layflat.design.arm.links import tube
-from layflat.design.arm.moves import Moves, moves_of
-from layflat.design.arm.task import ArmTask, JointTask
-from layflat.design.arm.valves import choose, sold_valves, valve_sizes
-from layflat.design.findings import Finding
+from layflat.design.arm.components import choose_tube, choose_valve, sold_valves, valve_sizes
+from layflat.design.arm.described import SizedPart, description_text, joint_tables, make_machine
+from layflat.design.arm.moves import TaskMoves, plan_task_moves
+from layflat.design.arm.task import ArmTask, JointTask, TaskFields, read_task
 from layflat.design.joint import design_joint
-from layflat.design.request import CHOSEN_RATIO, CONTACT_SHARE, HOSE_WIDTHS, RANGES, RESERVE, SizingRequest
+from layflat.design.request import CHOSEN_RATIO, CONTACT_SHARE, FIELD_RANGES, HOSE_WIDTHS, TRAVEL_RESERVE, SizingRequest
 from layflat.design.sized import BRAKE_SHARE
-from layflat.design.sizing import model, size_joint
-from layflat.design.summary import JointDesign
+from layflat.design.sizing import model_machine, size_joint
+from layflat.design.summary import Finding, JointDesign
 from layflat.errors import DesignError
 from layflat.files import write_text
+from layflat.keywords import with_keywords_of
 from layflat.machine import Machine
-from layflat.machine.parameters import loss_share
+from layflat.machine.parameters import loss_fraction
 from layflat.motion.dynamics import rigid_torques
 from layflat.physics.hose import HoseGeometry
+from layflat.plot.tables import html_table
 
-LEAST_TORQUE = 1.0  # for which a joint is made, N m
-USABLE = 0.92  # share of the supply's pressure that a differential pressure comes to while a joint moves
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+LEAST_TORQUE = 1.0  # of a sized joint, N m
+USABLE_SHARE = 0.92  # differential pressure that a moving joint reaches, over the supply's gauge pressure
 
 
-class Need(NamedTuple):
-    """Load of a joint in the moves of a task, without margin."""
+class TorqueNeed(NamedTuple):
+    """Max load of a joint in the moves of a task, without margin."""
 
-    torque: float  # greatest, N m
+    torque: float  # N m
     static: float  # of gravity alone, N m
     speed: float  # rad/s
 
 
 @dataclass(frozen=True)
 class SizedArm:
-    """An arm that was sized."""
+    """Arm that is sized for a task."""
 
     task: ArmTask
-    moves: Moves
-    parts: tuple[Part, ...]  # from base to tip
-    needs: tuple[Need, ...]
-    wanted: tuple[float, ...]  # torque that each joint has to give at supply pressure, N m
-    toml: str  # its description, each value with its provenance
-    machine: Machine  # that this text describes
+    moves: TaskMoves
+    parts: tuple[SizedPart, ...]  # from base to tip
+    needs: tuple[TorqueNeed, ...]
+    required_torques: tuple[float, ...]  # required torque of each joint at supply pressure, N m
+    toml: str  # description, each value with its provenance
+    machine: Machine  # of this description
 
     @property
     def mass(self) -> float:
@@ -70,86 +73,151 @@ class SizedArm:
     @property
     def findings(self) -> tuple[Finding, ...]:
         """Warnings and notes of the design rules, joint by joint."""
-        return tuple(found for design in self.designs for found in design.findings)
+        return tuple(finding for design in self.designs for finding in design.findings)
 
     def write(self, path: Path) -> Path:
         """Write the description to a TOML file; raise OutputError if it can't be written there."""
         return write_text(path, self.toml)
 
+    def plot(self) -> "Figure":
+        """Draw the arm in mid-stroke, from the side and from above, with the ends of its task's moves."""
+        from layflat.design.arm.picture import draw_arm  # noqa: PLC0415
+        from layflat.plot.style import add_caption  # noqa: PLC0415  # matplotlib takes long to import
 
-def size_arm(task: ArmTask, *, moves: Moves | None = None, tell: Callable[[int], None] = lambda _: None) -> SizedArm:
-    """Size an arm for a task.
+        return add_caption(draw_arm(self.machine, self.parts, self.moves), f"{self._title}, {self.mass:.2f} kg in all")
+
+    def _repr_html_(self) -> str:
+        """Return a table of the joints' torques and masses, for notebooks."""
+        columns = ("joint", "holds (N m)", "moves (N m)", "with margin (N m)", "gives (N m)", "mass (kg)")
+        rows = [
+            (
+                part.task.name,
+                *(f"{torque:.1f}" for torque in (need.static, need.torque, wanted, part.torque)),
+                f"{part.mass:.2f}",
+            )
+            for part, need, wanted in zip(self.parts, self.needs, self.required_torques, strict=True)
+        ]
+        return html_table(self._title, columns, rows)
+
+    @property
+    def _title(self) -> str:
+        return f"{self.machine.name}: {self.task.payload:.3g} kg at {self.task.supply / 1e5:g} bar"
+
+
+@with_keywords_of(ArmTask)
+def size_arm(
+    task: str | Path | ArmTask | None = None,
+    *,
+    progress: Callable[[int], None] = lambda _: None,
+    **values: Unpack[TaskFields],
+) -> SizedArm:
+    """Size an arm for a task: repeat the sizing of all joints until their torques carry their masses too.
 
     Args:
-        task: what it is to do.
-        moves: of this task, where they are known.
-        tell: is called with the number of each round through the arm.
+        task: a task, its file, or the name of a built-in one; default: a task of `values` alone.
+        progress: called with the number of each iteration.
+        **values: texts with units by the keys of a task's file, for instance `reach="0.9 m"`, `payload="1 kg"`,
+            `supply="6 bar"`, `time="1 s"`; they replace those of the file.
 
     Raises:
-        DesignError: a joint would have to give more than any of its kind can, or the arm does not reach where it is to.
+        DesignError: the task is wrong; a joint needs more torque than any hose yields, or the arm does not reach a
+            point of the task.
+
+    Example:
+        >>> import layflat as lf
+        >>> arm = lf.size_arm(reach="0.6 m", joints=2, payload="1 kg", supply="6 bar", time="1 s")
+        >>> list(arm.machine.joints), arm.mass
+        (['shoulder', 'elbow'], 1.53)
     """
-    parts, rounds = [_part(task, joint, LEAST_TORQUE) for joint in task.chain], 0
+    if isinstance(task, ArmTask) and values:
+        raise DesignError(f"stands beside {next(iter(values))}", where="task", right="give one or the other")
+    return size_for_moves(task if isinstance(task, ArmTask) else read_task(task, **values), progress=progress)
+
+
+def size_for_moves(
+    task: ArmTask, moves: TaskMoves | None = None, *, progress: Callable[[int], None] = lambda _: None
+) -> SizedArm:
+    """Size an arm as `size_arm` does, for moves that are planned already.
+
+    Args:
+        task: task of the arm.
+        moves: moves of this task; default: planned here.
+        progress: called with the number of each iteration.
+
+    Raises:
+        DesignError: as `size_arm`.
+    """
+    parts, rounds = [_size_part(task, joint, LEAST_TORQUE) for joint in task.chain], 0
     while True:
-        machine = machine_of(task, parts)
-        moves = moves or moves_of(task, machine)
-        needs = _needs(task, machine, moves)
-        wanted = [_wanted(task, *of) for of in zip(parts, needs, strict=True)]
+        machine = make_machine(task, parts)
+        moves = moves or plan_task_moves(task, machine)
+        needs = _torque_needs(task, machine, moves)
+        required = [_required_torque(task, part, need) for part, need in zip(parts, needs, strict=True)]
         grown = [
-            part if torque <= part.torque else _part(task, part.task, torque)
-            for part, torque in zip(parts, wanted, strict=True)
+            part if torque <= part.torque else _size_part(task, part.task, torque)
+            for part, torque in zip(parts, required, strict=True)
         ]
         if grown == parts:
-            fitted = _with_valves(task, moves, parts, machine)
-            machine, text = machine_of(task, fitted), text_of(task, fitted)
-            return SizedArm(task, moves, fitted, tuple(needs), tuple(wanted), text, machine)
+            fitted = _choose_valves(task, moves, parts, machine)
+            machine, text = make_machine(task, fitted), description_text(task, fitted)
+            return SizedArm(task, moves, fitted, tuple(needs), tuple(required), text, machine)
         parts, rounds = grown, rounds + 1
-        tell(rounds)
+        progress(rounds)
 
 
-def _part(task: ArmTask, joint: JointTask, torque: float) -> Part:
+def _size_part(task: ArmTask, joint: JointTask, torque: float) -> SizedPart:
+    """Return a joint sized for a torque (N m), with the tube of its link.
+
+    Raises:
+        DesignError: the widest hose gives less torque, or no such joint can be made.
+    """
     where = f"{task.origin}: joint {joint.name!r}"
     try:
         greatest = _greatest(joint, task.supply)
         if torque > greatest:
-            asked = f"would have to give at least {torque:.0f} N m over {degrees(joint.stroke):.0f} deg"
-            what = f"{asked} at {task.supply / 1e5:.3g} bar, {torque / greatest:.2f} times what the widest hose gives"
+            need = f"would have to give at least {torque:.0f} N m over {degrees(joint.stroke):.0f} deg"
+            what = f"{need} at {task.supply / 1e5:.3g} bar, {torque / greatest:.2f} times what the widest hose gives"
             raise DesignError(what, right="ask for less reach, payload or speed, or give more pressure")
         sized = size_joint(SizingRequest(torque, joint.stroke, task.supply, name=joint.name))
     except DesignError as error:
         key = error.where.removeprefix("size").removeprefix(": ")
         right = "give it a longer stroke" if key == "stroke" else error.right  # a task says nothing of the wrap
         raise DesignError(f"{key}: {error.what}" if key else error.what, where=where, right=right) from None
-    return Part(joint, sized, tube(joint.link, sized.design.mean_torque, where), said_of(sized))
+    return SizedPart(joint, sized, choose_tube(joint.link, sized.design.mean_torque, where), joint_tables(sized))
 
 
 def _greatest(joint: JointTask, supply: float) -> float:
     """Return the torque of the widest hose over a stroke, N m."""
     request = SizingRequest(LEAST_TORQUE, joint.stroke, supply)
-    (base,), wide = model().joints.values(), HOSE_WIDTHS[-1]
+    (base,), wide = model_machine().joints.values(), HOSE_WIDTHS[-1]
     R, gamma = CHOSEN_RATIO[1] * wide / 2, request.wrap
     hose = HoseGeometry(wide, R, gamma, CONTACT_SHARE * gamma, base.hose.peel_ratio)
-    return min(hose.volume * supply / (joint.stroke + RESERVE), RANGES["torque"][2])
+    return min(hose.volume * supply / (joint.stroke + TRAVEL_RESERVE), FIELD_RANGES["torque"][2])
 
 
-def _needs(task: ArmTask, machine: Machine, moves: Moves) -> list[Need]:
+def _torque_needs(task: ArmTask, machine: Machine, moves: TaskMoves) -> list[TorqueNeed]:
+    """Return each joint's greatest torque in the moves, greatest torque at rest, and greatest speed."""
     states = moves.states
     moving = np.abs(rigid_torques(machine, states, task.payload))
     still = states._replace(velocities=0.0 * states.velocities, accelerations=0.0 * states.accelerations)
     static = np.abs(rigid_torques(machine, still, task.payload))
     rows = moving.max(axis=0), static.max(axis=0), np.abs(states.velocities).max(axis=0)
-    return [Need(*map(float, row)) for row in zip(*rows, strict=True)]
+    return [TorqueNeed(*map(float, row)) for row in zip(*rows, strict=True)]
 
 
-def _wanted(task: ArmTask, part: Part, need: Need) -> float:
-    """Return the torque at supply pressure of a joint that gives what is needed, friction and losses besides, N m."""
+def _required_torque(task: ArmTask, part: SizedPart, need: TorqueNeed) -> float:
+    """Return the torque at supply pressure that a joint needs, with margin, friction and losses, N m."""
     (joint,) = part.joint.machine.joints.values()
-    left = USABLE * (1.0 - BRAKE_SHARE - 0.5 * float(loss_share(joint)))
+    left = USABLE_SHARE * (1.0 - BRAKE_SHARE - 0.5 * float(loss_fraction(joint)))
     return task.margin * need.torque / left
 
 
-def _with_valves(task: ArmTask, moves: Moves, parts: Sequence[Part], machine: Machine) -> tuple[Part, ...]:
+def _choose_valves(
+    task: ArmTask, moves: TaskMoves, parts: Sequence[SizedPart], machine: Machine
+) -> tuple[SizedPart, ...]:
+    """Return the parts with the smallest sold valves that feed the moves, with the task's margin."""
     sold, sizes = sold_valves(machine), task.margin * valve_sizes(machine, moves, task.payload)
     return tuple(
-        part._replace(valve=choose(sold, float(size), f"{task.origin}: joint {part.task.name!r}"))
+        part._replace(valve=choose_valve(sold, float(size), f"{task.origin}: joint {part.task.name!r}"))
         for part, size in zip(parts, sizes, strict=True)
     )

@@ -1,4 +1,4 @@
-"""What a controller beyond the paper's is compared by: settling, following, resting, stiffness, and what is best."""
+"""Comparison of controllers beyond the paper's: settling, belt following, rest, stiffness, and lower bounds."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -10,122 +10,124 @@ from layflat.arrays import Array
 from layflat.control import paper
 from layflat.control import tracking as law_kind
 from layflat.errors import LayflatError, MachineError
-from layflat.experiments.beyond import settling
-from layflat.experiments.beyond.belts import Following, following
-from layflat.experiments.beyond.moves import POSTURES, steps
-from layflat.experiments.beyond.optimum import settling_bound
-from layflat.experiments.beyond.settling import Resting, Settling, learnt_ratio, resting
-from layflat.experiments.beyond.stiffness import Stiffness, adjustable, stiffnesses
+from layflat.experiments.beyond import settling, settling_bound
+from layflat.experiments.beyond.moves import CONFIGURATION_COUNT, BeltFollowing, first_moves, measure_belt_following
+from layflat.experiments.beyond.settling import RestBehaviour, Settling, measure_rest, median_learnt_ratio
+from layflat.experiments.beyond.stiffness import Stiffness, measure_stiffness, with_stiffness_actuators
 from layflat.machine import Machine, load
 from layflat.machine.exchanged import with_tracking
 from layflat.physics.arms.planar import PlanarArmPart
 
-USUAL = "paper-arm-fast"  # machine that is compared on: the larger valve is the builder's choice
-SPEEDS = (0.3, 0.5)  # of the belt, m/s
-TRACKING, PAPERS, TUNED = "tracking", "the paper's", "the paper's, tuned"
-PAPERS_KIND, TRACKING_KIND = paper.KIND.name, law_kind.KIND.name  # others are a user's own
-EARTH = 9.81  # m/s2
+DEFAULT_MACHINE = "paper-arm-fast"  # with the larger valve, which is the builder's choice
+BELT_SPEEDS = (0.3, 0.5)  # of the belt, m/s
+TRACKING_LABEL, PAPER_LABEL, TUNED_LABEL = "tracking", "the paper's", "the paper's, tuned"
+PAPERS_KIND, TRACKING_KIND = paper.KIND.name, law_kind.KIND.name  # any other kind is a user's
+GRAVITY = 9.81  # of an upright arm, m/s2
 
 
 @dataclass(frozen=True)
 class Effort:
-    """Amount that is simulated."""
+    """Amount of simulation in a comparison."""
 
     runs: int = 1024
     seeds: int = 3
-    rest: float = 3600.0  # s
-    bounds: int = POSTURES  # steps for which an optimum is sought
+    rest_time: float = 3600.0  # simulated time at rest, s
+    bounds: int = CONFIGURATION_COUNT  # steps whose lower bound is searched
     plants: int = 24  # on which moves are repeated
 
 
-QUICK = Effort(runs=128, seeds=1, rest=60.0, bounds=2, plants=6)
+QUICK_EFFORT = Effort(runs=128, seeds=1, rest_time=60.0, bounds=2, plants=6)
 
 
 @dataclass
 class Comparison:
-    """Findings for a machine with several laws; what it can't do is not there."""
+    """Results of several control laws on a machine; None or empty: not possible, or not run yet."""
 
     machine: Machine  # with the tracking law
     effort: Effort
-    laws: dict[str, Machine]  # whose controllers are compared
+    laws: dict[str, Machine]  # machines with the compared controllers, by label
     settling: list[Settling] = field(default_factory=list)
     ablations: list[Settling] = field(default_factory=list)
     upright: Settling | None = None
-    following: list[Following] = field(default_factory=list)
-    resting: Resting | None = None
+    following: list[BeltFollowing] = field(default_factory=list)
+    resting: RestBehaviour | None = None
     stiffness: Stiffness | None = None
     learnt: float | None = None  # error along repeated moves after five repeats, over that before them
     bounds: Array = field(default_factory=lambda: np.zeros(0))  # least times of the first steps, s
     ratios: Array = field(default_factory=lambda: np.zeros(0))  # times of the tracking law over these, (runs, steps)
 
-    def of(self, law: str, case: str) -> Settling | None:
-        """Return the settling times of a law in a case, if they were found."""
+    def settling_of(self, law: str, case: str) -> Settling | None:
+        """Return the settling times of a law in a case; None if it was not simulated."""
         return next((one for one in self.settling if (one.law, one.case) == (law, case)), None)
 
-    def belt(self, law: str, speed: float) -> Following | None:
-        """Return how a law followed a belt, if it was found."""
+    def belt_following_of(self, law: str, speed: float) -> BeltFollowing | None:
+        """Return the belt following of a law at a speed (m/s); None if it was not simulated."""
         return next((one for one in self.following if (one.law, one.speed) == (law, speed)), None)
 
     def stages(self) -> list[tuple[str, Callable[[], None]]]:
-        """Return what is to be done, in order, with words for a progress bar."""
-        found: list[tuple[str, Callable[[], None]]] = []
+        """Return the stages of the comparison in order: text for a progress bar, and the function to call."""
+        stages: list[tuple[str, Callable[[], None]]] = []
         for law, machine in self.laws.items():
-            found.append((f"steps, {law}", partial(self._settle, law, machine)))
+            stages.append((f"steps, {law}", partial(self._add_settling_times, law, machine)))
             if _is_planar(machine) and len(machine.joints) == 2:
-                found.append((f"belts, {law}", partial(self._follow, law, machine)))
-        found += [("parts left out", self._ablate), ("rest", self._rest), ("repeats", self._repeat)]
+                stages.append((f"belts, {law}", partial(self._follow, law, machine)))
+        stages += [("parts left out", self._ablate), ("rest", self._measure_rest), ("repeats", self._repeat)]
         if _is_planar(self.machine):
-            found += [("gravity", self._hang), ("stiffness", self._push), ("optimum", self._bound)]
-        return found
+            stages += [("gravity", self._hang), ("stiffness", self._push), ("optimum", self._compute_bounds)]
+        return stages
 
-    def _settle(self, law: str, machine: Machine) -> None:
+    def _add_settling_times(self, law: str, machine: Machine) -> None:
+        """Simulate steps under a control law in all cases, and add the tip's settling times."""
         runs = self.effort.runs
         self.settling += [
-            settling.nominal(law, machine, runs),
-            settling.late(law, machine, runs),
-            settling.robust(law, machine, runs),
-            *settling.unknown_payload(law, machine, runs),
-            settling.robust(law, machine, runs, unknown_payload=True),
+            settling.settle_nominal(law, machine, runs),
+            settling.settle_delayed(law, machine, runs),
+            settling.settle_robust(law, machine, runs),
+            *settling.settle_unknown_payload(law, machine, runs),
+            settling.settle_robust(law, machine, runs, unknown_payload=True),
         ]
 
     def _ablate(self) -> None:
-        self.ablations = settling.ablations(self.machine, self.effort.runs // 2)
+        self.ablations = settling.settle_ablations(self.machine, self.effort.runs // 2)
 
     def _hang(self) -> None:
-        _, self.upright = settling.unknown_payload(TRACKING, self.machine, self.effort.runs // 2, gravity=EARTH)
+        _, self.upright = settling.settle_unknown_payload(
+            TRACKING_LABEL, self.machine, self.effort.runs // 2, gravity=GRAVITY
+        )
 
     def _follow(self, law: str, machine: Machine) -> None:
-        self.following += [following(law, machine, speed, self.effort.seeds) for speed in SPEEDS]
+        self.following += [measure_belt_following(law, machine, speed, self.effort.seeds) for speed in BELT_SPEEDS]
 
-    def _rest(self) -> None:
-        self.resting = resting(self.machine, self.effort.rest)
+    def _measure_rest(self) -> None:
+        self.resting = measure_rest(self.machine, self.effort.rest_time)
 
     def _repeat(self) -> None:
-        self.learnt = learnt_ratio(self.machine, self.effort.plants)
+        self.learnt = median_learnt_ratio(self.machine, self.effort.plants)
 
     def _push(self) -> None:
-        self.stiffness = stiffnesses(adjustable(self.machine), min(self.effort.seeds, 2))
+        self.stiffness = measure_stiffness(with_stiffness_actuators(self.machine), min(self.effort.seeds, 2))
 
-    def _bound(self) -> None:
-        nominal = self.of(TRACKING, settling.NOMINAL)
-        first = steps(self.machine)[: self.effort.bounds]
+    def _compute_bounds(self) -> None:
+        """Compute lower bounds of the settling time of the first moves, and the tracking law's ratios to them."""
+        nominal = self.settling_of(TRACKING_LABEL, settling.NOMINAL_CASE)
+        first = first_moves(self.machine)[: self.effort.bounds]
         self.bounds = np.array([settling_bound(self.machine, a.tolist(), b.tolist()).settling for a, b in first])
         if nominal is not None:
-            times = nominal.times.reshape(-1, POSTURES)[:, : len(first)]
+            times = nominal.times.reshape(-1, CONFIGURATION_COUNT)[:, : len(first)]
             self.ratios = times / self.bounds
 
 
-def comparison(name: str = USUAL, effort: Effort | None = None) -> Comparison:
-    """Return a comparison that is to be made of the laws that a machine can have.
+def prepare_comparison(name: str = DEFAULT_MACHINE, effort: Effort | None = None) -> Comparison:
+    """Return a comparison, not yet run, of the control laws that a machine can have.
 
     Args:
-        name: of a built-in machine, or its file; a control law of its own is compared, too.
-        effort: how much is simulated.
+        name: name of a built-in machine, or its file; a user's control law in it is compared, too.
+        effort: amount of simulation.
 
     Raises:
         InputError: there is no such machine.
-        KindError: its own control law is plain Python, too slow for so many runs.
-        MachineError: the tracking law can't have it.
+        KindError: its control law is plain Python, which is too slow for so many runs.
+        MachineError: the tracking law can't model it.
     """
     machine = load(name)
     tracking = with_tracking(machine)
@@ -135,19 +137,19 @@ def comparison(name: str = USUAL, effort: Effort | None = None) -> Comparison:
             where=machine.origin,
             right="give a machine with spool valves and two hoses at each joint",
         )
-    laws = {TRACKING: tracking}
+    laws = {TRACKING_LABEL: tracking}
     if machine.controller is not None and machine.control_law.name not in {PAPERS_KIND, TRACKING_KIND}:
         machine.control_law.check_compiled("in comparisons")
-        laws = {machine.control_law.name: machine, TRACKING: tracking}
+        laws = {machine.control_law.name: machine, TRACKING_LABEL: tracking}
     if machine.control_law.gains is not None and all(joint.gains is not None for joint in machine.joints.values()):
-        laws = {PAPERS: machine, **_tuned(name), TRACKING: tracking}
+        laws = {PAPER_LABEL: machine, **_tuned_variants(name), TRACKING_LABEL: tracking}
     return Comparison(tracking, effort or Effort(), laws)
 
 
-def _tuned(name: str) -> dict[str, Machine]:
-    """Return the same machine with tuned gains, where one is built in."""
+def _tuned_variants(name: str) -> dict[str, Machine]:
+    """Return a built-in machine's variant with tuned gains, by its label; empty if there is none."""
     try:
-        return {TUNED: load(f"{name}-tuned")}
+        return {TUNED_LABEL: load(f"{name}-tuned")}
     except LayflatError:
         return {}
 

@@ -1,94 +1,112 @@
-"""Losses of hose and strap beside the brake: the same total hysteresis, another damping."""
+"""Division of the total hysteresis between losses of hose and strap and the brake: damping."""
 
 import numpy as np
 import pandas
 from matplotlib.figure import Figure
 
 from layflat.arrays import Array
-from layflat.experiments.axis_one import GOOD_TIME, SCAN
+from layflat.experiments.axis_one import LONG_SETTLING_LIMIT, SETTLING_GOAL
 from layflat.experiments.bench import INERTIA_PER_TORQUE
-from layflat.experiments.questions.tables import JOINT, grid, hysteresis, inertia_per_torque, limits
+from layflat.experiments.questions import (
+    STUDIED_JOINT,
+    inertia_limits,
+    inertia_per_torque,
+    median_grid,
+    total_hysteresis,
+)
 from layflat.machine import changed
-from layflat.plot.style import LINES
-from layflat.plot.style import figure as new_figure
+from layflat.plot.style import SERIES_STYLES
+from layflat.plot.style import styled_figure as new_figure
 from layflat.study import Study
 
-TOTALS = (15.0, 20.0, 25.0, 30.0)  # total hysteresis, %
-LOSS, BRAKE, PAYLOAD = "joint.small.hose.loss_share", "joint.small.brake.torque", "scenario.payload"
+TOTAL_LEVELS = (15.0, 20.0, 25.0, 30.0)  # total hysteresis, %
+LOSS_COLUMN, BRAKE_COLUMN, PAYLOAD_COLUMN = (
+    "joint.small.hose.loss_fraction",
+    "joint.small.brake.torque",
+    "scenario.payload",
+)
 """Columns of the table."""
-MUCH = 1.25  # what carries so many times as much carries more
-CALM = 0.05  # less motion than this is rest, deg
+MARKED_RATIO = 1.25  # of inertias, from which on one is reported as better
+REST_RIPPLE = 0.05  # upper limit of the ripple of a joint at rest, peak to peak, deg
 
 
-def _lines(study: Study, frame: pandas.DataFrame) -> dict[float, Array]:
-    """By total hysteresis: share of the brake in it, limits of inertia in 1.5 and in 4 s, ripple that is left (deg)."""
+def _division_curves(study: Study, frame: pandas.DataFrame) -> dict[float, Array]:
+    """Return curves by total hysteresis (%): rows of fraction, limits and ripple over divisions.
+
+    The rows: fraction of the brake in the hysteresis, limits of inertia per torque in 1.5 and in 4 s, ripple (deg).
+    """
     machine = study.machine
-    losses, brakes = (np.sort(frame[column].unique()) for column in (LOSS, BRAKE))
-    lossless = changed(machine, LOSS, 0.0)
-    of_loss = np.array([hysteresis(changed(machine, LOSS, loss), 0.0) for loss in losses])
-    of_brake = [hysteresis(changed(lossless, BRAKE, torque)) for torque in brakes]
-    found = {}
-    for total in TOTALS:
+    losses, brakes = (np.sort(frame[column].unique()) for column in (LOSS_COLUMN, BRAKE_COLUMN))
+    lossless = changed(machine, LOSS_COLUMN, 0.0)
+    of_loss = np.array([total_hysteresis(changed(machine, LOSS_COLUMN, loss), 0.0) for loss in losses])
+    of_brake = [total_hysteresis(changed(lossless, BRAKE_COLUMN, torque)) for torque in brakes]
+    curves = {}
+    for total in TOTAL_LEVELS:
         rows = []
-        for torque, own in zip(brakes, of_brake, strict=True):
-            nearest = int(np.argmin(np.abs(of_loss + own - total)))
-            if abs(of_loss[nearest] + own - total) > 0.5 * (of_loss[1] - of_loss[0]):
+        for torque, brake_hysteresis in zip(brakes, of_brake, strict=True):
+            nearest = int(np.argmin(np.abs(of_loss + brake_hysteresis - total)))
+            if abs(of_loss[nearest] + brake_hysteresis - total) > 0.5 * (of_loss[1] - of_loss[0]):
                 continue
-            here = frame[(frame[LOSS] == losses[nearest]) & (frame[BRAKE] == torque)]
-            _, payloads, times = grid(here, BRAKE, PAYLOAD, f"settling.{JOINT}.0")
-            ripple = grid(here, BRAKE, PAYLOAD, f"ripple.{JOINT}.0")[2]
+            selected = frame[(frame[LOSS_COLUMN] == losses[nearest]) & (frame[BRAKE_COLUMN] == torque)]
+            _, payloads, times = median_grid(selected, BRAKE_COLUMN, PAYLOAD_COLUMN, f"settling.{STUDIED_JOINT}.0")
+            ripple = median_grid(selected, BRAKE_COLUMN, PAYLOAD_COLUMN, f"ripple.{STUDIED_JOINT}.0")[2]
             ratios = inertia_per_torque(machine, payloads)
             compared = int(np.argmin(np.abs(np.log(ratios / INERTIA_PER_TORQUE))))
-            limit = [float(limits(ratios, times, allowed)[0]) for allowed in (GOOD_TIME, SCAN)]
-            rows.append((own / total, *limit, float(np.degrees(ripple[compared, 0]))))
+            limit = [
+                float(inertia_limits(ratios, times, limit_time)[0])
+                for limit_time in (SETTLING_GOAL, LONG_SETTLING_LIMIT)
+            ]
+            rows.append((brake_hysteresis / total, *limit, float(np.degrees(ripple[compared, 0]))))
         if rows:
-            found[total] = np.array(rows).T
-    return found
+            curves[total] = np.array(rows).T
+    return curves
 
 
 def figure(study: Study, frame: pandas.DataFrame) -> Figure:
-    """Draw a line for each total."""
-    with new_figure(1, 2, width=8.6, height=3.6) as (made, (limit, ripple)):
-        for order, (total, (share, _, slow, left)) in enumerate(_lines(study, frame).items()):
-            for axes, values in ((limit, slow), (ripple, left)):
-                style = {**LINES[order], "marker": "os^D"[order], "ms": 4}
+    """Draw inertia limit and residual motion over the fraction of the brake, a line for each total hysteresis."""
+    with new_figure(1, 2, width=8.6, height=3.6) as (fig, (limit, ripple)):
+        for order, (total, (share, _, slow, residual)) in enumerate(_division_curves(study, frame).items()):
+            for axes, values in ((limit, slow), (ripple, residual)):
+                style = {**SERIES_STYLES[order], "marker": "os^D"[order], "ms": 4}
                 axes.plot(100 * share, values, label=f"{total:g} % in all", **style)
         limit.set_ylabel("Inertia that settles (kg m$^2$ per N m)")
         ripple.set_ylabel("Left of the motion (deg, peak to peak)")
         for axes in (limit, ripple):
             axes.set(xlabel="Of this hysteresis from the brake (%)", ylim=(0.0, None))
         ripple.legend()
-    return made
+    return fig
 
 
 def finding(study: Study, frame: pandas.DataFrame) -> str:
-    """Say how much more a brake gives at the paper's total, and what of it is needed."""
-    lines = _lines(study, frame)
-    total = min(lines, key=lambda one: abs(one - 25.0))
-    share, quick, slow, left = lines[total]
-    hose, brake = int(np.argmin(share)), int(np.argmax(slow))
+    """Return text on the best division at the paper's total hysteresis, and the fraction of it that the brake needs."""
+    lines = _division_curves(study, frame)
+    total = min(lines, key=lambda level: abs(level - 25.0))
+    share, within_goal, within_long, residual = lines[total]
+    hose, brake = int(np.argmin(share)), int(np.argmax(within_long))
     better = "Where the hysteresis comes from makes little difference"
-    if slow[brake] > MUCH * slow[hose]:
-        better = f"The same hysteresis damps {_times(slow[brake], slow[hose])} better in a brake"
-    said = (
-        f"At {total:g} % of total hysteresis a joint with {_mostly(share[hose])} carries {slow[hose]:.3f} kg m2 per "
-        f"N m ({SCAN:g} s allowed), the best division {slow[brake]:.3f}, with {100 * share[brake]:.0f} % of it in the "
-        f"brake. {better}. Within {GOOD_TIME:g} s it is {quick[hose]:.3f} and {quick[brake]:.3f}. At the paper's "
-        f"inertia {_left(left[hose])} with {_mostly(share[hose])}, {_left(left[brake])} with the best division."
+    if within_long[brake] > MARKED_RATIO * within_long[hose]:
+        better = f"The same hysteresis damps {_describe_ratio(within_long[brake], within_long[hose])} better in a brake"
+    text = (
+        f"At {total:g} % of total hysteresis a joint with {_describe_division(share[hose])} carries "
+        f"{within_long[hose]:.3f} kg m2 per N m ({LONG_SETTLING_LIMIT:g} s allowed), the best division "
+        f"{within_long[brake]:.3f}, with {100 * share[brake]:.0f} % of it in the brake. {better}. "
+        f"Within {SETTLING_GOAL:g} s it is {within_goal[hose]:.3f} and {within_goal[brake]:.3f}. "
+        f"At the paper's inertia {_describe_ripple(residual[hose])} with {_describe_division(share[hose])}, "
+        f"{_describe_ripple(residual[brake])} with the best division."
     )
-    calm = share[left < CALM]
-    if 0 < len(calm) < len(share):
-        said += f" From {100 * calm.min():.0f} % of it in the brake on the joint comes to rest."
-    return said
+    at_rest = share[residual < REST_RIPPLE]
+    if 0 < len(at_rest) < len(share):
+        text += f" From {100 * at_rest.min():.0f} % of it in the brake on the joint comes to rest."
+    return text
 
 
-def _mostly(share: float) -> str:
+def _describe_division(share: float) -> str:
     return "all of it in the hose" if share == 0.0 else f"{100 * share:.0f} % of it in the brake"
 
 
-def _left(ripple: float) -> str:
-    return "nothing is left of the motion" if ripple < CALM else f"{ripple:.1f} deg of motion are left"
+def _describe_ripple(ripple: float) -> str:
+    return "nothing is left of the motion" if ripple < REST_RIPPLE else f"{ripple:.1f} deg of motion are left"
 
 
-def _times(more: float, less: float) -> str:
+def _describe_ratio(more: float, less: float) -> str:
     return f"{more / less:.1f} times" if less > 0.0 else "incomparably"

@@ -1,4 +1,4 @@
-"""What a fit found, how sure it is, and how well it predicts."""
+"""Result of a fit: estimates, their confidence, and the quality of its predictions."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -7,141 +7,151 @@ from functools import cached_property
 import numpy as np
 
 from layflat.arrays import Array
-from layflat.identify.model import Flags, Model, Output
-from layflat.identify.unknown import Unknown
+from layflat.identify.model import Flags, Model, ModelOutput, Unknown
 
-SURE = 0.2  # a parameter is identified if its interval reaches less than this beyond it: of it, or of half its range
-ALIKE = 0.95  # correlation from which on two parameters are identified only together
-MISPREDICTED = 0.25  # a prediction that misses by more (rms over range) is none: the search ended in a wrong minimum
-LED_ASTRAY = 0.05  # the same of a run that is drawn to its log
-LAGS = 25  # lags at which errors are compared with themselves, and with the input
-ALIKE_ERRORS = 1.1  # a simpler model is taken if it misses by no more than so many times what the best does
-FINE = 1e-3  # or by so little more, share of the range
-IN_TEN = 0.9  # share of new logs that are predicted better than the upper end of what is expected
-BAND = 1.959964  # what stays within so many over the root of the number of samples is chance, in 95 of 100 lags
+MAX_INTERVAL_RATIO = 0.2
+"""Width of an interval up to which a parameter is identified: half of it over the value, where the search is
+logarithmic; all of it over the range between the bounds, where it is not."""
+
+INSEPARABLE_CORRELATION = 0.95  # correlation above which two parameters are identified only together
+MAX_PREDICTION_ERROR = 0.25  # rms over range; a prediction with more means that the search ended in a wrong minimum
+MAX_TRACKING_ERROR = 0.05  # the same of a simulation run with feedback of its log
+MAX_LAGS = 25  # samples, up to which errors are correlated with themselves and with the input
+EQUIVALENT_ERROR_RATIO = 1.1  # a simpler model is taken up to so many times the error of the best
+EQUIVALENT_ERROR_MARGIN = 1e-3  # or up to so much more, as a fraction of the range
+EXPECTED_QUANTILE = 0.9  # fraction of new logs that are predicted better than the upper end of the expected error
+WHITE_NOISE_BAND = 1.959964  # correlations of white noise over the root of its number of samples, at 95 of 100 lags
 
 
 @dataclass(frozen=True)
-class Estimate:
-    """A value with its 95 % interval, SI."""
+class FittedParameter:
+    """Value of an unknown with its 95 % interval, SI."""
 
-    unknown: Unknown  # what was looked for
-    value: float  # best found
+    unknown: Unknown
+    value: float  # with the least cost
     low: float  # lower end of the interval
     high: float  # upper end
-    at_bound: bool  # whether it hit its bound
-    partner: str | None = None  # the parameter that it can't be separated from, if any
+    at_bound: bool  # whether the value lies at a bound of the search
+    partner: str | None = None  # path of the parameter that it can't be separated from, if any
 
     @property
     def identified(self) -> bool:
-        """Whether the log identifies it."""
+        """Return whether the confidence interval is narrow enough, and the value away from its bounds."""
         if self.at_bound:
             return False
         if self.unknown.log:
-            return self.low > 0.0 and bool(0.5 * np.log(self.high / self.low) < np.log1p(SURE))
-        return self.high - self.low < SURE * (self.unknown.high - self.unknown.low)
+            return self.low > 0.0 and bool(0.5 * np.log(self.high / self.low) < np.log1p(MAX_INTERVAL_RATIO))
+        return self.high - self.low < MAX_INTERVAL_RATIO * (self.unknown.high - self.unknown.low)
 
 
 @dataclass(frozen=True)
 class Quality:
-    """How well an output is predicted."""
+    """Quality of the prediction of an output."""
 
     output: str  # its name
     unit: str  # SI
-    log: str  # which log
+    log: str  # name of the log
     validation: bool  # over samples that were not fitted
-    samples: int  # how many
+    samples: int  # their number
     rms: float  # of the error, in `unit`
     bias: float  # mean error, in `unit`
-    share: float  # rms over the range of what was measured
-    fit: float  # 1 - rms / standard deviation of what was measured
-    white: float  # share of the lags at which errors resemble themselves no more than chance; 0.95 for a perfect model
+    relative_rms: float  # rms over the measured range
+    fit: float  # 1 - rms / standard deviation of the measured samples
+    white: float  # fraction of lags at which errors correlate with themselves no more than chance; 0.95 if all is noise
     driven: float | None  # greatest correlation of the error with the input, at any lag; None where no input is known
 
     @property
     def diverged(self) -> bool:
-        """Whether the simulation came to no end: nothing is predicted then."""
+        """Return whether the simulation diverged: nothing is predicted then."""
         return not np.isfinite(self.rms)
 
 
 @dataclass(frozen=True)
 class Expected:
-    """Error to expect of a signal in a new log: from logs that were left out in turn."""
+    """Expected error of a signal in a new log, from logs that were left out in turn."""
 
     output: str
     unit: str  # SI
     rms: float  # mean of the left-out logs' rms errors
     low: float  # one new log in ten is predicted better
     high: float  # one in ten is predicted worse
-    share: float  # rms over the range of the signal in all fitted logs
-    left_out: tuple[float, ...]  # rms of each left-out log
+    relative_rms: float  # rms over the range of the signal in all fitted logs
+    held_out_rms: tuple[float, ...]  # rms of each left-out log
 
 
 @dataclass(frozen=True)
 class Fit:
-    """A fitted model."""
+    """Fitted model."""
 
-    model: Model  # what was fitted
-    estimates: tuple[Estimate, ...]  # of its unknowns, in order
-    simulated: Array  # all outputs with the best values, one after the other
+    model: Model
+    estimates: tuple[FittedParameter, ...]  # of the model's unknowns, in order
+    simulated: Array  # all outputs with the fitted values, one after the other
     converged: bool  # whether the search converged
-    simulations: int  # runs that it took
+    simulations: int  # number of simulation runs
     partial: bool = False  # whether the user stopped it
-    led: Model | None = None  # what simulated the outputs in place of the model, drawn to the logs
+    tracking: Model | None = (
+        None  # model with feedback of the logs that simulated the outputs, where a free one diverged
+    )
     expected: tuple[Expected, ...] = ()  # errors to expect of a new log, where that was estimated
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """What is to be said of the model, in sentences."""
-        return (*self.model.remarks, *(() if self.led is None else self.led.remarks))
+        """Return remarks on the model, in sentences."""
+        return (*self.model.remarks, *(() if self.tracking is None else self.tracking.remarks))
 
     @cached_property
     def values(self) -> Array:
-        """Best values, (unknowns,) in SI."""
+        """Return the fitted values, (unknowns,) in SI."""
         return np.array([estimate.value for estimate in self.estimates])
 
     @property
     def trusted(self) -> bool:
-        """Whether it converged with no value at a bound, and predicts."""
+        """Return whether it converged with no value at a bound, and predicts."""
         return self.converged and not any(one.at_bound for one in self.estimates) and self.mispredicted is None
 
     @cached_property
     def predictions(self) -> list[Quality]:
-        """How well what is fitted elsewhere is predicted."""
-        found = self.qualities()
-        fitted = {one.output for one in found if not one.validation}
-        return [one for one in found if one.validation and one.output in fitted]
+        """Return the qualities over validation samples of those outputs that are fitted in other samples."""
+        qualities = self.qualities()
+        fitted = {one.output for one in qualities if not one.validation}
+        return [one for one in qualities if one.validation and one.output in fitted]
 
     @property
     def mispredicted(self) -> Quality | None:
-        """The worst prediction, if it misses by too much."""
-        worst = max(self.predictions, key=lambda one: one.share, default=None)
-        most = MISPREDICTED if self.led is None else LED_ASTRAY
-        return worst if worst is not None and worst.share > most else None
+        """Return the worst prediction, if its error exceeds the limit; otherwise None."""
+        worst = max(self.predictions, key=lambda one: one.relative_rms, default=None)
+        limit = MAX_PREDICTION_ERROR if self.tracking is None else MAX_TRACKING_ERROR
+        return worst if worst is not None and worst.relative_rms > limit else None
 
-    def of(self, path: str) -> Estimate:
-        """The estimate of an unknown."""
+    def estimate(self, path: str) -> FittedParameter:
+        """Return the estimate of an unknown."""
         return next(estimate for estimate in self.estimates if estimate.unknown.path == path)
 
     def qualities(self) -> list[Quality]:
-        """Of every output, over the fitted samples and over those for validation."""
-        found = []
-        for place, output in zip(self.model.slices, self.model.outputs, strict=True):
+        """Return the quality of every output, over the fitted samples and over those for validation."""
+        qualities = []
+        for rows, output in zip(self.model.slices, self.model.outputs, strict=True):
             for validation in (False, True):
                 chosen = (output.fitted != validation) & np.isfinite(output.measured)
                 if chosen.any():
-                    found.append(quality(output, chosen, self.simulated[place], validation=validation))
-        return found
+                    qualities.append(compute_quality(output, chosen, self.simulated[rows], validation=validation))
+        return qualities
 
 
-def choose(errors: Sequence[float]) -> int:
-    """Return which of several models is taken: the first, the simplest, that misses by no more than the best does.
+def relative_error(qualities: Sequence[Quality]) -> float:
+    """Return the rms error of several outputs, over their ranges; infinite where one diverged."""
+    shares = [one.relative_rms for one in qualities]
+    return float(np.sqrt(np.mean(np.square(shares)))) if np.isfinite(shares).all() else np.inf
+
+
+def choose_simplest(errors: Sequence[float]) -> int:
+    """Return the index of the first, simplest model whose error is equivalent to that of the best.
 
     Args:
-        errors: shares of the range, the simplest model first.
+        errors: over the range, the simplest model first.
     """
-    most = max(ALIKE_ERRORS * min(errors), min(errors) + FINE)
-    return next(i for i, error in enumerate(errors) if error <= most)
+    limit = max(EQUIVALENT_ERROR_RATIO * min(errors), min(errors) + EQUIVALENT_ERROR_MARGIN)
+    return next(i for i, error in enumerate(errors) if error <= limit)
 
 
 def expected_errors(left_out: Mapping[str, Array], model: Model) -> tuple[Expected, ...]:
@@ -149,51 +159,60 @@ def expected_errors(left_out: Mapping[str, Array], model: Model) -> tuple[Expect
 
     Args:
         left_out: rms error (SI) of each left-out part, by signal.
-        model: whose logs these are.
+        model: model whose logs these are.
     """
-    found = []
+    expected = []
     for name, errors in left_out.items():
-        mine = [one for one in model.outputs if one.name == name and one.fitted.any()]
-        reach = np.concatenate([one.measured[one.fitted & np.isfinite(one.measured)] for one in mine])
-        low, high = _new_one(errors)
+        outputs = [one for one in model.outputs if one.name == name and one.fitted.any()]
+        measured = np.concatenate([one.measured[one.fitted & np.isfinite(one.measured)] for one in outputs])
+        low, high = _new_log_range(errors)
         rms = float(errors.mean())
-        share = rms / float(np.ptp(reach)) if np.ptp(reach) > 0.0 else np.inf
-        found.append(Expected(name, mine[0].unit, rms, low, high, share, tuple(map(float, errors))))
-    return tuple(found)
+        share = rms / float(np.ptp(measured)) if np.ptp(measured) > 0.0 else np.inf
+        expected.append(Expected(name, outputs[0].unit, rms, low, high, share, tuple(map(float, errors))))
+    return tuple(expected)
 
 
-def _new_one(errors: Array) -> tuple[float, float]:
-    """Return between which rms errors eight of ten new logs lie: logarithms of errors are taken for normal."""
+def _new_log_range(errors: Array) -> tuple[float, float]:
+    """Return the rms errors between which eight of ten new logs lie, if logarithms of errors are normal."""
     from scipy.stats import t  # noqa: PLC0415  # scipy.stats takes long to import
 
     n = len(errors)
-    if n < 2 or not (np.isfinite(errors).all() and (errors > 0.0).all()):  # a spread needs two
+    if n < 2 or not (np.isfinite(errors).all() and (errors > 0.0).all()):  # a standard deviation needs two
         return 0.0, np.inf
     logs = np.log(errors)
-    half = float(t.ppf(IN_TEN, n - 1) * logs.std(ddof=1) * np.sqrt(1.0 + 1.0 / n))
+    half = float(t.ppf(EXPECTED_QUANTILE, n - 1) * logs.std(ddof=1) * np.sqrt(1.0 + 1.0 / n))
     return float(np.exp(logs.mean() - half)), float(np.exp(logs.mean() + half))
 
 
-def quality(output: Output, chosen: Flags, simulated: Array, *, validation: bool) -> Quality:
-    """Of the chosen samples of an output."""
+def compute_quality(output: ModelOutput, chosen: Flags, simulated: Array, *, validation: bool) -> Quality:
+    """Return the quality of the prediction of an output's chosen samples.
+
+    Args:
+        output: output with its measured samples.
+        chosen: samples to compare, (samples,).
+        simulated: the same signal, (samples,).
+        validation: whether the chosen samples were not fitted.
+    """
     measured, error = output.measured[chosen], simulated[chosen] - output.measured[chosen]
     if not np.isfinite(error).all():
-        whole = (output.name, output.unit, output.log, validation, len(error))
-        return Quality(*whole, rms=np.inf, bias=np.inf, share=np.inf, fit=-np.inf, white=0.0, driven=None)
-    rms, spread, reach = float(np.sqrt(np.mean(error**2))), float(np.std(measured)), float(np.ptp(measured))
-    alike = [abs(_correlation(error[lag:], error[:-lag])) for lag in range(1, min(LAGS, len(error) - 2) + 1)]
+        labels = (output.name, output.unit, output.log, validation, len(error))
+        return Quality(*labels, rms=np.inf, bias=np.inf, relative_rms=np.inf, fit=-np.inf, white=0.0, driven=None)
+    rms, deviation, span = float(np.sqrt(np.mean(error**2))), float(np.std(measured)), float(np.ptp(measured))
+    lags = range(1, min(MAX_LAGS, len(error) - 2) + 1)
+    autocorrelation = [abs(_correlation(error[lag:], error[:-lag])) for lag in lags]
+    below = np.array(autocorrelation) < WHITE_NOISE_BAND / np.sqrt(len(error))
     return Quality(
         output.name, output.unit, output.log, validation, len(error), rms, float(error.mean()),
-        share=rms / reach if reach > 0.0 else np.inf,
-        fit=1.0 - rms / spread if spread > 0.0 else -np.inf,
-        white=float(np.mean(np.array(alike) < BAND / np.sqrt(len(error)))) if alike else 1.0,
-        driven=None if output.driven_by is None else _driven(error, output.driven_by[chosen]),
+        relative_rms=rms / span if span > 0.0 else np.inf,
+        fit=1.0 - rms / deviation if deviation > 0.0 else -np.inf,
+        white=float(np.mean(below)) if autocorrelation else 1.0,
+        driven=None if output.driven_by is None else _max_input_correlation(error, output.driven_by[chosen]),
     )  # fmt: skip
 
 
-def _driven(error: Array, given: Array) -> float:
-    lags = range(min(LAGS, len(error) - 2))
-    return max((abs(_correlation(error[lag:], given[: len(given) - lag])) for lag in lags), default=0.0)
+def _max_input_correlation(error: Array, driving: Array) -> float:
+    lags = range(min(MAX_LAGS, len(error) - 2))
+    return max((abs(_correlation(error[lag:], driving[: len(driving) - lag])) for lag in lags), default=0.0)
 
 
 def _correlation(a: Array, b: Array) -> float:

@@ -12,25 +12,27 @@ import numpy as np
 from layflat import extras
 from layflat.arrays import Array
 from layflat.errors import InputError
-from layflat.identify.logs.arrangement import arranged
-from layflat.identify.logs.messages import MAX_ITEMS, reason_of
-from layflat.identify.logs.table import Cells, Content
+from layflat.identify.logs.arrangement import arrange_columns
+from layflat.identify.logs.messages import MAX_ITEMS, error_reason
+from layflat.identify.logs.table import Cells, FileContent
 
 if TYPE_CHECKING:
     import xarray
 
 T = TypeVar("T")
 
-CLASSIC, CLASSIC_64, CDF5 = b"CDF\x01", b"CDF\x02", b"CDF\x05"  # first bytes of NetCDF-3, with 64-bit offsets, of CDF-5
+CLASSIC_MAGIC = b"CDF\x01"  # first bytes of NetCDF-3
+CLASSIC_64_MAGIC = b"CDF\x02"  # of NetCDF-3 with 64-bit offsets
+CDF5_MAGIC = b"CDF\x05"
 FLOAT_FILL = 9.969209968386869e36
-UNWRITTEN = {"f4": FLOAT_FILL, "f8": FLOAT_FILL, "i4": -2147483647, "i8": -9223372036854775806}
-"""Fill values of NetCDF where a file states none, by type; those of shorter integers may be samples."""
+DEFAULT_FILL_VALUES = {"f4": FLOAT_FILL, "f8": FLOAT_FILL, "i4": -2147483647, "i8": -9223372036854775806}
+"""Default fill values of NetCDF by type; those of shorter integers are left out, as they may be samples."""
 TIME_NAMES = ("time", "t", "timestamp", "time_s")
-TICKS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}  # units of Arrow's times, s
-DAY = 86400.0  # s
+TICK_SIZES = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}  # size of the units of Arrow's times, s
+SECONDS_PER_DAY = 86400.0  # s
 
 
-def read_parquet(path: Path) -> Content:
+def read_parquet(path: Path) -> FileContent:
     """Read a Parquet file, units from metadata of its fields ("unit" or "units"); raise InputError if broken.
 
     Times, dates and durations are seconds; structures and lists become columns "name.field" and "name.0".
@@ -38,63 +40,63 @@ def read_parquet(path: Path) -> Content:
     extras.require("logs", "pyarrow", where=str(path))
     from pyarrow import parquet  # noqa: PLC0415
 
-    table = _attempt(lambda: parquet.ParquetFile(path).read(), path, "Parquet")
+    table = _read_damaged(lambda: parquet.ParquetFile(path).read(), path, "Parquet")
     cells: dict[str, Cells] = {}
     units: dict[str, str] = {}
     left_out: dict[str, str] = {}
     for field, column in zip(table.schema, table.columns, strict=True):
-        told = {key.decode(): value.decode(errors="replace") for key, value in (field.metadata or {}).items()}
-        stated = told.get("unit", told.get("units"))
-        columns = _attempt(partial(_listed_columns, field.name, column), path, "Parquet")
-        for name, found, unit in columns:
+        metadata = {key.decode(): value.decode(errors="replace") for key, value in (field.metadata or {}).items()}
+        stated = metadata.get("unit", metadata.get("units"))
+        columns = _read_damaged(partial(_list_columns, field.name, column), path, "Parquet")
+        for name, values, unit in columns:
             if name in cells or name in left_out:
                 raise InputError(f"column {name!r} stands there twice", where=str(path), right="rename one of them")
             if unit is None:
-                left_out[name] = str(found)
+                left_out[name] = str(values)
                 continue
-            cells[name] = found
+            cells[name] = values
             if unit or stated is not None:
                 units[name] = unit or str(stated)
-    content = arranged(cells, units)
+    content = arrange_columns(cells, units)
     return content._replace(words={**content.words, **left_out})
 
 
-def _listed_columns(name: str, column: Any) -> list[tuple[str, Any, str | None]]:
-    return list(_columns(name, column))
+def _list_columns(name: str, column: Any) -> list[tuple[str, Any, str | None]]:
+    return list(_arrow_columns(name, column))
 
 
-def _columns(name: str, column: Any) -> Iterator[tuple[str, Any, str | None]]:
-    """Yield name, cells and unit ("" where the type has none) of an Arrow column; what makes none, with its reason.
+def _arrow_columns(name: str, column: Any) -> Iterator[tuple[str, Any, str | None]]:
+    """Yield name, cells and unit of each column that an Arrow column makes.
 
-    Unit None says that the cells are a reason.
+    The unit is "" where the type has none. Where it is None, the column holds no numbers, and the cells are a reason.
     """
     from pyarrow import BaseExtensionType, chunked_array, compute, float64, types  # noqa: PLC0415
 
     kind = column.type
     if types.is_dictionary(kind):
-        yield from _columns(name, column.cast(kind.value_type))
+        yield from _arrow_columns(name, column.cast(kind.value_type))
     elif types.is_run_end_encoded(kind):
-        yield from _columns(name, compute.run_end_decode(column.combine_chunks()))
+        yield from _arrow_columns(name, compute.run_end_decode(column.combine_chunks()))
     elif types.is_temporal(kind) and not types.is_interval(kind):
-        yield name, _seconds(column), "s"
+        yield name, _arrow_seconds(column), "s"
     elif types.is_primitive(kind) or types.is_decimal(kind) or types.is_null(kind):
         yield name, _floats(column.cast(float64(), safe=False)), ""
     elif types.is_string(kind) or types.is_large_string(kind) or types.is_string_view(kind):
         yield name, ["" if value is None else value for value in column.to_pylist()], ""
     elif isinstance(kind, BaseExtensionType):
         stored = chunked_array([chunk.storage for chunk in column.chunks], kind.storage_type)
-        yield from _columns(name, stored)
+        yield from _arrow_columns(name, stored)
     elif types.is_struct(kind):
         for i in range(kind.num_fields):
-            yield from _columns(f"{name}.{kind.field(i).name}", compute.struct_field(column, i))
+            yield from _arrow_columns(f"{name}.{kind.field(i).name}", compute.struct_field(column, i))
     elif types.is_list(kind) or types.is_large_list(kind) or types.is_fixed_size_list(kind):
-        yield from _listed(name, column)
+        yield from _item_columns(name, column)
     else:
         yield name, f"is of type {kind}, which is no number", None
 
 
-def _listed(name: str, column: Any) -> Iterator[tuple[str, Any, str | None]]:
-    """Yield the columns of a column of lists, an item each; shorter lists have nothing in the last ones."""
+def _item_columns(name: str, column: Any) -> Iterator[tuple[str, Any, str | None]]:
+    """Yield a column for each item of a column of lists; shorter lists have NaN in the last ones."""
     import pyarrow  # noqa: PLC0415
 
     rows = column.to_pylist()
@@ -104,21 +106,21 @@ def _listed(name: str, column: Any) -> Iterator[tuple[str, Any, str | None]]:
         return
     for i in range(longest):
         items = [row[i] if row is not None and len(row) > i else None for row in rows]
-        yield from _columns(f"{name}.{i}", pyarrow.chunked_array([pyarrow.array(items, column.type.value_type)]))
+        yield from _arrow_columns(f"{name}.{i}", pyarrow.chunked_array([pyarrow.array(items, column.type.value_type)]))
 
 
-def _seconds(column: Any) -> Array:
+def _arrow_seconds(column: Any) -> Array:
     """Return durations and times of day in s, and dates as seconds since the first; NaN where there is none."""
     from pyarrow import int32, int64, types  # noqa: PLC0415
 
     kind = column.type
     days = types.is_date32(kind)
-    size = DAY if days else 1e-3 if types.is_date64(kind) else TICKS[kind.unit]
-    whole = column.cast(int32()).cast(int64()) if days or types.is_time32(kind) else column.cast(int64())
-    ticks = whole.drop_null().to_numpy()
+    unit_size = SECONDS_PER_DAY if days else 1e-3 if types.is_date64(kind) else TICK_SIZES[kind.unit]
+    integers = column.cast(int32()).cast(int64()) if days or types.is_time32(kind) else column.cast(int64())
+    ticks = integers.drop_null().to_numpy()
     dated = types.is_timestamp(kind) or types.is_date(kind)
-    seconds = np.full(len(whole), np.nan)
-    seconds[whole.is_valid().to_numpy()] = (ticks - ticks[0] if dated and ticks.size else ticks) * size
+    seconds = np.full(len(integers), np.nan)
+    seconds[integers.is_valid().to_numpy()] = (ticks - ticks[0] if dated and ticks.size else ticks) * unit_size
     return seconds
 
 
@@ -126,58 +128,60 @@ def _floats(column: Any) -> Array:
     return np.asarray(column.to_numpy(), dtype=np.float64)
 
 
-def _attempt(read: Callable[[], T], path: Path, kind: str) -> T:
-    """Read a file; whatever a library raises becomes one line, as a damaged file can make it raise nearly anything."""
-    what, hook = None, sys.unraisablehook
+def _read_damaged(read: Callable[[], T], path: Path, format_name: str) -> T:
+    """Return the result of `read`; whatever it raises becomes an InputError, as damaged files can raise any error."""
+    reason, hook = None, sys.unraisablehook
     sys.unraisablehook = lambda _: None  # files that were half opened complain when they are dropped
     try:
         return read()
     except Exception as error:
-        what = reason_of(error)
+        reason = error_reason(error)
     finally:
-        if what is not None:  # to look for them takes long beside all that a program has in memory
+        if reason is not None:  # collecting takes long in a program with much in memory
             gc.collect()
         sys.unraisablehook = hook
-    right = f"give a whole {kind} file: this one is damaged, cut off, or of another kind"
-    raise InputError(f"can't be read as {kind} ({what})", where=str(path), right=right)
+    right = f"give a whole {format_name} file: this one is damaged, cut off, or of another kind"
+    raise InputError(f"can't be read as {format_name} ({reason})", where=str(path), right=right)
 
 
-def read_netcdf(path: Path) -> Content:
-    """Read a NetCDF file: variables over time, with joints as "angle.elbow"; raise InputError if it has none."""
+def read_netcdf(path: Path) -> FileContent:
+    """Read a NetCDF file: variables over time, those of joints as "angle.elbow"; raise InputError if it has none."""
     with path.open("rb") as file:
-        start = file.read(4)
-    if start == CDF5:
+        magic = file.read(4)
+    if magic == CDF5_MAGIC:
         right = f"`nccopy -k nc4 {path.name} NEW.nc` makes one that is"
         raise InputError("is NetCDF of the kind CDF-5, which is not read here", where=str(path), right=right)
-    data, groups = _attempt(lambda: _opened(path, classic=start in {CLASSIC, CLASSIC_64}), path, "NetCDF")
-    along = _time_dimension(data)
-    if along is None:
-        what = "has no variable of time" + (f", and its groups ({', '.join(groups)}) are not read" if groups else "")
+    data, groups = _read_damaged(
+        lambda: _open_netcdf(path, classic=magic in {CLASSIC_MAGIC, CLASSIC_64_MAGIC}), path, "NetCDF"
+    )
+    dimension = _time_dimension(data)
+    if dimension is None:
+        problem = "has no variable of time" + (f", and its groups ({', '.join(groups)}) are not read" if groups else "")
         right = 'give a file with variables over a dimension "time"'
-        raise InputError(what, where=str(path), right=right)
+        raise InputError(problem, where=str(path), right=right)
     cells: dict[str, Cells] = {}
     units: dict[str, str] = {}
     left_out = {f"group {name}": "variables in groups are not read: put them at the top" for name in groups}
     for name, stored in data.variables.items():
-        variable = stored.transpose(along, ...) if along in stored.dims else stored
-        reason = _reason(str(name), variable, data, along)
+        variable = stored.transpose(dimension, ...) if dimension in stored.dims else stored
+        reason = _exclusion_reason(str(name), variable, data, dimension)
         if reason is not None:
             left_out |= {str(name): reason} if reason else {}
             continue
-        values = _written(variable)
+        values = _mask_unwritten(variable)
         if variable.ndim == 1:
             columns = {str(name): values}
         else:
             labels = data[variable.dims[1]].values if variable.dims[1] in data.coords else range(variable.shape[1])
-            columns = {f"{name}.{_label(label)}": values[:, i] for i, label in enumerate(labels)}
+            columns = {f"{name}.{_label_text(label)}": values[:, i] for i, label in enumerate(labels)}
         cells.update(columns)
         stated = str(variable.attrs.get("units", "")).partition(" since ")[0]
         units.update(dict.fromkeys(columns, stated))
-    content = arranged(cells, {name: unit for name, unit in units.items() if unit})
+    content = arrange_columns(cells, {name: unit for name, unit in units.items() if unit})
     return content._replace(words={**content.words, **left_out})
 
 
-def _opened(path: Path, *, classic: bool) -> "tuple[xarray.Dataset, list[str]]":
+def _open_netcdf(path: Path, *, classic: bool) -> "tuple[xarray.Dataset, list[str]]":
     """Return the variables at the top of a file, and the names of its groups."""
     import h5py  # noqa: PLC0415
     import xarray  # noqa: PLC0415  # takes long to import
@@ -192,7 +196,7 @@ def _opened(path: Path, *, classic: bool) -> "tuple[xarray.Dataset, list[str]]":
 
 
 def _time_dimension(data: "xarray.Dataset") -> str | None:
-    """Return the dimension that samples go along: "time", or that of a variable of time; None where there is none."""
+    """Return the dimension of the samples: "time", or that of a variable of time; None where there is none."""
     if "time" in data.dims:
         return "time"
     lines = {str(name): variable for name, variable in data.variables.items() if variable.ndim == 1}
@@ -201,29 +205,31 @@ def _time_dimension(data: "xarray.Dataset") -> str | None:
     return next((str(variable.dims[0]) for variable in [*named, *dated]), None)
 
 
-def _reason(name: str, variable: "xarray.Variable", data: "xarray.Dataset", along: str) -> str | None:
-    """Return why a variable makes no column, or None for one that does; nothing for labels and constants."""
-    if variable.dims[:1] == (along,):
+def _exclusion_reason(name: str, variable: "xarray.Variable", data: "xarray.Dataset", dimension: str) -> str | None:
+    """Return why a variable makes no column; None for one that does, "" for labels and constants."""
+    if variable.dims[:1] == (dimension,):
         if variable.dtype.kind not in "fiub":
             return f"is of type {variable.dtype}, which is no number"
         if variable.ndim > 2:
             return f"has {variable.ndim} dimensions"
-        many = variable.ndim == 2 and variable.shape[1] > MAX_ITEMS
-        return f"has {variable.shape[1]} items each, and more than {MAX_ITEMS} are no signal" if many else None
+        too_many = variable.ndim == 2 and variable.shape[1] > MAX_ITEMS
+        return f"has {variable.shape[1]} items each, and more than {MAX_ITEMS} are no signal" if too_many else None
     other = next(iter(variable.dims), None)
     clocked = other is not None and other != name and other in data.indexes and data[other].dtype.kind in "fiu"
-    return f"goes along {other!r}, and the clock along {along!r}" if clocked and variable.ndim == 1 else ""
+    return f"goes along {other!r}, and the clock along {dimension!r}" if clocked and variable.ndim == 1 else ""
 
 
-def _written(variable: "xarray.Variable") -> Array:
-    """Return the values of a variable, NaN where nothing was written: xarray shows NetCDF's own fill value."""
+def _mask_unwritten(variable: "xarray.Variable") -> Array:
+    """Return the values of a variable with NaN for NetCDF's default fill value: xarray leaves it."""
     values = np.asarray(variable.values, dtype=np.float64)
-    stored = variable.encoding
-    fill = UNWRITTEN.get(np.dtype(stored.get("dtype", variable.dtype)).str[1:])
-    if fill is None or "_FillValue" in stored:
+    encoding = variable.encoding
+    fill = DEFAULT_FILL_VALUES.get(np.dtype(encoding.get("dtype", variable.dtype)).str[1:])
+    if fill is None or "_FillValue" in encoding:
         return values
-    return np.where(values == fill * stored.get("scale_factor", 1.0) + stored.get("add_offset", 0.0), np.nan, values)
+    return np.where(
+        values == fill * encoding.get("scale_factor", 1.0) + encoding.get("add_offset", 0.0), np.nan, values
+    )
 
 
-def _label(label: object) -> str:
+def _label_text(label: object) -> str:
     return label.decode(errors="replace").strip("\0 ") if isinstance(label, bytes) else str(label)

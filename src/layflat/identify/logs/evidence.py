@@ -1,4 +1,4 @@
-"""Evidence for a column being a signal: its name, its unit, and whether its values can be such."""
+"""Evidence that a column is a signal: its name, its unit, and its values."""
 
 import re
 from collections.abc import Iterable
@@ -8,72 +8,76 @@ import numpy as np
 
 from layflat.arrays import Array
 from layflat.description import units as u
-from layflat.identify.logs.headers import words_of
-from layflat.identify.logs.mapping import SENSED
-from layflat.identify.logs.table import Column, Table
-from layflat.identify.logs.units import kind_of_unit, measures
+from layflat.identify.logs.mapping import SENSED_SIGNALS
+from layflat.identify.logs.table import LogColumn, LogTable, split_words
 from layflat.identify.logs.vocabulary import (
-    FILTERED,
+    FILTER_WORDS,
     FORCE,
-    RAW,
+    RAW_WORDS,
     SIGNALS,
-    STATISTICS,
-    Signal,
-    conversion,
-    meanings,
-    signal_of,
+    STATISTIC_WORDS,
+    LogSignal,
+    is_unit_of,
+    kind_of_unit,
+    signal_for_roles,
+    unit_conversion,
+    word_roles,
 )
 
-BY_UNIT = {"rad": "angle", "Pa": "pressure", "V": "voltage", "N*m": "torque", "N": "force", "K": "temperature"}
-"""Roles, and signals, that a unit alone tells, by its SI unit."""
+SIGNAL_BY_UNIT = {"rad": "angle", "Pa": "pressure", "V": "voltage", "N*m": "torque", "N": "force", "K": "temperature"}
+"""Signal that a unit alone suggests, by its SI unit."""
 
-POSSIBLE: dict[u.Quantity, tuple[float, float]] = {
+POSSIBLE_MAGNITUDES: dict[u.Quantity, tuple[float, float]] = {
     u.PRESSURE: (100.0, 1e8), u.ANGLE: (0.0, 4.0 * np.pi), u.VOLTAGE: (0.0, 1e3), u.TORQUE: (0.0, 1e5),
     FORCE: (0.0, 1e7), u.TEMPERATURE: (60.0, 2e3), u.LENGTH: (0.0, 100.0), u.MASS: (0.0, 1e4),
 }  # fmt: skip
-"""Range of the greatest magnitude of a signal that moves, SI: outside it a stated unit can't be."""
+"""Lower and upper limit of the greatest magnitude of a signal, SI: outside them a stated unit is wrong."""
 
-RANGES: dict[u.Quantity, tuple[tuple[float, str], ...]] = {
+UNIT_LIMITS: dict[u.Quantity, tuple[tuple[float, str], ...]] = {
     u.ANGLE: ((3.5, "rad"), (7.0, ""), (np.inf, "deg")),  # neither a few degrees nor a whole turn is usual
     u.PRESSURE: ((20.0, "bar"), (160.0, "psi"), (5e3, "kPa"), (np.inf, "Pa")),
     u.VOLTAGE: ((30.0, "V"), (np.inf, "mV")),
     u.TEMPERATURE: ((150.0, "degC"), (np.inf, "K")),
     u.LENGTH: ((2.0, "m"), (np.inf, "mm")),
 }
-"""Units by the greatest value that would be likely in them."""
+"""Greatest value that is likely in each unit, in rising order; "" where the unit is ambiguous."""
 
 _CHANNELS = "ch chan channel kanal canal ai ain ao aout analog adc dac dev input port slot module"
 CHANNELS = frozenset(_CHANNELS.split())
-"""Words before the number of a recorder's channel, which is neither a joint's nor a hose's."""
+"""Words before the number of a recorder's channel, which is not the number of a joint or a hose."""
 
 QUANTITIES = frozenset(["pressure", "angle", "torque", "force", "temperature", "position", "brake"])
-"""Roles beside which "current" is the present value."""
+"""Roles beside which the word "current" means the present value, not amperes."""
 
-COUNTS = frozenset(["counts", "dac", "adc", "pwm", "lsb", "digit", "digits", "bits", "inc", "incr", "increments"])
-"""Words of numbers that are no quantity before their scale."""
+COUNT_WORDS = frozenset(["counts", "dac", "adc", "pwm", "lsb", "digit", "digits", "bits", "inc", "incr", "increments"])
+"""Words for raw counts of a converter, which are no quantity without their scale."""
 
-LEAST_COUNT = 200.0  # from which whole numbers may be counts of a converter
-GLITCH, MOST = 5.0, 99.0  # times the usual magnitude that no motion explains; the percentile that is usual
+MIN_CONVERTER_COUNT = 200.0  # from which integers may be counts of a converter
+MIN_GLITCH_RATIO = 5.0  # greatest over usual magnitude that no motion explains
+USUAL_PERCENTILE = 99.0  # of the magnitudes: the usual one
 
-OWN_NAME, WORDS, UNIT_FITS, UNIT_ALONE, RAW_MORE = 6.0, 4.0, 3.0, 1.0, 0.5  # points of a score
+OWN_NAME_POINTS, WORD_POINTS, UNIT_POINTS, UNIT_ALONE_POINTS, RAW_POINTS = 6.0, 4.0, 3.0, 1.0, 0.5  # points of a score
 
 
 @dataclass(frozen=True)
-class Candidate:
-    """A column and the signal that it may be."""
+class SignalCandidate:
+    """Signal that a column may be, with its score."""
 
-    column: Column
-    signal: Signal
-    why: str
-    score: float
-    joint: str  # that its name says; "" where it says none
+    column: LogColumn
+    signal: LogSignal
+    why: str  # evidence, for people
+    score: float  # points
+    joint: str  # in its name, "" for none
     group: str  # number in its name, "" for none
 
 
-def hose_of(stem: str, stems: Iterable[str]) -> str:
-    """Return the hose of a numbered name: "p1" beside "p2", or alone, is of hose A, and so is "p0" beside "p1"."""
+def hose_by_number(stem: str, stems: Iterable[str]) -> str:
+    """Return the hose of a numbered name, "a" or "b", else "".
+
+    "p1" beside "p2", or alone, is of hose A; so is "p0" beside "p1".
+    """
     numbers = list(re.finditer(r"\d+", stem))
-    if not numbers or not CHANNELS.isdisjoint(words_of(stem)):
+    if not numbers or not CHANNELS.isdisjoint(split_words(stem)):
         return ""
     head, number, tail = stem[: numbers[-1].start()], numbers[-1][0], stem[numbers[-1].end() :]
     pattern = re.compile(rf"{re.escape(head)}(\d+){re.escape(tail)}")
@@ -82,115 +86,109 @@ def hose_of(stem: str, stems: Iterable[str]) -> str:
     return "ab"[pair.index(number)] if number in pair and kin <= set(pair) else ""
 
 
-def find_candidate(column: Column, joints: list[str], hose: str = "") -> Candidate | str:
+def find_candidate(column: LogColumn, joints: list[str], hose: str = "") -> SignalCandidate | str:
     """Return the signal that a column may be, or why it is left out.
 
     Args:
-        column: to look at.
-        joints: of the machine; empty where it is not known.
-        hose: "a" or "b" that the number in its name may stand for.
+        column: column of the log.
+        joints: joints of the machine; empty where it is not known.
+        hose: "a" or "b" if the number in its name may stand for it.
 
     Returns:
-        The signal with what speaks for it; or a reason in words.
+        The signal with its score; or the reason why the column is left out.
     """
     header = column.header
     if not np.isfinite(column.values).any():
         return "empty"
-    words = words_of(header.stem)
-    joint = next((name for name in joints if set(words_of(name)) <= set(words)), "")
-    own, _, own_joint = header.stem.partition(".")
-    own = SENSED.get(own, own)
-    if not joint and not joints and own in SIGNALS:
-        joint = own_joint
-    words = [word for word in words if word not in words_of(joint)]
+    words = split_words(header.stem)
+    joint = next((name for name in joints if set(split_words(name)) <= set(words)), "")
+    stem, _, stem_joint = header.stem.partition(".")
+    stem = SENSED_SIGNALS.get(stem, stem)
+    if not joint and not joints and stem in SIGNALS:
+        joint = stem_joint
+    words = [word for word in words if word not in split_words(joint)]
     kind = kind_of_unit(header.unit) if header.unit else None
-    meant, group, counted = _roles(words, kind, bool(joint), header.stem, hose)
-    if why := _no_signal(column, set(words), meant):
+    roles, group, counted = _name_roles(words, kind, bool(joint), header.stem, hose)
+    if why := _exclusion_reason(column, set(words), roles):
         return why
-    measured = own in SIGNALS and (not header.unit or kind in {None, SIGNALS[own].kind})
-    name = own if measured else _signal_of(meant, kind)
+    named = stem in SIGNALS and (not header.unit or kind in {None, SIGNALS[stem].kind})
+    name = stem if named else _signal_by_roles(roles, kind)
     if name is None:
-        if kind is not None and kind.unit in BY_UNIT:
-            signal = SIGNALS[BY_UNIT[kind.unit]]
+        if kind is not None and kind.unit in SIGNAL_BY_UNIT:
+            signal = SIGNALS[SIGNAL_BY_UNIT[kind.unit]]
             why = f"{signal.name} by its unit alone: check it"
-            return _checked(Candidate(column, signal, why, UNIT_ALONE, joint, group))
+            return _check_stated_unit(SignalCandidate(column, signal, why, UNIT_ALONE_POINTS, joint, group))
         low, high = np.nanmin(column.values), np.nanmax(column.values)
         return f"its name says nothing that is known here; goes from {low:.4g} to {high:.4g}"
-    score = (OWN_NAME if SENSED.get(own.lower(), own.lower()) == name else WORDS) + UNIT_FITS * bool(header.unit)
-    score += RAW_MORE * (bool(RAW & set(words)) - bool(FILTERED & set(words)))  # a fit models the sensor itself
-    return _checked(Candidate(column, SIGNALS[name], f"{name} by its name{counted}", score, joint, group))
+    own_name = SENSED_SIGNALS.get(stem.lower(), stem.lower()) == name
+    score = (OWN_NAME_POINTS if own_name else WORD_POINTS) + UNIT_POINTS * bool(header.unit)
+    raw, filtered = bool(RAW_WORDS & set(words)), bool(FILTER_WORDS & set(words))
+    score += RAW_POINTS * (raw - filtered)  # fits model the sensor, and need no filter
+    return _check_stated_unit(
+        SignalCandidate(column, SIGNALS[name], f"{name} by its name{counted}", score, joint, group)
+    )
 
 
-def _no_signal(column: Column, words: set[str], meant: set[str]) -> str:
-    """Return why a column is none of the signals, by its name; empty where it may be one."""
-    if "rate" in meant:
+def _exclusion_reason(column: LogColumn, words: set[str], roles: set[str]) -> str:
+    """Return why the name of a column excludes all signals; "" where it may be one."""
+    if "rate" in roles:
         return "a rate, which follows from the rest"
-    if STATISTICS & words:
+    if STATISTIC_WORDS & words:
         return "a statistic of samples, not a sample"
-    if "current" in words and not meant & QUANTITIES:
+    if "current" in words and not roles & QUANTITIES:
         return 'a current, which no signal is; a mapping may take it with a unit such as "0.5 V" for one of it'
-    if {"ambient", "pressure"} <= meant:
+    if {"ambient", "pressure"} <= roles:
         value = f"{float(np.nanmedian(column.values)):.4g} {column.header.unit or 'hPa'}"
         return f'the ambient pressure: if gauges count from it, say ambient = "{value}" at the top of the mapping'
     return ""
 
 
-def find_unused(table: Table, used: Iterable[str | None]) -> list[str]:
-    """Return the columns that may be signals, beside those that are used.
+def find_unused(table: LogTable, used: Iterable[str | None]) -> list[str]:
+    """Return the names of unused columns that may be signals.
 
     Args:
-        table: of the log.
-        used: names of columns.
+        table: table of the log.
+        used: names of the columns that are used.
     """
-    left = [name for name in table.columns if name not in set(used)]
-    return [name for name in left if isinstance(find_candidate(table.columns[name], []), Candidate)]
+    unused = [name for name in table.columns if name not in set(used)]
+    return [name for name in unused if isinstance(find_candidate(table.columns[name], []), SignalCandidate)]
 
 
-def _roles(words: list[str], kind: u.Quantity | None, jointed: bool, stem: str, hose: str) -> tuple[set[str], str, str]:
-    """Return the roles of a name's words, the number that may be a joint's, and a word on a number taken for a hose."""
-    numbers = [word for before, word in zip(["", *words], words, strict=False) if _numbers_joint(before, word)]
+def _name_roles(
+    words: list[str], kind: u.Quantity | None, jointed: bool, stem: str, hose: str
+) -> tuple[set[str], str, str]:
+    """Return the roles of a name's words, the number that may be a joint's, and a note on a number read as a hose."""
+    numbers = [word for before, word in zip(["", *words], words, strict=False) if _is_joint_number(before, word)]
     group = numbers[-1] if numbers and not stem.isdigit() else ""
-    meant, counted = meanings(words), ""
-    pressed = "pressure" in meant or kind == u.PRESSURE
-    if hose and group and pressed and not meant & {"a", "b", "difference", "supply"}:
-        meant, counted, group = meant | {hose}, f", whose {group} is taken for hose {hose.upper()}: check it", ""
-    if "position" in meant and (jointed or "joint" in words or kind == u.ANGLE):
-        meant = meant | {"angle"}
-    return meant, group, counted
+    roles, note = word_roles(words), ""
+    pressed = "pressure" in roles or kind == u.PRESSURE
+    if hose and group and pressed and not roles & {"a", "b", "difference", "supply"}:
+        roles, note, group = roles | {hose}, f", whose {group} is taken for hose {hose.upper()}: check it", ""
+    if "position" in roles and (jointed or "joint" in words or kind == u.ANGLE):
+        roles = roles | {"angle"}
+    return roles, group, note
 
 
-def _numbers_joint(before: str, word: str) -> bool:
-    """Return whether a word is a number that may be a joint's or a hose's: none behind one of a recorder's channels."""
+def _is_joint_number(before: str, word: str) -> bool:
+    """Return whether a word is a number that may be a joint's or a hose's, not a recorder's channel."""
     return word.isdigit() and before not in CHANNELS
 
 
-def _signal_of(meant: set[str], kind: u.Quantity | None) -> str | None:
-    """Return the signal that the roles of words and a unit's kind make."""
-    told = {u.PRESSURE: "pressure", u.ANGLE: "angle", u.VOLTAGE: "voltage", u.TORQUE: "torque", FORCE: "force"}
-    kinds = {
-        "pressure",
-        "angle",
-        "voltage",
-        "torque",
-        "force",
-        "supply",
-        "difference",
-        "brake",
-        "payload",
-        "temperature",
-        "position",
-    }
-    if kind in told and meant & {"a", "b", "asked"} and not meant & kinds and (kind != u.TORQUE):
-        meant = meant | {told[kind]}
-    if meant == {"clock"} and kind is not None and kind != u.TIME:
+def _signal_by_roles(roles: set[str], kind: u.Quantity | None) -> str | None:
+    """Return the signal by the roles of words and the kind of a unit; None where there is none."""
+    role_by_kind = {u.PRESSURE: "pressure", u.ANGLE: "angle", u.VOLTAGE: "voltage", u.TORQUE: "torque", FORCE: "force"}
+    kinds = QUANTITIES | {"voltage", "supply", "difference", "payload"}
+    if kind in role_by_kind and roles & {"a", "b", "asked"} and not roles & kinds and (kind != u.TORQUE):
+        roles = roles | {role_by_kind[kind]}
+    if roles == {"clock"} and kind is not None and kind != u.TIME:
         return None  # the t of "T [K]"
-    return signal_of(meant)
+    return signal_for_roles(roles)
 
 
-def _checked(candidate: Candidate) -> Candidate | str:
-    """Return a candidate whose stated unit is one that its values can have; else why it is left out."""
+def _check_stated_unit(candidate: SignalCandidate) -> SignalCandidate | str:
+    """Return the candidate if its stated unit fits signal and values; else why it is left out."""
     header, signal, kind = candidate.column.header, candidate.signal, candidate.signal.kind
-    fits = (kind is not None and measures(header.unit, kind)) or (kind is None and header.unit in {"%", "1"})
+    fits = (kind is not None and is_unit_of(header.unit, kind)) or (kind is None and header.unit in {"%", "1"})
     if header.unit and not fits:
         return (
             f"{signal.name} by its name, but {header.unit!r} is not a unit of it; if it is one before its scale, write "
@@ -201,64 +199,64 @@ def _checked(candidate: Candidate) -> Candidate | str:
             f"{candidate.why}, but its unit {header.unknown!r} is not known: write a mapping with a unit such as "
             f'"{signal.unit}", or "0.5 {signal.unit}" for one of it'
         )
-    if COUNTS & set(words_of(header.stem)) and not header.unit:
+    if COUNT_WORDS & set(split_words(header.stem)) and not header.unit:
         return (
             f"{candidate.why}, but in counts: write a mapping with a unit such as "
             f'"0.5 {signal.unit}" for one of them, and offset'
         )
-    return _possible(candidate)
+    return _check_magnitude(candidate)
 
 
-def _possible(candidate: Candidate) -> Candidate | str:
-    """Return a candidate whose values its signal can have, with a word on single ones that it can't; else why not."""
+def _check_magnitude(candidate: SignalCandidate) -> SignalCandidate | str:
+    """Return the candidate if its values are possible, with a note on single ones that are not; else why not."""
     header, signal, kind = candidate.column.header, candidate.signal, candidate.signal.kind
     if kind is None:
         return candidate
-    low, high = POSSIBLE.get(kind, (0.0, np.inf))
-    unit, _ = unit_of(candidate.column, signal)
+    low, high = POSSIBLE_MAGNITUDES.get(kind, (0.0, np.inf))
+    unit, _ = choose_unit(candidate.column, signal)
     if not unit:
-        least = usual_most(candidate.column.values)
-        return f"{candidate.why}, but up to {least:.3g}, which may be rad or deg: write a mapping with its unit"
-    factor, shift = conversion(unit, signal)
+        magnitude = usual_magnitude(candidate.column.values)
+        return f"{candidate.why}, but up to {magnitude:.3g}, which may be rad or deg: write a mapping with its unit"
+    factor, shift = unit_conversion(unit, signal)
     sizes = np.abs(candidate.column.values * factor + shift)
-    most = usual_most(sizes)
-    if not header.unit and most > high:
+    magnitude = usual_magnitude(sizes)
+    if not header.unit and magnitude > high:
         return (
-            f"{candidate.why}, but up to {usual_most(candidate.column.values):.3g}, which is too much for any usual "
-            "unit of it: write a mapping with its unit"
+            f"{candidate.why}, but up to {usual_magnitude(candidate.column.values):.3g}, which is too much for any "
+            "usual unit of it: write a mapping with its unit"
         )
-    if most > high or (header.unit and 0.0 < most < low and (signal.absolute or kind == u.TEMPERATURE)):
+    if magnitude > high or (header.unit and 0.0 < magnitude < low and (signal.absolute or kind == u.TEMPERATURE)):
         return (
-            f"{candidate.why}, but up to {most:.3g} {signal.unit} by its stated unit {header.unit!r}, which can't be: "
-            "write a mapping with the right unit"
+            f"{candidate.why}, but up to {magnitude:.3g} {signal.unit} by its stated unit {header.unit!r}, which can't "
+            "be: write a mapping with the right unit"
         )
     beyond = int(np.sum(sizes > high))
     if not beyond:
         return candidate
-    told = f"{beyond} sample{'s' if beyond > 1 else ''} beyond what can be: `layflat log check` looks at them"
-    return replace(candidate, why=f"{candidate.why}; {told}")
+    note = f"{beyond} sample{'s' if beyond > 1 else ''} beyond what can be: `layflat log check` looks at them"
+    return replace(candidate, why=f"{candidate.why}; {note}")
 
 
-def usual_most(values: Array) -> float:
-    """Return the greatest finite magnitude of a column, without single samples that are far beyond the rest."""
+def usual_magnitude(values: Array) -> float:
+    """Return the greatest finite magnitude of a column, single glitches left out."""
     sizes = np.abs(values[np.isfinite(values)])
     if not sizes.size:
         return 0.0
-    usual, most = float(np.percentile(sizes, MOST)), float(sizes.max())
-    return usual if usual > 0.0 and most > GLITCH * usual else most
+    typical, greatest = float(np.percentile(sizes, USUAL_PERCENTILE)), float(sizes.max())
+    return typical if typical > 0.0 and greatest > MIN_GLITCH_RATIO * typical else greatest
 
 
-def unit_of(column: Column, signal: Signal) -> tuple[str, str]:
-    """Return the unit of a column, from its header or by its values, and why."""
+def choose_unit(column: LogColumn, signal: LogSignal) -> tuple[str, str]:
+    """Return the unit of a column, from its header or by its values, and the reason."""
     if column.header.unit:
         return column.header.unit, "unit as in the header"
-    known = column.values[np.isfinite(column.values)]
-    most = usual_most(known)
+    finite = column.values[np.isfinite(column.values)]
+    magnitude = usual_magnitude(finite)
     if signal.kind is None:
-        return ("%" if most > 1.5 else "1"), f"unit by values up to {most:.3g}: check it"
-    if signal.kind not in RANGES:
+        return ("%" if magnitude > 1.5 else "1"), f"unit by values up to {magnitude:.3g}: check it"
+    if signal.kind not in UNIT_LIMITS:
         return signal.unit, "no unit is said: check it"
-    unit = next(unit for limit, unit in RANGES[signal.kind] if most <= limit)
-    whole = known.size > 0 and most > LEAST_COUNT and bool(np.all(known % 1.0 == 0.0))
-    counted = ", which are whole numbers and may be counts" if whole else ""
-    return unit, f"unit by values up to {most:.3g}{counted}: check it"
+    unit = next(unit for limit, unit in UNIT_LIMITS[signal.kind] if magnitude <= limit)
+    whole = finite.size > 0 and magnitude > MIN_CONVERTER_COUNT and bool(np.all(finite % 1.0 == 0.0))
+    note = ", which are whole numbers and may be counts" if whole else ""
+    return unit, f"unit by values up to {magnitude:.3g}{note}: check it"

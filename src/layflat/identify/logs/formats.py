@@ -1,4 +1,4 @@
-"""Readers of log files, by what a file begins with: names of files are often wrong."""
+"""Readers of log files, chosen by a file's first bytes, as suffixes are often wrong."""
 
 import hashlib
 from collections.abc import Callable
@@ -8,24 +8,27 @@ import numpy as np
 
 from layflat.description.text import check_regular
 from layflat.errors import InputError
-from layflat.identify.logs import arrays, bag, rosbag
-from layflat.identify.logs.arrangement import arranged
+from layflat.identify.logs import arrays, bags
+from layflat.identify.logs.arrangement import arrange_columns
 from layflat.identify.logs.clocks import join_stamps
-from layflat.identify.logs.table import Content, Table
+from layflat.identify.logs.table import FileContent, LogTable
 from layflat.identify.logs.text import read_text
 
-Reader = Callable[[Path], Content]
+Reader = Callable[[Path], FileContent]
 
 
-RIGHT = "give a table of samples, with commas, semicolons, tabs, bars or blanks between columns"
+TABLE_ADVICE = "give a table of samples, with commas, semicolons, tabs, bars or blanks between columns"
 
 
-def read_table(path: str | Path, progress: Callable[[float], None] | None = None) -> Table:
-    """Read a log's file, of the kind that it begins as, or is named.
+def read_table(path: str | Path, progress: Callable[[float], None] | None = None) -> LogTable:
+    """Read a log's file in the format of its first bytes, else of its suffix.
 
     Args:
-        path: of the file.
-        progress: takes the fraction of a text file that is read.
+        path: path of the file.
+        progress: called with the fraction of a text file that is read.
+
+    Returns:
+        Columns of raw numbers by name.
 
     Raises:
         InputError: it can't be read, or holds no numbers.
@@ -45,63 +48,65 @@ def read_table(path: str | Path, progress: Callable[[float], None] | None = None
     columns, clock, words, notes = _read_content(path, start, progress)
     if not any(np.isfinite(column.values).any() for column in columns.values()):
         first = next((f": column {name!r} {why}" for name, why in words.items()), "")
-        raise InputError(f"holds no numbers{first}", where=str(path), right=RIGHT)
+        raise InputError(f"holds no numbers{first}", where=str(path), right=TABLE_ADVICE)
     columns = join_stamps(columns) if clock is None else columns
-    return Table(path, sha256, columns, clock, notes, dict(words))
+    return LogTable(path, sha256, columns, clock, notes, dict(words))
 
 
-def _read_content(path: Path, start: bytes, progress: Callable[[float], None] | None) -> Content:
-    """Read a file by its kind.
+def _read_content(path: Path, head: bytes, progress: Callable[[float], None] | None) -> FileContent:
+    """Read a file by the reader of its format.
 
     Args:
         path: the file.
-        start: its first bytes, 16 or more if it has them.
-        progress: takes the fraction of a text file that is read.
+        head: its first bytes, 16 or more if it has them.
+        progress: called with the fraction of a text file that is read.
 
     Returns:
-        What its reader hands over.
+        The columns and notes of its reader.
     """
-    for magic, reader in READERS.items():
-        if start.startswith(magic):
+    for magic, reader in READERS_BY_MAGIC.items():
+        if head.startswith(magic):
             return reader(path)
     if path.suffix.lower() == ".mcap" or path.name.endswith(".mcap.part"):
-        return bag.read_bag(path)
-    if path.suffix.lower() in BY_SUFFIX:
-        return BY_SUFFIX[path.suffix.lower()](path)
+        return bags.read_mcap(path)
+    if path.suffix.lower() in READERS_BY_SUFFIX:
+        return READERS_BY_SUFFIX[path.suffix.lower()](path)
     text = read_text(path, progress)
-    content = arranged(text.columns, text.units, text.notes, text.starts)
+    content = arrange_columns(text.columns, text.units, text.notes, text.starts)
     return content._replace(notes=(*text.notes.get("", ()), *content.notes))
 
 
-def _packed(program: str) -> Reader:
-    def refuse(path: Path) -> Content:
-        right = f"unpack it first: `{program} {path.name}`"
+def _refuse_compressed(command: str) -> Reader:
+    """Return a reader that raises InputError with the command to decompress the file."""
+
+    def refuse(path: Path) -> FileContent:
+        right = f"unpack it first: `{command} {path.name}`"
         raise InputError("is compressed as a whole", where=str(path), right=right)
 
     return refuse
 
 
-READERS: dict[bytes, Reader] = {
-    b"\x89MCAP0\r\n": bag.read_bag,
-    b"#ROSBAG V2.0": rosbag.read_bag_of_ros1,
-    b"SQLite format 3\0": rosbag.read_bag_in_sqlite,
+READERS_BY_MAGIC: dict[bytes, Reader] = {
+    b"\x89MCAP0\r\n": bags.read_mcap,
+    b"#ROSBAG V2.0": bags.read_ros1_bag,
+    b"SQLite format 3\0": bags.read_sqlite_bag,
     b"PAR1": arrays.read_parquet,
     b"\x89HDF\r\n\x1a\n": arrays.read_netcdf,
     b"CDF\x01": arrays.read_netcdf,
     b"CDF\x02": arrays.read_netcdf,
     b"CDF\x05": arrays.read_netcdf,
-    b"\x28\xb5\x2f\xfd": _packed("zstd -d"),
-    b"\x04\x22\x4d\x18": _packed("lz4 -d"),
+    b"\x28\xb5\x2f\xfd": _refuse_compressed("zstd -d"),
+    b"\x04\x22\x4d\x18": _refuse_compressed("lz4 -d"),
 }
-"""By the first bytes of their files."""
+"""Readers by the first bytes of a file."""
 
-BY_SUFFIX: dict[str, Reader] = {
-    ".bag": rosbag.read_bag_of_ros1,
-    ".db3": rosbag.read_bag_in_sqlite,
+READERS_BY_SUFFIX: dict[str, Reader] = {
+    ".bag": bags.read_ros1_bag,
+    ".db3": bags.read_sqlite_bag,
     ".parquet": arrays.read_parquet,
     ".pq": arrays.read_parquet,
     ".nc": arrays.read_netcdf,
     ".nc4": arrays.read_netcdf,
     ".h5": arrays.read_netcdf,
 }
-"""By how their files are named, where the first bytes are none of these: readers say what is wrong."""
+"""Readers by suffix, for files with other first bytes: the reader says what is wrong with them."""

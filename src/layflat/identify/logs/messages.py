@@ -1,4 +1,4 @@
-"""Numbers of recorded messages as columns, whatever recorder wrote them and whatever decodes them."""
+"""Columns of the numbers in recorded messages, for all recorders and decoders."""
 
 from array import array
 from collections import Counter
@@ -10,24 +10,23 @@ from typing import Any
 import numpy as np
 
 from layflat.errors import InputError
-from layflat.identify.logs.headers import Header, header_of
-from layflat.identify.logs.table import Column, Content
+from layflat.identify.logs.table import FileContent, Header, LogColumn, parse_header
 
-MAX_ITEMS = 64  # of an array that becomes columns; longer ones are images and scans
-MAX_REASON = 120  # characters of a decoder's own message that are passed on
-TIMES = ({"sec", "nanosec"}, {"sec", "nsec"}, {"secs", "nsecs"})  # fields of a time in ROS 2, in JSON, and in ROS 1
-ZSTD = b"\x28\xb5\x2f\xfd"  # first bytes of compressed data; no message in CDR or JSON has them
-CLOCK = Header("log_time", "s", None, "log_time")
+MAX_ITEMS = 64  # of an array that is read as columns; longer ones are images and scans
+MAX_REASON = 120  # characters of a library's message that are passed on
+TIME_FIELDS = ({"sec", "nanosec"}, {"sec", "nsec"}, {"secs", "nsecs"})  # of a time in ROS 2, in JSON, and in ROS 1
+ZSTD = b"\x28\xb5\x2f\xfd"  # first bytes of data compressed by zstd; no message in CDR or JSON has them
+LOG_TIME = Header("log_time", "s", None, "log_time")
 
 Decode = Callable[[bytes], Any]
 
 
-class Seconds(float):
-    """A time that a message carries."""
+class MessageTime(float):
+    """Time in a message, s."""
 
 
 @dataclass
-class _Samples:
+class _FieldSamples:
     """Values of one field of a topic, with log time (ns) and number of their messages."""
 
     topic: str
@@ -36,20 +35,20 @@ class _Samples:
     numbers: list[int] = field(default_factory=list)
     values: list[float] = field(default_factory=list)
 
-    def column(self, name: str, first: int) -> Column:
-        """Return the column of these samples in the order of their log times, which count from `first`, ns."""
+    def column(self, name: str, first: int) -> LogColumn:
+        """Return the column of these samples by log time, which is relative to `first`, ns."""
         stamps = np.array([stamp - first for stamp in self.stamps], dtype=np.int64)
         order = np.argsort(stamps, kind="stable")
         since = stamps[order].astype(np.float64) * 1e-9
         values = np.array(self.values, dtype=np.float64)[order]
-        return Column(values, header_of(name, self.unit), since, (), self.topic, np.array(self.numbers)[order])
+        return LogColumn(values, parse_header(name, self.unit), since, (), self.topic, np.array(self.numbers)[order])
 
 
 class MessageColumns:
-    """Columns "topic.field" of messages that are added one by one, and what of them makes none."""
+    """Columns "topic.field" of messages that are added one by one, and the reasons for what is left out."""
 
     def __init__(self) -> None:
-        self._samples: dict[str, _Samples] = {}
+        self._samples: dict[str, _FieldSamples] = {}
         self._messages: Counter[str] = Counter()
         self._failures: dict[str, tuple[int, str]] = {}
         self._left_out: dict[str, str] = {}
@@ -69,9 +68,9 @@ class MessageColumns:
             self._left_out[topic] = decode
             return
         try:
-            values = list(flattened(decode(data)))
-        except Exception as error:  # bytes that make no sense can make decoders raise nearly anything
-            count, reason = self._failures.get(topic, (0, reason_of(error)))
+            values = list(flatten_message(decode(data)))
+        except Exception as error:  # damaged bytes can make decoders raise any error
+            count, reason = self._failures.get(topic, (0, error_reason(error)))
             self._failures[topic] = count + 1, reason
             return
         for name, value in values:
@@ -79,28 +78,30 @@ class MessageColumns:
             if isinstance(value, str):
                 self._left_out[whole] = value
                 continue
-            samples = self._samples.setdefault(whole, _Samples(topic, "s" if isinstance(value, Seconds) else ""))
+            samples = self._samples.setdefault(
+                whole, _FieldSamples(topic, "s" if isinstance(value, MessageTime) else "")
+            )
             samples.stamps.append(stamp)
             samples.numbers.append(number)
             samples.values.append(value)
 
-    def content(self, where: str) -> Content:
-        """Return the columns, each over its log times from the first message on, and what was left out and why.
+    def content(self, where: str) -> FileContent:
+        """Return the columns, each over its log times since the first message, and what is left out and why.
 
         Raise InputError if there is no column.
         """
         left_out = self._reasons()
         if not self._samples:
             shown = "; ".join(f"{name}: {reason}" for name, reason in list(left_out.items())[:3])
-            what = f"holds no messages with numbers ({shown})" if shown else "holds no messages"
+            problem = f"holds no messages with numbers ({shown})" if shown else "holds no messages"
             right = "give messages of ROS 2 (CDR), of ROS 1 or in JSON" if shown else "give a log of a motion"
-            raise InputError(what, where=where, right=right)
+            raise InputError(problem, where=where, right=right)
         first = min(min(samples.stamps) for samples in self._samples.values())
         columns = {name: samples.column(name, first) for name, samples in self._samples.items()}
-        return Content(columns, CLOCK, left_out)
+        return FileContent(columns, LOG_TIME, left_out)
 
     def _reasons(self) -> dict[str, str]:
-        """Return what makes no column, with the reason: topics, or fields of topics."""
+        """Return the reasons by topic, or field of a topic, for what is left out."""
         reasons = {
             topic: f"{count} of {self._messages[topic]} messages can't be decoded ({reason})"
             for topic, (count, reason) in self._failures.items()
@@ -113,17 +114,17 @@ class MessageColumns:
 
 
 class TopicNames(dict[str, str]):
-    """Names of topics without their slash, with a number where that is the name of another one."""
+    """Names of topics without their slash, by topic, with a number where two would be equal."""
 
     def __missing__(self, topic: str) -> str:
-        plain, taken = topic.lstrip("/"), set(self.values())
-        name = next(name for i in range(len(taken) + 1) if (name := f"{plain}_{i + 1}" if i else plain) not in taken)
+        plain, used = topic.lstrip("/"), set(self.values())
+        name = next(name for i in range(len(used) + 1) if (name := f"{plain}_{i + 1}" if i else plain) not in used)
         self[topic] = name
         return name
 
 
-def unpacking(decode: Decode | str) -> Decode | str:
-    """Return a decoder that takes messages which a recorder compressed one by one, too, as rosbag2's message mode."""
+def decompress_messages(decode: Decode | str) -> Decode | str:
+    """Return the decoder, also for messages compressed one by one, as in rosbag2's message mode."""
     if isinstance(decode, str):
         return decode
 
@@ -137,16 +138,18 @@ def unpacking(decode: Decode | str) -> Decode | str:
     return unpacked
 
 
-def flattened(message: Any, prefix: str = "", names: Sequence[str] | None = None) -> Iterator[tuple[str, float | str]]:
-    """Yield dotted names and values of all numbers in a message; of what makes no column the reason, as text.
+def flatten_message(
+    message: Any, prefix: str = "", names: Sequence[str] | None = None
+) -> Iterator[tuple[str, float | str]]:
+    """Yield dotted names and values of all numbers in a message; for other content a reason, as text.
 
-    A time of seconds and nanoseconds is one number, s. Arrays become "field.0" and so on, or go by name where `name` or
-    `names` stands beside them, as in sensor_msgs/JointState.
+    A time of seconds and nanoseconds is one number, s. Items of arrays are "field.0" and so on, or have the names in
+    the field `name` or `names` of the message, as in sensor_msgs/JointState.
 
     Args:
-        message: as its decoder made it.
-        prefix: name of what it is a part of.
-        names: of the items, if it is an array.
+        message: message from its decoder, or a part of one.
+        prefix: dotted name of the part.
+        names: names of the items, if the part is an array.
     """
     if isinstance(message, (list, tuple, array, bytes, bytearray, np.ndarray)):
         if len(message) > MAX_ITEMS:
@@ -154,24 +157,25 @@ def flattened(message: Any, prefix: str = "", names: Sequence[str] | None = None
             return
         labels = names if names is not None and len(names) == len(message) else range(len(message))
         for label, item in zip(labels, message, strict=True):
-            yield from flattened(item, f"{prefix}.{label}" if prefix else str(label))
+            yield from flatten_message(item, f"{prefix}.{label}" if prefix else str(label))
         return
-    parts = _parts(message)
-    if parts is None:
+    fields = _message_fields(message)
+    if fields is None:
         if isinstance(message, (bool, int, float, np.number, np.bool_)):
             yield prefix, float(message)
         elif isinstance(message, str) and _is_number(message):
             yield prefix, f"numbers written as text, such as {message!r}"
-    elif set(parts) in TIMES:
-        seconds, fraction = (parts[name] for name in sorted(parts, key=lambda name: not name.startswith("sec")))
-        yield prefix, Seconds(seconds + 1e-9 * fraction)
+    elif set(fields) in TIME_FIELDS:
+        seconds, fraction = (fields[name] for name in sorted(fields, key=lambda name: not name.startswith("sec")))
+        yield prefix, MessageTime(seconds + 1e-9 * fraction)
     else:
-        own = _unique_names(parts)
-        for key, value in parts.items():
-            yield from flattened(value, f"{prefix}.{key}" if prefix else key, own)
+        item_names = _unique_names(fields)
+        for key, value in fields.items():
+            yield from flatten_message(value, f"{prefix}.{key}" if prefix else key, item_names)
 
 
 def _is_number(text: str) -> bool:
+    """Return whether a text is a number."""
     try:
         float(text)
     except ValueError:
@@ -179,16 +183,16 @@ def _is_number(text: str) -> bool:
     return True
 
 
-def _unique_names(parts: Mapping[str, Any]) -> list[str] | None:
-    """Return the names that stand in a message for the items of its arrays; None where there are none, or one twice."""
-    names = parts.get("name", parts.get("names"))
+def _unique_names(fields: Mapping[str, Any]) -> list[str] | None:
+    """Return the names in a message for the items of its arrays; None without any, or with one twice."""
+    names = fields.get("name", fields.get("names"))
     if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
         return None
     return names if len(set(names)) == len(names) else None
 
 
-def _parts(message: Any) -> dict[str, Any] | None:
-    """Return the fields of a message; None for what is not a message."""
+def _message_fields(message: Any) -> dict[str, Any] | None:
+    """Return the fields of a message by name; None for anything else."""
     if isinstance(message, dict):
         return {str(name): value for name, value in message.items()}
     if isinstance(message, SimpleNamespace) or hasattr(message, "__slots__"):
@@ -197,6 +201,6 @@ def _parts(message: Any) -> dict[str, Any] | None:
     return None
 
 
-def reason_of(error: Exception) -> str:
-    """Return what an error of a library says, as one short line."""
+def error_reason(error: Exception) -> str:
+    """Return the message of a library's error as one short line."""
     return " ".join(str(error).split())[:MAX_REASON] or type(error).__name__

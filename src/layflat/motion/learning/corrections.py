@@ -1,16 +1,16 @@
-"""Corrections of a demand over time, and the filter that makes them of errors.
+"""Corrections of a demand over time, and the filter that computes them from errors.
 
 | symbol | meaning | unit |
 |---|---|---|
 | u(t) = sum c_i B_i(t) | correction of an angle, a spline of fifth degree on even knots | rad |
-| e(t) | error of an angle: wanted less measured | rad |
+| e(t) | error of an angle: reference less measured | rad |
 | h | distance of the knots | s |
 | T_s | smoothing | s |
 | T_l | lead | s |
 
-The filter finds the c that make |e(t + T_l) - u(t)|^2 + T_s^4 |u''(t)|^2 least. Far from the ends it has zero phase,
-and a sine of angular frequency w passes with 1/(1 + (T_s w)^4). Splines that are zero with four derivatives at both
-ends keep a correction from jumping there, and give it the velocities and accelerations that belong to it, exactly.
+The filter computes the c that minimize |e(t + T_l) - u(t)|^2 + T_s^4 |u''(t)|^2. Far from the ends it has zero phase,
+and a gain of 1/(1 + (T_s w)^4) at the angular frequency w. The splines and four derivatives are zero at both ends, so
+that a correction does not jump there, and its velocities and accelerations are exact derivatives.
 """
 
 from collections.abc import Callable
@@ -27,42 +27,45 @@ from layflat.arrays import Array
 from layflat.machine import Machine
 from layflat.motion.trajectory import States
 
-DEGREE = 5
-FEWEST = DEGREE + 1  # intervals between knots: one spline
-QUICKEST = 0.15  # bandwidth in a control cycle, at most
+SPLINE_DEGREE = 5
+MIN_INTERVALS = SPLINE_DEGREE + 1  # between knots: the support of one spline
+MAX_BANDWIDTH_PER_CYCLE = 0.15  # bandwidth (1/s) times the control cycle (s)
 
-# Of the time constant of the closed loop:
-SMOOTHING, LEAD = 0.75, 0.3
-LEAD_IN, TAIL = 1.5, 6.0
+# Ratios to the time constant of the closed loop:
+SMOOTHING_RATIO, LEAD_RATIO = 0.75, 0.3
+LEAD_IN_RATIO, TAIL_RATIO = 1.5, 6.0
 
 
-class Filtering(NamedTuple):
-    """How errors become corrections, s each."""
+class CorrectionFilter(NamedTuple):
+    """Times of the filter from errors to corrections, s."""
 
     smoothing: float  # T_s, and the distance of the knots
     lead: float  # T_l
-    lead_in: float  # rest before the motion in which a correction may already act
-    tail: float  # rest after it, in which it comes to an end
+    lead_in: float  # rest before the motion, in which a correction may already act
+    tail: float  # rest after the motion, in which the correction fades
 
 
-def filtering(machine: Machine) -> Filtering:
-    """Return what suits the controller of a machine: parts and multiples of the time constant of its loop.
+def choose_filter(machine: Machine) -> CorrectionFilter:
+    """Return the filter for a machine's controller, in proportion to the time constant of its loop.
 
-    That is one over its bandwidth, where its description gives one, and not less than a cycle over 0.15.
+    The time constant is one over the controller's bandwidth, if it has one, and at least a control cycle over 0.15.
     """
-    highest = QUICKEST / machine.cycle
+    highest = MAX_BANDWIDTH_PER_CYCLE / machine.cycle
     constant = 1.0 / min(float(getattr(machine.controller, "bandwidth", highest)), highest)
-    cycles = (max(round(share * constant / machine.cycle), 1) for share in (SMOOTHING, LEAD, LEAD_IN, TAIL))
-    return Filtering(*(machine.cycle * count for count in cycles))
+    cycles = (
+        max(round(ratio * constant / machine.cycle), 1)
+        for ratio in (SMOOTHING_RATIO, LEAD_RATIO, LEAD_IN_RATIO, TAIL_RATIO)
+    )
+    return CorrectionFilter(*(machine.cycle * count for count in cycles))
 
 
 @dataclass(frozen=True)
-class Corrections:
-    """Splines over the instants of control cycles (s) of a demand."""
+class CorrectionSplines:
+    """Splines over the control cycles of a demand, and the filter of errors into their coefficients."""
 
     cycle: float  # s
     cycles: int
-    how: Filtering
+    filter: CorrectionFilter
 
     @property
     def _end(self) -> float:
@@ -70,13 +73,13 @@ class Corrections:
 
     @cached_property
     def count(self) -> int:
-        """Number of splines a joint."""
-        return max(round(self._end / self.how.smoothing), FEWEST) - DEGREE
+        """Number of splines per joint."""
+        return max(round(self._end / self.filter.smoothing), MIN_INTERVALS) - SPLINE_DEGREE
 
     @cached_property
     def _knots(self) -> Array:
-        spacing = self._end / (self.count + DEGREE)
-        knots: Array = spacing * np.arange(self.count + DEGREE + 1, dtype=np.float64)
+        spacing = self._end / (self.count + SPLINE_DEGREE)
+        knots: Array = spacing * np.arange(self.count + SPLINE_DEGREE + 1, dtype=np.float64)
         return knots
 
     @cached_property
@@ -94,24 +97,28 @@ class Corrections:
 
     @cached_property
     def _values(self) -> csc_array:
-        return self._design(DEGREE)
+        return self._design(SPLINE_DEGREE)
 
     @cached_property
     def _solve(self) -> Callable[[Array], Array]:
+        """Return the solver of the filter's linear system, from its right side to coefficients c.
+
+        A spline's second derivative is that of three splines of a degree that is lower by two.
+        """
         # A spline's second derivative is that of three splines of a degree that is lower by two.
         differences = diags_array([1.0, -2.0, 1.0], offsets=[0, -1, -2], shape=(self.count + 2, self.count))
-        bends = self._design(DEGREE - 2) @ differences / self._knots[1] ** 2
+        bends = self._design(SPLINE_DEGREE - 2) @ differences / self._knots[1] ** 2
         values = self._values
-        return splu(csc_array(values.T @ values + self.how.smoothing**4 * (bends.T @ bends))).solve
+        return splu(csc_array(values.T @ values + self.filter.smoothing**4 * (bends.T @ bends))).solve
 
-    def filtered(self, errors: Array) -> Array:
+    def filter_errors(self, errors: Array) -> Array:
         """Return coefficients (splines, joints), rad, of the correction for errors (cycles, joints), rad."""
-        ahead = np.column_stack([np.interp(self._times + self.how.lead, self._times, e) for e in errors.T])
+        ahead = np.column_stack([np.interp(self._times + self.filter.lead, self._times, e) for e in errors.T])
         return self._solve(np.ascontiguousarray(self._values.T @ ahead))
 
     def states(self, coefficients: Array) -> States:
-        """Return the correction, and its velocities and accelerations."""
-        padded = np.pad(coefficients, ((DEGREE, DEGREE), (0, 0)))
+        """Return the correction of coefficients (splines, joints), rad, with its velocities and accelerations."""
+        padded = np.pad(coefficients, ((SPLINE_DEGREE, SPLINE_DEGREE), (0, 0)))
         spacing, last = self._knots[1], len(self._knots) - 1
-        spline = BSpline(spacing * np.arange(-DEGREE, last + DEGREE + 1), padded, DEGREE)
+        spline = BSpline(spacing * np.arange(-SPLINE_DEGREE, last + SPLINE_DEGREE + 1), padded, SPLINE_DEGREE)
         return States(*(spline(self._times, order) for order in range(3)))

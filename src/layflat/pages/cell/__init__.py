@@ -1,5 +1,5 @@
-"""The packing cell at work, on a page: a run goes on in its own process, and another one shows it to whoever looks on.
+"""Page of a packing cell at work: the run goes on in one process, and another one serves its page.
 
-A reader's way: snapshot.py says what travels between the two. Beside the run stand frames.py and watcher.py, and
-link.py, which begins the other process: serving.py, with desk.py, and page.py with its views.
+Reading order: snapshot.py defines the messages between the two. In the run's process are watcher.py and link.py, which
+starts the other process; in that one are desk.py, and page.py with its views.
 """

@@ -6,51 +6,53 @@ from threading import Thread
 from fastapi import Response
 from nicegui import app
 
-from layflat.pages.cell.snapshot import About, Requests, Snapshot
-from layflat.pages.look.rounds import Rounds
+from layflat.pages.cell.snapshot import RunRequests, RunSnapshot, RunSubject
+from layflat.pages.look.pieces import Rounds
 
-IMAGES = ("overview", "camera")
+IMAGE_NAMES = ("overview", "camera")
 
 
-class Desk:
-    """The desk behind all pages of a run.
+class RunFeed:
+    """Newest snapshot and images of a run, received from its process, and people's requests to it.
 
     Attributes:
-        about: what the run is of.
-        asked: what people ask of it.
-        snapshot: the newest.
-        numbers: of the newest images, from 1; 0 where there is none.
-        rounds: show all pages what is so.
-        over: whether there is nobody any more who tells of the run.
+        about: subject of the run.
+        requests: people's requests to the run, in shared memory.
+        snapshot: newest snapshot.
+        numbers: counts of the images received, by image name; 0 before the first.
+        rounds: refresh of all open pages.
+        over: whether the run's process has closed the pipe.
     """
 
-    def __init__(self, about: About, asked: Requests) -> None:
-        self.about, self.asked, self.snapshot, self.over = about, asked, Snapshot(), False
-        self.numbers = dict.fromkeys(IMAGES, 0)
+    def __init__(self, about: RunSubject, requests: RunRequests) -> None:
+        self.about, self.requests, self.snapshot, self.is_over = about, requests, RunSnapshot(), False
+        self.numbers = dict.fromkeys(IMAGE_NAMES, 0)
         self.rounds = Rounds()
         self._images: dict[str, bytes] = {}
 
     def follow(self, pipe: Connection) -> None:
-        """Take what comes, in a thread of its own, and serve images to those who may see the pages."""
-        app.get("/run/{name}.jpg")(self._image)
-        Thread(target=self._read, args=(pipe,), daemon=True).start()
+        """Receive messages from a pipe in a thread of its own, and serve the images under `/run/NAME.jpg`."""
+        app.get("/run/{name}.jpg")(self._image_response)
+        Thread(target=self._receive, args=(pipe,), daemon=True).start()
 
-    def take(self, kind: str, what: object) -> None:
-        """Take a snapshot, or an image by its name."""
-        if isinstance(what, Snapshot):
+    def store(self, kind: str, what: object) -> None:
+        """Store a snapshot, or an image (JPEG) under its name."""
+        if isinstance(what, RunSnapshot):
             self.snapshot = what
         elif isinstance(what, bytes):
             self._images[kind] = what
             self.numbers[kind] += 1
 
-    def _read(self, pipe: Connection) -> None:
+    def _receive(self, pipe: Connection) -> None:
+        """Store snapshots and images from the pipe until the run closes it; then the feed is over."""
         try:
             while True:
-                self.take(*pipe.recv())
+                self.store(*pipe.recv())
         except (EOFError, OSError):
-            self.over = True
+            self.is_over = True
 
-    def _image(self, name: str) -> Response:
+    def _image_response(self, name: str) -> Response:
+        """Return the response with the newest image of a name (JPEG, never stored), or status 404 if there is none."""
         image = self._images.get(name)
         if image is None:
             return Response(status_code=404)

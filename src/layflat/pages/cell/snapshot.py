@@ -1,19 +1,20 @@
-"""What travels from a run to the process that shows it, and back: plain values, without images."""
+"""Messages from a run to the process that shows it, and back: plain values, without images."""
 
 from collections import Counter
 from collections.abc import Iterable
+from ctypes import Structure, c_bool
 from dataclasses import dataclass, field
 from enum import Enum
 from math import nan
-from multiprocessing.sharedctypes import RawArray
+from multiprocessing.sharedctypes import RawValue
+from typing import Self
 
-STOP, FAST = range(2)
-ROWS = 10  # picks that are shown one by one
+MAX_PICK_ROWS = 10  # picks shown one by one in the table
 
 
 @dataclass(frozen=True)
-class About:
-    """What a run is of, and how much it is asked for."""
+class RunSubject:
+    """Subject of a run, and the amount that is demanded of it."""
 
     cell: str
     machine: str
@@ -22,8 +23,8 @@ class About:
     columns: tuple[str, ...]  # heads of the rows of picks
 
 
-class Stage(Enum):
-    """How far a run is."""
+class RunStage(Enum):
+    """Stage of a run."""
 
     CALIBRATES = "Calibrating the camera"
     PACKS = "The cell packs"
@@ -31,10 +32,10 @@ class Stage(Enum):
 
 
 @dataclass(frozen=True)
-class Figures:
-    """What came of picks; figures of several deliveries can be added."""
+class PickFigures:
+    """Figures of picks; those of several deliveries can be added."""
 
-    results: Counter[str] = field(default_factory=Counter)  # number of picks by what came of each, in a word
+    results: Counter[str] = field(default_factory=Counter)  # number of picks by result, in a word
     air: float = 0.0  # of all picks, normal litres
     time: float = 0.0  # of the cell, in which they were made, s
     collisions: int = 0
@@ -42,73 +43,62 @@ class Figures:
 
     @property
     def picks(self) -> int:
-        """How many there are."""
+        """Number of picks."""
         return self.results.total()
 
     @property
     def picks_a_minute(self) -> float:
-        """In the time of the cell; not a number without any."""
+        """Picks a minute of the cell's time; NaN while no time has passed."""
         return 60.0 * self.picks / self.time if self.time else nan
 
     @property
     def air_each(self) -> float:
-        """Of a pick in the mean, normal litres; not a number without picks."""
+        """Mean air of a pick, normal litres; NaN without picks."""
         return self.air / self.picks if self.picks else nan
 
-    def __add__(self, other: "Figures") -> "Figures":
-        """Return figures of the picks of both."""
-        return Figures(
+    def __add__(self, other: "PickFigures") -> "PickFigures":
+        """Return the figures of both sets of picks together."""
+        return PickFigures(
             self.results + other.results, self.air + other.air, self.time + other.time,
             self.collisions + other.collisions, self.false_detections + other.false_detections,
         )  # fmt: skip
 
 
 @dataclass(frozen=True)
-class Snapshot:
-    """A run at an instant."""
+class RunSnapshot:
+    """State of a run at an instant, as its page shows it."""
 
-    stage: Stage = Stage.CALIBRATES
-    calibrated: float = 0.0  # share
-    images: bool = True  # whether any can be rendered
-    delivery: int = 1  # that is worked off, from 1
+    stage: RunStage = RunStage.CALIBRATES
+    calibrated: float = 0.0  # fraction of the calibration done, 0..1
+    images: bool = True  # whether images can be rendered
+    delivery: int = 1  # number of the present delivery, from 1
     time: float = 0.0  # of the cell in all deliveries, s
-    pace: float = nan  # by which its time goes faster than real time
-    fruit: str = ""  # that is being picked, and where it goes; empty between picks
-    doing: str = ""  # what the arm does, as a sentence
-    seen: str = ""  # what the last image of the camera shows
-    figures: Figures = field(default_factory=Figures)
+    pace: float = nan  # cell time over real time
+    fruit: str = ""  # fruit that is being picked, and its target place; empty between picks
+    doing: str = ""  # present action of the arm, as a sentence
+    fruit_counts: str = ""  # counts of fruit in the last image of the camera
+    figures: PickFigures = field(default_factory=PickFigures)
     rows: tuple[tuple[str, ...], ...] = ()  # of the last picks, the newest first
-    remarks: tuple[str, ...] = ()  # what went wrong in them, and why other fruit was not picked
-    summary: tuple[str, ...] = ()  # once it has ended
-    written: tuple[str, ...] = ()  # files, likewise
-    error: str = ""  # what ended it early
+    remarks: tuple[str, ...] = ()  # problems in them, and reasons for which other fruit was not picked
+    summary: tuple[str, ...] = ()  # lines about the results, once the run has ended
+    written: tuple[str, ...] = ()  # paths of the files written, once the run has ended
+    error: str = ""  # message of the error that ended the run early
 
 
-class Requests:
-    """What people ask of a run on its pages, in memory that both processes share."""
+class RunRequests(Structure):
+    """Requests of a page to its run: `stop` ends it, `full_speed` lets it run as fast as it computes."""
 
-    def __init__(self) -> None:
-        self._flags = RawArray("b", 2)
+    stop: bool
+    full_speed: bool
+    _fields_ = [("stop", c_bool), ("full_speed", c_bool)]
 
-    @property
-    def stop(self) -> bool:
-        """Whether it is to end."""
-        return bool(self._flags[STOP])
-
-    @stop.setter
-    def stop(self, yes: bool) -> None:
-        self._flags[STOP] = yes
-
-    @property
-    def fast(self) -> bool:
-        """Whether it is to go as fast as it computes, not in real time."""
-        return bool(self._flags[FAST])
-
-    @fast.setter
-    def fast(self, yes: bool) -> None:
-        self._flags[FAST] = yes
+    @classmethod
+    def shared(cls) -> Self:
+        """Return requests in memory that processes share."""
+        requests: Self = RawValue(cls)
+        return requests
 
 
-def listed(things: Iterable[str]) -> str:
+def format_counts(things: Iterable[str]) -> str:
     """Return how many there are of each thing, such as "apple 2, tomato 5"; "nothing" where there is none."""
     return ", ".join(f"{thing} {count}" for thing, count in sorted(Counter(things).items())) or "nothing"

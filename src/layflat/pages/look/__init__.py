@@ -1,1 +1,1 @@
-"""The look that all pages share: theme and charts."""
+"""Theme, charts, arm scene and refresh that all pages share."""

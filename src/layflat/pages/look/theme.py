@@ -1,43 +1,47 @@
-"""One look for all pages: colours with a contrast of at least 4.5, fonts of the system, a frame with a header, buttons.
+"""Theme of all pages: colours with a contrast of at least 4.5, fonts of the system, a frame with a header, buttons.
 
-Styles stand in one sheet of our own, so that a page needs neither Tailwind nor anything from the internet.
+Styles are in one sheet of our own, so that a page needs neither Tailwind nor anything from the internet.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from importlib.resources import files
+from math import isfinite
 from typing import Any, Literal
 
 from nicegui import ui
 from nicegui.elements.mixins.text_element import TextElement
 
-PRIMARY = "#0b3c5d"
-ACCENT = "#1b6a8f"
-DANGER = "#9b1c31"
-WARNING = "#7a4b00"
-GOOD = "#256029"
-TEXT = "#1b1f24"
-QUIET = "#4f5965"
+from layflat.errors import LayflatError
+from layflat.pages.look.pieces import Pieces
 
-FONT = "system-ui, -apple-system, 'Segoe UI', 'Liberation Sans', 'DejaVu Sans', sans-serif"
+PRIMARY_COLOUR = "#0b3c5d"
+ACCENT_COLOUR = "#1b6a8f"
+DANGER_COLOUR = "#9b1c31"
+WARNING_COLOUR = "#7a4b00"
+SUCCESS_COLOUR = "#256029"
+TEXT_COLOUR = "#1b1f24"
+QUIET_COLOUR = "#4f5965"
 
-Kind = Literal["plain", "primary", "danger", "flat", "header"]
-PROPS: dict[Kind, str] = {
+FONT_FAMILY = "system-ui, -apple-system, 'Segoe UI', 'Liberation Sans', 'DejaVu Sans', sans-serif"
+
+ButtonKind = Literal["plain", "primary", "danger", "flat", "header"]
+BUTTON_PROPS: dict[ButtonKind, str] = {
     "plain": "outline no-caps color=primary",
     "primary": "unelevated no-caps color=primary",
     "danger": "unelevated no-caps color=negative",
     "flat": "flat no-caps color=primary",
     "header": "flat no-caps text-color=white",
 }
-LONG = 80  # characters of a message that takes more than a line
-TONES = {"info": "info", "good": "check_circle", "warning": "warning", "danger": "error"}
-"""Icons of notes by their tone: a tone is never told by its colour alone."""
+MAX_LINE_LENGTH = 80  # characters of a message in one line
+TONE_ICONS = {"info": "info", "good": "check_circle", "warning": "warning", "danger": "error"}
+"""Icons of notes by their tone: a tone is never shown by its colour alone."""
 
 
 @dataclass(frozen=True)
-class Frame:
-    """What a page is put into: `buttons` and `status` are rows in the header, `body` is what stands below it."""
+class PageFrame:
+    """Frame of a page: `buttons` and `status` are rows in the header, `body` is below it."""
 
     buttons: ui.row
     status: ui.row
@@ -46,82 +50,188 @@ class Frame:
 
 
 def text_element(tag: str, text: str = "") -> TextElement:
-    """Return text in an element of a given tag, for example "h1"."""
+    """Return text in an element of a tag, for example "h1"."""
     return TextElement(tag=tag, text=text)
 
 
 def apply_theme() -> None:
-    """Give the page of the current client our colours and styles."""
+    """Apply our colours and styles to the page of the current client."""
     ui.colors(
-        primary=PRIMARY, secondary=ACCENT, accent=ACCENT, dark=TEXT, positive=GOOD, negative=DANGER, info=ACCENT,
-        warning=WARNING,
-    )  # fmt: skip
+        primary=PRIMARY_COLOUR,
+        secondary=ACCENT_COLOUR,
+        accent=ACCENT_COLOUR,
+        dark=TEXT_COLOUR,
+        positive=SUCCESS_COLOUR,
+        negative=DANGER_COLOUR,
+        info=ACCENT_COLOUR,
+        warning=WARNING_COLOUR,
+    )
     sheet = files("layflat.pages.look").joinpath("theme.css").read_text(encoding="utf-8")
-    ui.add_css(sheet.replace("FONT", FONT))
+    ui.add_css(sheet.replace("FONT", FONT_FAMILY))
 
 
 @contextmanager
-def frame(title: str, subtitle: str = "") -> Iterator[Frame]:
-    """Put what is made inside below a header with a title.
+def frame(title: str, subtitle: str = "") -> Iterator[PageFrame]:
+    """Build a page with a header, and yield its frame; elements made in the `with` block go below the header.
 
     Args:
-        title: of the page and of the browser's tab.
-        subtitle: what the page is about, for example the machine; `Frame.subtitle` changes it.
+        title: title of the page and of the browser's tab.
+        subtitle: subject of the page, such as the machine; also in the tab's title, and changed later by
+            `subtitle.set_text` of the frame.
     """
     apply_theme()
     ui.page_title(f"{title} - {subtitle}" if subtitle else title)
     with ui.header().classes("lf-header"):
         with ui.element("div").classes("lf-titles"):
             text_element("h1", title)
-            below = ui.label(subtitle).classes("lf-subtitle")
+            subtitle_label = ui.label(subtitle).classes("lf-subtitle")
         status = ui.row().classes("lf-status")
         buttons = ui.row().classes("lf-buttons")
     body = ui.element("div").classes("lf-body")  # within the `main` that NiceGUI makes
     ui.skip_link("Skip to the content", target=body)
     with body:
-        yield Frame(buttons, status, body, below)
+        yield PageFrame(buttons, status, body, subtitle_label)
 
 
 def button(
-    text: str, on_click: Callable[..., Any] | None = None, *, icon: str = "", kind: Kind = "plain", hint: str = ""
+    text: str, on_click: Callable[..., Any] | None = None, *, icon: str = "", kind: ButtonKind = "plain", hint: str = ""
 ) -> ui.button:
-    """Return a button; one without text needs a `hint`, which is its name for a reader of screens and its tooltip."""
-    made = ui.button(text, on_click=on_click, icon=icon or None, color=None).props(PROPS[kind])
-    made.classes("lf-button").props["aria-label"] = hint or text
+    """Return a button within the current element.
+
+    Args:
+        text: text on the button; "" needs a `hint`.
+        on_click: called when it is pressed.
+        icon: name of a Material icon; "" for none.
+        kind: appearance.
+        hint: tooltip, and name for a reader of screens.
+    """
+    element = ui.button(text, on_click=on_click, icon=icon or None, color=None).props(BUTTON_PROPS[kind])
+    element.classes("lf-button").props["aria-label"] = hint or text
     if hint:
-        with made:
+        with element:
             ui.tooltip(hint)
-    return made
+    return element
 
 
 @contextmanager
-def panel(title: str, *, level: int = 2) -> Iterator[ui.element]:
-    """Put what is made inside into a white box with a heading; yields the row of the heading."""
+def panel(title: str) -> Iterator[ui.element]:
+    """Yield the row of the heading of a white box; elements made inside are in the box."""
     with ui.element("section").classes("lf-panel") as box:
         box.props["aria-label"] = title
         with ui.element("div").classes("lf-panel-head") as head:
-            text_element(f"h{level}", title)
+            text_element("h2", title)
         yield head
 
 
+def figure(name: str) -> ui.label:
+    """Add a figure to a list (`dl`) that is the current element; return the label of its value, behind its name."""
+    with ui.element("div"):
+        text_element("dt", name)
+        with ui.element("dd"):
+            return ui.label("-")
+
+
+class LabelTable:
+    """Table of labels: its rows are made once, and shown as far as there are texts for them."""
+
+    def __init__(self, heads: Sequence[str], rows: int, props: str = "") -> None:
+        """Make its head within the current element; `build` makes `rows` rows."""
+        self._columns, self._count = len(heads), rows
+        self._rows: list[tuple[ui.element, list[ui.label]]] = []
+        with ui.element("table").classes("lf-table").props(props):
+            with ui.element("thead"), ui.element("tr"):
+                for head in heads:
+                    text_element("th", head).props("scope=col")
+            self._body = ui.element("tbody")
+
+    async def build(self, pieces: Pieces) -> None:
+        """Build the rows, piece by piece."""
+        with self._body:
+            for _ in range(self._count):
+                with ui.element("tr") as box:
+                    self._rows.append((box, [_cell() for _ in range(self._columns)]))
+                box.set_visibility(False)
+                await pieces.pause()
+
+    def show(self, rows: Sequence[Sequence[str]]) -> None:
+        """Show rows of texts; more than the table has rows are left out."""
+        for i, (box, cells) in enumerate(self._rows):
+            box.set_visibility(i < len(rows))
+            if i < len(rows):
+                for label, text in zip(cells, rows[i], strict=True):
+                    label.set_text(text)
+
+
+def _cell() -> ui.label:
+    with ui.element("td"):
+        return ui.label()
+
+
 def note(text: str, tone: str = "info") -> ui.element:
-    """Return a line with an icon: "info", "good", "warning" or "danger"."""
+    """Return a line of text with the icon of a tone: "info", "good", "warning" or "danger"."""
     with ui.element("div").classes(f"lf-note lf-{tone}").props("role=note") as box:
-        ui.icon(TONES[tone]).props("aria-hidden=true")
+        ui.icon(TONE_ICONS[tone]).props("aria-hidden=true")
         ui.label(text)
     return box
 
 
-def say(text: str, tone: str = "good", *, stays: bool = False) -> None:
+def show_message(text: str, tone: str = "good", *, stays: bool = False) -> None:
     """Show a message at the foot of the page for some seconds, or until it is closed.
 
     Args:
-        text: of the message.
-        tone: as of a `note`.
+        text: text of the message.
+        tone: tone as `note` has it.
         stays: until the person closes it.
     """
     colour = {"good": "positive", "danger": "negative"}.get(tone, tone)
     ui.notify(
-        text, color=colour, icon=TONES[tone], textColor="white", timeout=0 if stays else 5000,
-        multi_line=len(text) > LONG, actions=[{"label": "Close", "color": "white"}],
+        text, color=colour, icon=TONE_ICONS[tone], textColor="white", timeout=0 if stays else 5000,
+        multi_line=len(text) > MAX_LINE_LENGTH, actions=[{"label": "Close", "color": "white"}],
     )  # fmt: skip
+
+
+@contextmanager
+def show_errors_on(label: ui.label) -> Iterator[None]:
+    """Show the message of a LayflatError that is raised inside on a label, and suppress it."""
+    try:
+        yield
+    except LayflatError as error:
+        label.set_text(str(error))
+
+
+def finite_number(value: Any) -> float | None:
+    """Return the number that a field holds; None where it holds none, or one that is not finite."""
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        return None
+    return float(value) if abs(value) < 1e300 and isfinite(value) else None
+
+
+def clamp_number(value: Any, lower: float, upper: float, otherwise: float) -> float:
+    """Return the number that a slider or field holds, clamped to its limits.
+
+    Args:
+        value: value of the element.
+        lower: lower limit.
+        upper: upper limit.
+        otherwise: returned where the element holds no finite number.
+    """
+    finite = finite_number(value)
+    return otherwise if finite is None else min(max(finite, lower), upper)
+
+
+def remove_dialog(dialog: ui.dialog) -> None:
+    """Remove an answered dialog from the page, unless it was removed with the part of the page that opened it."""
+    if not dialog.is_deleted:
+        dialog.delete()
+
+
+async def confirm(question: str, yes: str) -> bool:
+    """Ask a question in a dialog, and return whether it was answered by the button `yes`; Escape means no."""
+    with ui.dialog() as dialog, ui.card().classes("lf-dialog").props("role=dialog aria-modal=true"):
+        ui.label(question)
+        with ui.row().classes("lf-line"):
+            button(yes, lambda: dialog.submit(True), kind="primary").props("autofocus")
+            button("Cancel", lambda: dialog.submit(False))
+    answer = await dialog
+    remove_dialog(dialog)
+    return bool(answer)

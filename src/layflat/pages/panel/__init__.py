@@ -1,1 +1,1 @@
-"""The operator panel: a page on which a person runs a rig."""
+"""Operator panel: page on which a person runs a rig."""

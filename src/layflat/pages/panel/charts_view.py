@@ -1,4 +1,4 @@
-"""The last half minute of a rig in charts: angles and targets, errors, pressures, voltages, brakes, air."""
+"""Charts of a rig's last 30 s: angles and targets, errors, pressures, voltages, brakes, air."""
 
 from math import ceil, floor
 
@@ -6,11 +6,11 @@ import numpy as np
 from nicegui import ui
 
 from layflat.pages.look import theme
-from layflat.pages.look.charts import STYLES, Axis, Line, LineChart, points
-from layflat.pages.panel.desk import Data, Desk
-from layflat.pages.panel.history import SPAN, Seen, air_taken
+from layflat.pages.look.charts import LINE_STYLES, Axis, ChartLine, LineChart, points
+from layflat.pages.panel.desk import ChartData, Desk
+from layflat.pages.panel.pilot import HISTORY_DURATION, RecentSamples, air_taken
 
-TIME = Axis("time before now", "s", -SPAN, 0.0)
+TIME = Axis("time before now", "s", -HISTORY_DURATION, 0.0)
 KINDS = {
     "Angles": (Axis("angle", "deg"), 10.0),
     "Errors": (Axis("target less angle", "deg"), 2.0),
@@ -19,14 +19,14 @@ KINDS = {
     "Brakes": (Axis("share of the brake's torque", "%"), 100.0),
     "Air": (Axis("taken since then", "normal litres"), 10.0),
 }
-"""What is drawn, by the name of its tab, and in which steps its axis grows: noise at rest is no motion."""
+"""Axes of the charts by the names of their tabs, with the step in which each range grows: noise is not magnified."""
 
 
 class ChartsView:
-    """One chart at a time, as chosen."""
+    """View of the charts of the last 30 s, one chart at a time in tabs."""
 
     def __init__(self, desk: Desk) -> None:
-        """Build it."""
+        """Build the view within the current element."""
         self._desk, self._names = desk, list(desk.first.joints)
         self._charts: dict[str, LineChart] = {}
         with theme.panel("Last 30 s"):
@@ -38,48 +38,50 @@ class ChartsView:
                 for kind, (axis, _) in KINDS.items():
                     with ui.tab_panel(kind).classes("lf-plain"):
                         label = f"{kind} of the last 30 seconds"
-                        self._charts[kind] = LineChart(TIME, axis, self._lines(kind), label=label, height="13rem")
+                        self._charts[kind] = LineChart(TIME, axis, self._chart_lines(kind), label=label, height="13rem")
 
     def refresh(self) -> None:
-        """Draw what was seen until now."""
-        seen = self._desk.pilot.history.seen()
+        """Draw the samples so far in the chart that is open."""
+        samples = self._desk.pilot.history.samples()
         kind = str(self._panels.value)
-        if seen is None:
+        if samples is None:
             return
-        data, step = self._data(kind, seen), KINDS[kind][1]
+        data, step = self._shared_points(kind, samples), KINDS[kind][1]
         values = [y for pairs in data.values() for _, y in pairs]
         low, high = step * floor(min(values) / step), step * ceil(max(values) / step)
         self._charts[kind].bounds((low, max(high, low + step)))
         self._charts[kind].show(data)
 
-    def _lines(self, kind: str) -> list[Line]:
+    def _chart_lines(self, kind: str) -> list[ChartLine]:
+        """Return the lines of a chart, one for each joint; for angles a second, thin one for each target."""
         lines = []
         for i, name in enumerate(self._names):
-            colour, dash = STYLES[i % len(STYLES)]
-            lines.append(Line(name, colour, dash))
+            colour, dash = LINE_STYLES[i % len(LINE_STYLES)]
+            lines.append(ChartLine(name, colour, dash))
             if kind == "Angles":
-                lines.append(Line(f"{name}, target", colour, "solid", width=1.0, quiet=True, opacity=0.5))
+                lines.append(ChartLine(f"{name}, target", colour, "solid", width=1.0, quiet=True, opacity=0.5))
         return lines
 
-    def _data(self, kind: str, seen: Seen) -> Data:
-        """Return what a chart shows; all pages show the same."""
-        known = self._desk.charts.get(kind)
-        if known is None or known[0] is not seen:
-            known = self._desk.charts[kind] = seen, self._draw(kind, seen)
-        return known[1]
+    def _shared_points(self, kind: str, samples: RecentSamples) -> ChartData:
+        """Return the points of the lines of a chart, computed once for all pages."""
+        entry = self._desk.charts.get(kind)
+        if entry is None or entry[0] is not samples:
+            entry = self._desk.charts[kind] = samples, self._chart_points(kind, samples)
+        return entry[1]
 
-    def _draw(self, kind: str, seen: Seen) -> Data:
-        joints = seen.joints
+    def _chart_points(self, kind: str, samples: RecentSamples) -> ChartData:
+        """Return the points of the lines by name, over time in s: degrees, bar, V, brake duty in % or normal litres."""
+        joints = samples.joints
         drawn = {
             "Angles": np.degrees(joints["averaged_angle"]),
             "Errors": np.degrees(joints["demand"] - joints["averaged_angle"]),
             "Pressures": joints["averaged_pressure"] / 1e5,
             "Valves": joints["voltage"],
             "Brakes": 100.0 * joints["brake_share"],
-            "Air": air_taken(seen),
+            "Air": air_taken(samples),
         }[kind]
-        found = {name: points(seen.times, drawn[:, j]) for j, name in enumerate(self._names)}
+        lines = {name: points(samples.times, drawn[:, j]) for j, name in enumerate(self._names)}
         if kind == "Angles":
-            wanted = np.degrees(joints["demand"])
-            found |= {f"{name}, target": points(seen.times, wanted[:, j]) for j, name in enumerate(self._names)}
-        return found
+            targets = np.degrees(joints["demand"])
+            lines |= {f"{name}, target": points(samples.times, targets[:, j]) for j, name in enumerate(self._names)}
+        return lines

@@ -1,6 +1,6 @@
-"""All that the panel's pages share: the rig, who drives it, and what it is asked to do."""
+"""Desk of a panel: the rig, its operators and their commands, shared by all pages."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager, suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,19 +11,22 @@ from layflat.description.tables import Plain
 from layflat.errors import LayflatError
 from layflat.machine import Machine
 from layflat.machine.loader import tables
-from layflat.motion.inverse import Inverse
-from layflat.pages.look.rounds import Rounds
-from layflat.pages.panel.history import Seen
-from layflat.pages.panel.link import Reached, RigLink, Standing
+from layflat.motion.inverse import InverseKinematics
+from layflat.pages.look.pieces import Rounds
+from layflat.pages.panel.link import RigConnector, RigLink
+from layflat.pages.panel.moves import SequenceStep
 from layflat.pages.panel.operators import Operators
-from layflat.pages.panel.pilot import Pilot
-from layflat.pages.panel.search import prepare
-from layflat.pages.server.worker import Worker
-from layflat.rig.lease import Lease
-from layflat.rig.session import Snapshot
+from layflat.pages.panel.pilot import Pilot, RecentSamples
+from layflat.pages.panel.search import prepare_search
+from layflat.pages.server.worker import ProcessWorker
+from layflat.rig.check import check_in_subprocess
+from layflat.rig.open_loop import CheckResult
+from layflat.rig.session import HostLease, RigSnapshot
 
-Data = dict[str, list[list[float]]]
-"""Pairs of coordinates of lines, by their names."""
+ChartData = dict[str, list[list[float]]]
+"""Pairs (x, y) of the lines of a chart, by their names."""
+NOT_DRIVING = "This page looks on: press Drive from here first."
+NOT_OBEYING = "The rig does not obey now: see State."
 
 
 def written_values(machine: Machine) -> Plain:
@@ -34,41 +37,43 @@ def written_values(machine: Machine) -> Plain:
 
 
 @dataclass(frozen=True)
-class Rig:
-    """Rig of a panel."""
+class PanelRig:
+    """Rig of a panel: connection, address, and commands to a virtual one."""
 
-    reached: Reached
+    connect: RigConnector
     address: str  # for people
-    tell: Callable[[str], str] | None = None  # of a virtual rig: obeys a line such as "fail e-stop", and answers
+    send_line: Callable[[str], str] | None = (
+        None  # of a virtual rig: performs a line such as "fail e-stop", and answers
+    )
 
 
 class Desk(AbstractContextManager["Desk"]):
-    """The desk behind all pages of one panel: `with Desk(machine, rig, folder) as desk: ...`.
+    """Desk behind all pages of one panel: `with Desk(machine, rig, folder) as desk: ...`.
 
     Logs and sequences are kept in the folder.
 
     Attributes:
         first: the machine as described.
-        extent: least and greatest coordinates of the tip in the frame of the base, (2, 3), m.
-        inverse: inverse kinematics of its arm, ready for what takes no time: searches are the worker's.
+        extent: min and max coordinates of the tip in the base frame, (2, 3), m.
+        inverse: inverse kinematics of the arm, for short calls; searches are made by the worker.
         written: values of the description as its file has them, with their units.
-        worker: does what takes longer than an event loop may be held up.
-        painter: draws logs, which may take long.
-        charts: what the charts of all pages show, by their names, and what was seen then.
+        worker: process for calls that take longer than an event loop may be held up.
+        painter: process that draws logs, which may take long.
+        charts: lines of all charts by the charts' names, with the samples that they were made of.
     """
 
-    def __init__(self, machine: Machine, rig: Rig, folder: Path) -> None:
-        self.rig, self.folder, self.lease = rig, folder, Lease()
+    def __init__(self, machine: Machine, rig: PanelRig, folder: Path) -> None:
+        self.rig, self.folder, self.lease = rig, folder, HostLease()
         self.first = machine
-        self.worker, self.painter = Worker("layflat-panel-worker"), Worker("layflat-panel-plots")
-        self.worker.begin(prepare, machine)
-        self.inverse = Inverse(machine)
+        self.worker, self.painter = ProcessWorker("layflat-panel-worker"), ProcessWorker("layflat-panel-plots")
+        self.worker.warm_up(prepare_search, machine)
+        self.inverse = InverseKinematics(machine)
         self.written = written_values(machine)
         self.extent = np.array([self.inverse.tips.min(axis=0), self.inverse.tips.max(axis=0)])
         self.inverse.tip(np.zeros(self.inverse.joints))  # loads what it calls
-        self.link = RigLink(machine, rig.reached, folder, self.lease)
+        self.link = RigLink(machine, rig.connect, folder, self.lease)
         self.pilot, self.operators = Pilot(self.link, self.lease), Operators(self.lease)
-        self.charts: dict[str, tuple[Seen, Data]] = {}
+        self.charts: dict[str, tuple[RecentSamples, ChartData]] = {}
         self.rounds = Rounds(self.operators.drives)
 
     @property
@@ -76,17 +81,12 @@ class Desk(AbstractContextManager["Desk"]):
         """Machine of the rig, with its present controller."""
         return self.link.machine
 
-    def snapshot(self) -> Snapshot | None:
-        """The last cycle; None while the rig is not there."""
+    def snapshot(self) -> RigSnapshot | None:
+        """Return the last cycle; None while the rig is not connected."""
         return self.link.snapshot()
 
-    @property
-    def is_open(self) -> bool:
-        """True while the rig is connected."""
-        return self.link.standing is Standing.OPEN
-
     def close(self) -> None:
-        """Stop the rig, let out the air, finish the log."""
+        """Stop the rig, vent the air, finish the log."""
         self.worker.end()
         self.painter.end()
         self.pilot.close()
@@ -94,3 +94,110 @@ class Desk(AbstractContextManager["Desk"]):
 
     def __exit__(self, *_: object) -> None:
         self.close()
+
+
+def run_check(desk: Desk, *, air: bool, tell: Callable[[str], object]) -> list[CheckResult]:
+    """Check the desk's rig and return the results; it blocks until then.
+
+    Args:
+        desk: desk whose rig is lent to the check.
+        air: whether joints are moved, too: then the lease must stay alive, or the check is aborted.
+        tell: called with status texts, from this thread.
+
+    Raises:
+        LayflatError: the rig is not at rest or can't be connected, another check has it, or the lease lapsed.
+    """
+    desk.link.lend()
+    try:
+        driver, _ = desk.rig.connect(desk.machine)
+        return check_in_subprocess(
+            desk.machine, driver, air=air, tell=tell, minded=lambda: not air or desk.lease.active
+        )
+    finally:
+        desk.link.reconnect()
+
+
+class Controls:
+    """Commands of one page to the rig, carried out only while the page drives.
+
+    Disabled buttons are not enough: a page shows a state that is a moment old, a question may have been open for long,
+    and a message need not come from a button.
+
+    Attributes:
+        share: speed of this page's moves, as a fraction of the arm's limits, 0..1.
+    """
+
+    def __init__(self, desk: Desk, key: str, share: float) -> None:
+        """Store the desk, the key of the page, and the speed of its moves."""
+        self.share = share
+        self._desk, self._key = desk, key
+
+    @property
+    def drives(self) -> bool:
+        """True while this page drives."""
+        return self._desk.operators.drives(self._key)
+
+    def start(self) -> None:
+        """Turn the air on, or go on after the joints were held."""
+        if self.drives:
+            self._desk.pilot.start()
+
+    def hold(self) -> None:
+        """Hold the joints where they are, with air."""
+        if self.drives:
+            self._desk.pilot.hold()
+            self._desk.rounds.hurry()
+
+    def controlled_stop(self) -> None:
+        """Hold the joints, then vent the air."""
+        if self.drives:
+            self._desk.pilot.controlled_stop()
+
+    def reset(self) -> None:
+        """Reset faults that are over."""
+        if self.drives:
+            self._desk.pilot.reset()
+
+    def switch(self, output: str, on: bool) -> None:
+        """Switch a digital output of the machine."""
+        if self.drives:
+            self._desk.pilot.switch(output, on)
+
+    def jog(self, velocities: Sequence[float]) -> None:
+        """Move joints at these velocities, rad/s, (joints,), until zero is demanded."""
+        if self.drives:
+            self._desk.pilot.jog(velocities)
+
+    def start_sequence(self, steps: Sequence[SequenceStep], *, repeats: bool = False) -> None:
+        """Move through the steps of a sequence, from the present configuration.
+
+        Raises:
+            LayflatError: the page looks on, the rig does not obey, or there are no steps.
+        """
+        if not steps:
+            raise LayflatError("There are no steps: add some.")
+        self._require_drive()
+        if not self._desk.pilot.start_sequence(steps, share=self.share, repeats=repeats):
+            raise LayflatError(NOT_OBEYING)
+
+    def change(self, machine: Machine) -> None:
+        """Use another controller.
+
+        Raises:
+            LayflatError: the page looks on, or the rig is not at rest.
+        """
+        self._require_drive()
+        self._desk.link.change(machine)
+
+    def check(self, *, air: bool, tell: Callable[[str], object]) -> list[CheckResult]:
+        """Check the rig and return the results, as `run_check`; it blocks until then.
+
+        Raises:
+            LayflatError: the page looks on, the rig is not at rest or can't be connected, or the lease lapsed.
+        """
+        self._require_drive()
+        return run_check(self._desk, air=air, tell=tell)
+
+    def _require_drive(self) -> None:
+        if not self.drives:
+            raise LayflatError(NOT_DRIVING)

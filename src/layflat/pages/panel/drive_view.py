@@ -1,81 +1,113 @@
-"""Moving the arm by hand: joints that move while a button is held, and targets by angle, by place, or by a click."""
+"""Views that move the arm: jogging while a button is held, and targets by angles, by tip position, or by a click.
+
+An invisible element keeps the operator's lease alive (minder.js).
+"""
 
 from collections.abc import Callable
 from functools import partial
 from math import degrees, radians
+from typing import Any
 
 import numpy as np
 from nicegui import ui
+from nicegui.element import Element
+from nicegui.events import GenericEventArguments
 
 from layflat.arrays import Array
 from layflat.errors import LayflatError
 from layflat.pages.look import theme
 from layflat.pages.look.arm_scene import ArmScene
-from layflat.pages.look.dialogs import number, within
-from layflat.pages.panel.controls import Controls
-from layflat.pages.panel.desk import Desk
-from layflat.pages.panel.minder import Jogs
-from layflat.pages.panel.moves import Step, outputs_on
-from layflat.pages.panel.search import LONGEST_SEARCH, find_posture
-from layflat.pages.panel.sequences import target
+from layflat.pages.look.theme import clamp_number, finite_number
+from layflat.pages.panel.desk import Controls, Desk
+from layflat.pages.panel.moves import SequenceStep, active_outputs, read_target
+from layflat.pages.panel.search import SEARCH_TIMEOUT, find_angles
 from layflat.rig.driver import DeviceState
-from layflat.rig.session import Snapshot
+from layflat.rig.session import RigSnapshot
 
-JOG_SPEEDS = (2.0, 60.0, 15.0)  # slowest, fastest, and at first, deg/s
+Jogs = list[tuple[int, int]]
+"""Jogged joints: index of the joint, and direction, -1 or 1."""
+JOG_SPEEDS = (2.0, 60.0, 15.0)  # min, max and initial speed, deg/s
+
+
+class Minder(Element, component="minder.js"):
+    """Invisible element that renews the lease as long as its page is alive and in view."""
+
+    def __init__(self, renewed: Callable[[int, Jogs], object], stopped: Callable[[], object]) -> None:
+        """Register `renewed`, called with the last beat and the jogged joints, and `stopped`, called on Escape."""
+        super().__init__()
+        self.on("renew", lambda event: renewed(*_read(event)))
+        self.on("stop", lambda _: stopped())
+
+    def beat(self, number: int) -> None:
+        """Send the page a beat."""
+        self.run_method("beat", number)
+
+
+def _read(event: GenericEventArguments) -> tuple[int, Jogs]:
+    """Return beat and jogged joints of a renewal; 0 and none where it is malformed."""
+    args: Any = event.args
+    try:
+        jogs = [
+            (int(joint), 1 if int(direction) > 0 else -1)
+            for joint, direction in (jog.split(":") for jog in args["jogs"])
+        ]
+        return int(args["beat"]), jogs
+    except (TypeError, KeyError, ValueError, AttributeError):
+        return 0, []
 
 
 class JogView:
-    """A row a joint: where it is, where it is led, and two buttons to hold."""
+    """View with a row a joint: angle, target, and two buttons that jog it while they are held."""
 
     def __init__(self, desk: Desk) -> None:
-        """Build it."""
+        """Build the view within the current element."""
         self._desk, self._count = desk, len(desk.first.joints)
         slowest, fastest, usual = JOG_SPEEDS
         with ui.row().classes("lf-line"):
             ui.label("Speed while a button is held:").props('id="jog-speed"')
             self.speed = ui.slider(min=slowest, max=fastest, step=1.0, value=usual).classes("lf-slider")
             self.speed.props('aria-labelledby="jog-speed"')
-            ui.label().bind_text_from(self.speed, "value", lambda x: f"{within(x, *JOG_SPEEDS):.0f} deg/s")
+            ui.label().bind_text_from(self.speed, "value", lambda x: f"{clamp_number(x, *JOG_SPEEDS):.0f} deg/s")
         self.buttons: list[ui.button] = []
         self._shown: list[ui.label] = []
         with ui.element("div").classes("lf-joints"):
             for i, name in enumerate(desk.first.joints):
                 ui.label(name).classes("lf-name")
-                self._hold(i, -1, "remove", f"{name}, backwards")
+                self._add_jog_button(i, -1, "remove", f"{name}, backwards")
                 self._shown.append(ui.label("-").classes("lf-number"))
-                self._hold(i, 1, "add", f"{name}, forwards")
+                self._add_jog_button(i, 1, "add", f"{name}, forwards")
         ui.label("By keyboard: go to a button with Tab, hold Space. Escape stops.").classes("lf-quiet lf-small")
 
-    def _hold(self, joint: int, way: int, icon: str, name: str) -> None:
+    def _add_jog_button(self, joint: int, direction: int, icon: str, name: str) -> None:
         button = theme.button("", icon=icon, hint=f"{name}: hold to move")
-        button.props(f'data-jog="{joint}:{way}" no-caps').classes("lf-jog")
+        button.props(f'data-jog="{joint}:{direction}" no-caps').classes("lf-jog")
         self.buttons.append(button)
 
     def speeds(self, jogs: Jogs) -> list[float]:
-        """Return how fast each joint is to move, rad/s."""
-        speed = radians(within(self.speed.value, *JOG_SPEEDS))
-        wanted = [0.0] * self._count
-        for joint, way in jogs:
+        """Return the demanded velocity of each joint, rad/s."""
+        speed = radians(clamp_number(self.speed.value, *JOG_SPEEDS))
+        directions = [0.0] * self._count
+        for joint, direction in jogs:
             if 0 <= joint < self._count:
-                wanted[joint] += way
-        return [speed * min(max(way, -1.0), 1.0) for way in wanted]
+                directions[joint] += direction
+        return [speed * min(max(direction, -1.0), 1.0) for direction in directions]
 
-    def refresh(self, shot: Snapshot | None, fits: bool) -> None:
-        """Show where the joints are; `fits`: whether they may be moved from here."""
+    def refresh(self, shot: RigSnapshot | None, can_move: bool) -> None:
+        """Show the angles of the joints; `can_move`: whether this page may move them."""
         for j, label in enumerate(self._shown):
             text = "-"
             if shot is not None:
                 text = f"{degrees(shot['averaged_angle'][j]):.1f} deg, target {degrees(shot['demand'][j]):.1f}"
             label.set_text(text)
         for button in self.buttons:
-            button.set_enabled(fits)
+            button.set_enabled(can_move)
 
 
 class OutputsView:
-    """A row a digital output of the machine: whether it is on, and a button that switches it."""
+    """View with a row a digital output of the machine: its state, and a button that switches it."""
 
     def __init__(self, desk: Desk, controls: Controls) -> None:
-        """Build it."""
+        """Build the view within the current element."""
         self._desk, self._controls, names = desk, controls, desk.first.interface.outputs
         self._rows: dict[str, tuple[ui.label, ui.button]] = {}
         self._on: frozenset[str] | None = None
@@ -86,9 +118,9 @@ class OutputsView:
                 button = theme.button(f"Switch {name} on", partial(self._switch, name))
                 self._rows[name] = shown, button
 
-    def refresh(self, shot: Snapshot | None, drives: bool) -> None:
-        """Show which are on; they may be switched while the device obeys."""
-        on = outputs_on(self._desk.first, shot) if shot is not None else frozenset()
+    def refresh(self, shot: RigSnapshot | None, drives: bool) -> None:
+        """Show which outputs are on; they may be switched unless the device has dumped its air."""
+        on = active_outputs(self._desk.first, shot) if shot is not None else frozenset()
         obeys = shot is not None and int(shot["device"]) != DeviceState.DUMPED
         for name, (shown, button) in self._rows.items():
             button.set_enabled(drives and obeys)
@@ -102,24 +134,24 @@ class OutputsView:
     def _switch(self, name: str) -> None:
         shot = self._desk.snapshot()
         if shot is not None:
-            self._controls.switch(name, name not in outputs_on(self._desk.first, shot))
+            self._controls.switch(name, name not in active_outputs(self._desk.first, shot))
 
 
 class TargetView:
-    """Fields of angles and of the tip's place; what is in them is shown in the scene before the arm goes there."""
+    """View of a target: fields of angles and of the tip's position, shown in the scene before the arm goes there."""
 
     def __init__(self, desk: Desk, controls: Controls, scene: Callable[[], ArmScene]) -> None:
-        """Build it; `scene` gives the scene that shows the target."""
+        """Build it; `scene` returns the scene that shows the target."""
         self._desk, self._controls, self._scene, self._filling = desk, controls, scene, False
-        self._next: Array | None = None  # place that is searched next, m
+        self._next: Array | None = None  # tip position that is searched next, m
         self._searches = False
         self.angles: dict[str, ui.number] = {}
         with ui.element("div").classes("lf-fields"):
             for name, joint in desk.first.joints.items():
                 half = degrees(joint.stops.working_stroke) / 2
-                wrong = partial(self._wrong, name)
+                wrong = partial(self._angle_problem, name)
                 field = ui.number(f"{name} (deg)", value=0.0, step=1.0, precision=2, validation=wrong)
-                field.on_value_change(self._typed)
+                field.on_value_change(self._show_entered)
                 self.angles[name] = field.props("dense outlined")
                 field.props(f'hint="-{half:.0f} to {half:.0f}"')
         with ui.element("div").classes("lf-fields"):
@@ -130,57 +162,60 @@ class TargetView:
             for field in self.place.values():
                 field.on("keydown.enter", self._find)
             theme.button("Find angles", self._find, icon="my_location", hint="Find angles that bring the tip there")
-        self.told = ui.label("").classes("lf-told").props("role=alert")
+        self.status = ui.label("").classes("lf-told").props("role=alert")
         self.cancel = theme.button("Cancel the search", self._end_search, icon="close")
         ui.context.client.on_delete(lambda: desk.worker.forget(self))
         self.cancel.set_visibility(False)
         with ui.row().classes("lf-line"):
-            self.go = theme.button("Go to target", self._go, icon="near_me", kind="primary")
-            theme.button("Take present angles", self._here, icon="pin_drop")
+            self.go = theme.button("Go to target", self._start_motion, icon="near_me", kind="primary")
+            theme.button("Take present angles", self._take_present_angles, icon="pin_drop")
         ui.label("Or click the green surface in the picture: places that the tip can reach.").classes(
             "lf-quiet lf-small"
         )
 
     async def clicked(self, place: Array) -> None:
-        """Take a place that was clicked, m, (3,)."""
-        for axis, at in zip(self.place, place.tolist(), strict=False):
-            self.place[axis].value = round(1e3 * at, 1)
+        """Compute angles for a clicked position of the tip in the base frame, m, (3,)."""
+        for axis, coordinate in zip(self.place, place.tolist(), strict=False):
+            self.place[axis].value = round(1e3 * coordinate, 1)
         await self._find()
 
-    def refresh(self, fits: bool) -> None:
-        """Enable what may be used."""
-        self.go.set_enabled(fits and self.wanted() is not None)
+    def refresh(self, can_move: bool) -> None:
+        """Enable the buttons that may be used now; `can_move`: whether this page may move the arm."""
+        self.go.set_enabled(can_move and self.target_angles() is not None)
 
-    def wanted(self) -> tuple[float, ...] | None:
-        """Return the target, rad; None where a field holds none that can be."""
+    def target_angles(self) -> tuple[float, ...] | None:
+        """Return the target, rad; None where a field holds no angle inside its joint's stroke."""
         try:
-            return target(self._desk.first, {name: number(field.value) for name, field in self.angles.items()})
+            return read_target(
+                self._desk.first, {name: finite_number(field.value) for name, field in self.angles.items()}
+            )
         except LayflatError:
             return None
 
-    def _wrong(self, joint: str, value: float | None) -> str | None:
-        """Return what is wrong with the angle of a joint, deg."""
+    def _angle_problem(self, joint: str, value: float | None) -> str | None:
+        """Return the message about an angle (deg) that its joint can't take; None where it can."""
         try:
-            target(self._desk.first, {**dict.fromkeys(self._desk.first.joints, 0.0), joint: number(value)})
+            read_target(self._desk.first, {**dict.fromkeys(self._desk.first.joints, 0.0), joint: finite_number(value)})
         except LayflatError as error:
             return str(error)
         return None
 
-    def _typed(self) -> None:
+    def _show_entered(self) -> None:
+        """Show the entered target in the scene, and its tip position (mm) in the fields."""
         if self._filling:
             return
-        wanted = self.wanted()
-        self._scene().target(wanted)
-        if wanted is not None:
-            tip = 1e3 * self._desk.inverse.tip(np.array(wanted))
-            for axis, at in zip(self.place, tip.tolist(), strict=False):
-                self.place[axis].value = round(at, 1)
+        target = self.target_angles()
+        self._scene().show_target(target)
+        if target is not None:
+            tip = 1e3 * self._desk.inverse.tip(np.array(target))
+            for axis, coordinate in zip(self.place, tip.tolist(), strict=False):
+                self.place[axis].value = round(coordinate, 1)
 
     async def _find(self) -> None:
-        """Search angles for the place in the fields; one search goes on at a time, and the newest place counts."""
-        place = [number(field.value) for field in self.place.values()]
+        """Compute angles for the tip position in the fields; one search at a time, and the newest position wins."""
+        place = [finite_number(field.value) for field in self.place.values()]
         if None in place:
-            self.told.set_text("Give a number of millimetres in each field of the tip.")
+            self.status.set_text("Give a number of millimetres in each field of the tip.")
             return
         self._next = 1e-3 * np.array(place, float)
         if self._searches:
@@ -189,7 +224,7 @@ class TargetView:
         self.cancel.set_visibility(True)
         try:
             while self._next is not None:
-                await self._search()
+                await self._search_angles()
         finally:
             self._searches = False
             self.cancel.set_visibility(False)
@@ -197,37 +232,34 @@ class TargetView:
     def _end_search(self) -> None:
         self._desk.worker.cancel(self)
 
-    async def _search(self) -> None:
+    async def _search_angles(self) -> None:
+        """Compute the angles nearest the present ones for the entered tip position, and enter them."""
         desk, shot, place, self._next = self._desk, self._desk.snapshot(), self._next, None
         near = np.array(shot["averaged_angle"] if shot is not None else np.zeros(len(self.angles)))
-        self.told.set_text("searching")
-        what = "the search for angles"
-        try:
-            call = partial(desk.worker.call, limit=LONGEST_SEARCH, what=what, by=self)
-            found = await call(find_posture, desk.first, place, near)
-        except LayflatError as error:
-            self.told.set_text(str(error))
-            return
-        self.told.set_text("")
-        if self._next is None:
-            self._fill(found)
+        self.status.set_text("searching")
+        with theme.show_errors_on(self.status):
+            call = partial(desk.worker.call, limit=SEARCH_TIMEOUT, what="the search for angles", by=self)
+            angles = await call(find_angles, desk.first, place, near)
+            self.status.set_text("")
+            if self._next is None:
+                self._enter_angles(angles)
 
-    def _fill(self, angles: Array) -> None:
+    def _enter_angles(self, angles: Array) -> None:
+        """Enter angles (rad) in the fields, in degrees, and show them as the target."""
         self._filling = True
         for field, angle in zip(self.angles.values(), angles.tolist(), strict=True):
             field.value = round(degrees(angle), 2)
         self._filling = False
-        self._typed()
+        self._show_entered()
 
-    def _here(self) -> None:
+    def _take_present_angles(self) -> None:
         shot = self._desk.snapshot()
         if shot is not None:
-            self._fill(np.array(shot["averaged_angle"]))
+            self._enter_angles(np.array(shot["averaged_angle"]))
 
-    def _go(self) -> None:
-        if (wanted := self.wanted()) is None:
-            return  # the field says what is wrong
-        try:
-            self._controls.go([Step(wanted)])
-        except LayflatError as error:
-            self.told.set_text(str(error))
+    def _start_motion(self) -> None:
+        """Start a motion to the entered target; without effect while a field is invalid."""
+        if (target := self.target_angles()) is None:
+            return  # the field shows the problem
+        with theme.show_errors_on(self.status):
+            self._controls.start_sequence([SequenceStep(target)])

@@ -1,4 +1,4 @@
-"""A rig that is brought up, watched, and brought up again once it is gone, while pages that show it stay open."""
+"""Link to a rig: connects, watches, and connects again after a loss, while pages that show the rig stay open."""
 
 import threading
 from collections.abc import Callable
@@ -8,20 +8,19 @@ from pathlib import Path
 from layflat.errors import LayflatError
 from layflat.machine import Machine
 from layflat.rig.driver import Driver
-from layflat.rig.lease import Lease
-from layflat.rig.recorded import Recorded
-from layflat.rig.safety.states import State
-from layflat.rig.session import LoopError, Session, Snapshot
+from layflat.rig.recorded import RecordedSession
+from layflat.rig.safety.faults import RigState
+from layflat.rig.session import HostLease, RigLoopError, RigSession, RigSnapshot
 
 NOT_AT_REST = "The rig has to be at rest, without air: press Vent, and wait."
-LOOKS = 0.1  # between two looks whether the rig is still there, s
-AGAIN = 2.0  # after which one that is gone is tried again, s
+LINK_CHECK_PERIOD = 0.1  # of the checks that the rig is still connected, s
+RETRY_DELAY = 2.0  # before the next attempt to connect, s
 
-Reached = Callable[[Machine], tuple[Callable[[], Driver], str]]
-"""What gives the driver of a machine's rig, as the loop's process makes it, and the rig's address."""
+RigConnector = Callable[[Machine], tuple[Callable[[], Driver], str]]
+"""Function of a machine that returns a factory of the rig's driver, called in the loop's process, and its address."""
 
 
-class Standing(Enum):
+class LinkState(Enum):
     """State of the link."""
 
     CONNECTING = "connecting"
@@ -31,40 +30,40 @@ class Standing(Enum):
 
 
 class RigLink:
-    """The link to one rig, kept by a thread of its own. Attributes may be read from any thread.
+    """Link to one rig, kept by a thread of its own. Attributes may be read from any thread.
 
     Attributes:
-        machine: what the rig is.
-        standing: of the link.
-        trouble: what the rig said when it went, or what the last attempt met; empty where nothing is wrong.
-        place: of the log that is being written, or was last.
+        machine: machine of the rig, with its present controller.
+        state: state of the link.
+        trouble: message of the error that ended the link or the last attempt; empty where nothing is wrong.
+        log_path: path of the log that is written, or was written last.
     """
 
-    def __init__(self, machine: Machine, reached: Reached, folder: Path, lease: Lease) -> None:
-        self.machine, self.standing, self.trouble = machine, Standing.CONNECTING, ""
-        self.place = folder
-        self._reached, self._folder, self._lease = reached, folder, lease
-        self._recorded: Recorded | None = None
+    def __init__(self, machine: Machine, connect: RigConnector, folder: Path, lease: HostLease) -> None:
+        self.machine, self.state, self.trouble = machine, LinkState.CONNECTING, ""
+        self.log_path = folder
+        self._connect, self._folder, self._lease = connect, folder, lease
+        self._recorded: RecordedSession | None = None
         self._over, self._anew, self._free = threading.Event(), threading.Event(), threading.Event()
         self._free.set()
         self._lending = threading.Lock()
-        self._thread = threading.Thread(target=self._keep, name="layflat-link")
+        self._thread = threading.Thread(target=self._keep_connected, name="layflat-link")
         self._thread.start()
 
     @property
-    def session(self) -> Session | None:
-        """The session, while the link is open."""
+    def session(self) -> RigSession | None:
+        """Session of the rig; None while the link is not open."""
         rig = self._recorded
-        return rig.session if rig is not None and self.standing is Standing.OPEN else None
+        return rig.session if rig is not None and self.state is LinkState.OPEN else None
 
     @property
-    def recording(self) -> bool:
+    def is_recording(self) -> bool:
         """True while every cycle is recorded."""
         rig = self._recorded
-        return rig is not None and rig.recording
+        return rig is not None and rig.is_recording
 
-    def snapshot(self) -> Snapshot | None:
-        """The last cycle; None where there is none."""
+    def snapshot(self) -> RigSnapshot | None:
+        """Return the last cycle; None where there is none."""
         session = self.session
         try:
             return session.snapshot() if session is not None else None
@@ -72,72 +71,77 @@ class RigLink:
             return None
 
     @property
-    def at_rest(self) -> bool:
+    def is_at_rest(self) -> bool:
         """True while the rig is connected and without air, so that it may be released."""
         shot = self.snapshot()
-        return shot is not None and shot.state in {State.OFF, State.STOPPED, State.FAULT} and not shot["air"]
+        return shot is not None and shot.state in {RigState.OFF, RigState.STOPPED, RigState.FAULT} and not shot["air"]
 
     def change(self, machine: Machine) -> None:
-        """Go on with another controller, in a new session and log (LayflatError: the rig is not at rest)."""
-        if not self.at_rest:
+        """Use another controller, in a new session and log (LayflatError: the rig is not at rest)."""
+        if not self.is_at_rest:
             raise LayflatError(NOT_AT_REST)
         self.machine = machine
         self._anew.set()
 
     def lend(self) -> None:
-        """Release the rig, and wait until it is free for somebody else; `take_back` ends that.
+        """Release the rig, and wait until it is free for a check; `reconnect` ends that.
 
         Raises:
-            LayflatError: it is not at rest, or somebody else has it.
+            LayflatError: it is not at rest, or another check has it.
         """
         with self._lending:
-            if not self.at_rest or not self._free.is_set():
+            if not self.is_at_rest or not self._free.is_set():
                 raise LayflatError(NOT_AT_REST if self._free.is_set() else "Another check has the rig: wait for it.")
             self._free.clear()
         self._anew.set()
-        while self.standing is not Standing.LENT and not self._over.wait(LOOKS):
+        while self.state is not LinkState.LENT and not self._over.wait(LINK_CHECK_PERIOD):
             pass
 
-    def take_back(self) -> None:
-        """Connect again."""
+    def reconnect(self) -> None:
+        """Connect again after `lend`."""
         self._free.set()
 
     def close(self) -> None:
-        """Stop the rig, let out the air, finish the log."""
+        """Stop the rig, vent the air, finish the log."""
         self._over.set()
         self._free.set()
         self._thread.join()
 
-    def _keep(self) -> None:
+    def _keep_connected(self) -> None:
+        """Connect, and connect again after a loss, until the link is closed; no connection while the rig is lent."""
         while not self._over.is_set():
             if not self._free.is_set():
-                self.standing = Standing.LENT
+                self.state = LinkState.LENT
                 self._free.wait()
                 continue
-            self.standing = Standing.CONNECTING
+            self.state = LinkState.CONNECTING
             self._anew.clear()
             try:
-                self._open()
+                self._keep_session()
             except (LayflatError, OSError) as error:
-                self.standing, self.trouble = Standing.GONE, str(error)
-                self._over.wait(AGAIN)
+                self.state, self.trouble = LinkState.GONE, str(error)
+                self._over.wait(RETRY_DELAY)
 
-    def _open(self) -> None:
+    def _keep_session(self) -> None:
+        """Open a recorded session with the rig, and keep it until the link is closed or has to reconnect."""
         machine = self.machine
-        driver, address = self._reached(machine)
+        driver, address = self._connect(machine)
         self._folder.mkdir(parents=True, exist_ok=True)
-        with Recorded.in_folder(machine, driver, address, self._folder, f"{machine.name}-panel", self._lease) as rig:
-            self.place = rig.place
-            self._recorded, self.standing, self.trouble = rig, Standing.OPEN, ""
+        with RecordedSession.in_folder(
+            machine, driver, address, self._folder, f"{machine.name}-panel", self._lease
+        ) as rig:
+            self.log_path = rig.place
+            self._recorded, self.state, self.trouble = rig, LinkState.OPEN, ""
             try:
-                self._watch(rig)
+                self._watch_session(rig)
             finally:
-                # Who looks on must not meet memory that is being closed.
-                self.standing = Standing.CONNECTING
+                # Observers must not read memory that is being closed.
+                self.state = LinkState.CONNECTING
         self._recorded = None
 
-    def _watch(self, rig: Recorded) -> None:
-        while not self._over.wait(LOOKS) and not self._anew.is_set():
+    def _watch_session(self, rig: RecordedSession) -> None:
+        """Check session and recorder until the link is closed or reconnects; raise RigLoopError if one has ended."""
+        while not self._over.wait(LINK_CHECK_PERIOD) and not self._anew.is_set():
             rig.session.check()
-            if not rig.recording and self.at_rest:
-                raise LoopError("the recorder is gone")
+            if not rig.is_recording and self.is_at_rest:
+                raise RigLoopError("the recorder is gone")

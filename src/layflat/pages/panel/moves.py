@@ -1,136 +1,279 @@
-"""What moves an arm as long as somebody minds it: joints that are jogged, and courses through places."""
+"""Motions of an arm while a person holds its lease: jogging, and sequences of steps that are kept in files."""
 
-from collections.abc import Sequence
-from typing import NamedTuple, Protocol
+import tomllib
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from math import degrees, radians
+from pathlib import Path
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
+import tomli_w
 
 from layflat.arrays import Array
+from layflat.description.names import file_name
+from layflat.errors import InputError
+from layflat.files import write_text
 from layflat.machine import Machine
+from layflat.machine.parameters import check_inside_stroke
 from layflat.motion.path import half_strokes
 from layflat.motion.trajectory import States
-from layflat.rig.abilities import DemandLimits, demand_limits
-from layflat.rig.session import Session, Snapshot
-from layflat.rig.smooth import smooth
+from layflat.rig.abilities import DemandLimits, demand_limits, plan_smooth_motion
+from layflat.rig.session import RigSession, RigSnapshot
 
-GATHERS = 0.25  # in which a jogged joint comes to its speed, and back to rest, s
-NEAR, STILL = np.radians(1.0), np.radians(2.0)  # of a place at which a course arrives, rad and rad/s
-ARRIVES = 3.0  # after its motion a course waits so long for the joints, s
-
-
-class Move(Protocol):
-    """Something that moves an arm, look by look."""
-
-    over: bool
-
-    def ask(self, session: Session, shot: Snapshot, now: float) -> None:
-        """Ask for what is due at an instant, s, monotonic; `shot` is the last cycle."""
+JOG_RISE_TIME = 0.25  # of a jogged joint from rest to its speed, and back, s
+ARRIVAL_ANGLE, ARRIVAL_SPEED = np.radians(1.0), np.radians(2.0)  # below which the arm has arrived, rad and rad/s
+ARRIVAL_TIMEOUT = 3.0  # for the joints to arrive after the motion of a step, s
+MAX_LISTED = 200  # sequences that a page offers
+SUFFIX = ".sequence.toml"
+MAX_PAUSE, MAX_STEPS = 3600.0, 500  # of a step, s, and of a sequence
 
 
-class Step(NamedTuple):
-    """A place of a sequence."""
+class ArmMotion(Protocol):
+    """Motion of an arm, which `ask` advances; `is_over` once it has ended."""
+
+    is_over: bool
+
+    def send_demand(self, session: RigSession, shot: RigSnapshot, now: float) -> None:
+        """Send the demand that is due.
+
+        Args:
+            session: session of the rig.
+            shot: last cycle.
+            now: present time, s, monotonic.
+        """
+
+
+class SequenceStep(NamedTuple):
+    """Step of a sequence: target angles, a pause, and digital outputs."""
 
     angles: tuple[float, ...]  # rad
-    pause: float = 0.0  # after the arm has come there, s
-    outputs: frozenset[str] | None = None  # digital outputs that are on from when it has come there; None: as before
+    pause: float = 0.0  # after the arm has arrived, s
+    outputs: frozenset[str] | None = None  # digital outputs that are on from its arrival; None: as before
 
 
-def outputs_on(machine: Machine, shot: Snapshot) -> frozenset[str]:
+def active_outputs(machine: Machine, shot: RigSnapshot) -> frozenset[str]:
     """Return the names of the digital outputs that are on."""
     bits = int(shot["outputs"])
     return frozenset(name for number, name in enumerate(machine.interface.outputs) if bits >> number & 1)
 
 
-class Jog:
-    """Joints that are moved by hand, as fast as is wanted; they come to rest within the working stroke."""
+class JogMotion:
+    """Motion of jogged joints at demanded velocities, with a limited acceleration and inside the working stroke."""
 
     def __init__(self, machine: Machine, start: Array) -> None:
-        self.over = False
-        self.wanted: Array = np.zeros(len(start))  # velocities, rad/s
+        self.is_over = False
+        self.demand_velocity: Array = np.zeros(len(start))  # velocities, rad/s
         self._at, self._half = start.copy(), half_strokes(machine)
-        self._velocity = self._most = np.zeros(len(start))  # now, and the greatest wanted yet, rad/s
-        self._before: float | None = None
+        self._velocity = self._peak_velocity = np.zeros(len(start))  # present, and greatest demanded so far, rad/s
+        self._last_time: float | None = None
 
-    def ask(self, session: Session, shot: Snapshot, now: float) -> None:  # noqa: ARG002  (as of `Move`)
-        """Move on by what has passed since the last look."""
-        passed = 0.0 if self._before is None else min(now - self._before, GATHERS)
-        self._before = now
-        self._most = np.maximum(self._most, np.abs(self.wanted))
-        gained = self._most * passed / GATHERS
-        self._velocity = self._velocity + np.clip(self.wanted - self._velocity, -gained, gained)
-        after = np.clip(self._at + passed * self._velocity, -self._half, self._half)
+    def send_demand(self, session: RigSession, shot: RigSnapshot, now: float) -> None:  # noqa: ARG002  (as of `Move`)
+        """Advance the demand by the time since the last call.
+
+        Args:
+            session: session of the rig.
+            shot: last cycle.
+            now: present time, s, monotonic.
+        """
+        elapsed = 0.0 if self._last_time is None else min(now - self._last_time, JOG_RISE_TIME)
+        self._last_time = now
+        self._peak_velocity = np.maximum(self._peak_velocity, np.abs(self.demand_velocity))
+        change = self._peak_velocity * elapsed / JOG_RISE_TIME
+        self._velocity = self._velocity + np.clip(self.demand_velocity - self._velocity, -change, change)
+        after = np.clip(self._at + elapsed * self._velocity, -self._half, self._half)
         self._velocity[np.abs(after) >= self._half] = 0.0
         self._at = after
         session.ask(after.tolist(), self._velocity.tolist())
-        self.over = not self._velocity.any() and not self.wanted.any()
+        self.is_over = not self._velocity.any() and not self.demand_velocity.any()
 
 
-class Course:
-    """A motion through places, one after the other, at a share of what the arm can do, again and again if wanted."""
+class SequenceMotion:
+    """Motion through the steps of a sequence, at a fraction of the arm's limits, once or repeatedly."""
 
     def __init__(
-        self, machine: Machine, start: Array, steps: Sequence[Step], share: float, *, repeats: bool = False,
+        self, machine: Machine, start: Array, steps: Sequence[SequenceStep], share: float, *, repeats: bool = False,
         limits: DemandLimits | None = None,
     ) -> None:  # fmt: skip
-        """Begin from where the joints are.
+        """Plan the motion to the first step.
 
         Args:
-            machine: whose arm moves.
-            start: angles, rad, (joints,).
-            steps: places, one after the other.
-            share: of what the arm can do, 0..1.
-            repeats: whether it begins anew at its end.
-            limits: of the machine's demands, where they are known.
+            machine: machine of the arm.
+            start: present angles, rad, (joints,).
+            steps: steps, one after the other.
+            share: fraction of the arm's speeds and accelerations, 0..1.
+            repeats: whether the sequence restarts at its end.
+            limits: limits of the machine's demands; None computes them.
         """
-        self.over, self.step, self.rounds = False, 0, 0  # which step it is at, and how often all were done
+        self.is_over, self.step, self.rounds = False, 0, 0  # index of the present step, and number of rounds done
         self._machine, self._steps, self._share, self._repeats = machine, tuple(steps), share, repeats
         self._limits = limits or demand_limits(machine)
-        self._begun: float | None = None  # when the present motion began, s
-        self._arrived: float | None = None  # when the joints were where it ends, s
+        self._motion_start: float | None = None  # start of the present motion, s
+        self._arrived: float | None = None  # arrival of the joints at its end, s
         self._rows = self._motion(start)
 
     @property
     def target(self) -> tuple[float, ...]:
-        """Where the joints are led at present, rad."""
+        """Target angles of the present step, rad."""
         return self._steps[self.step].angles
 
-    def ask(self, session: Session, shot: Snapshot, now: float) -> None:
-        """Ask for where the motion is by now, or go on with the next place."""
-        self._begun = now if self._begun is None else self._begun
-        row = int((now - self._begun) / self._machine.cycle)
+    def send_demand(self, session: RigSession, shot: RigSnapshot, now: float) -> None:
+        """Send the demand of the present motion, or go on with the next step.
+
+        Args:
+            session: session of the rig.
+            shot: last cycle.
+            now: present time, s, monotonic.
+        """
+        self._motion_start = now if self._motion_start is None else self._motion_start
+        row = int((now - self._motion_start) / self._machine.cycle)
         if row < len(self._rows.angles):
-            session.ask(*(part[row].tolist() for part in self._rows), at=self._begun + row * self._machine.cycle)
+            session.ask(*(part[row].tolist() for part in self._rows), at=self._motion_start + row * self._machine.cycle)
             return
         if self._arrived is None:
             session.ask(self.target)
-            late = now - self._begun - len(self._rows.angles) * self._machine.cycle > ARRIVES
-            if self._is_there(shot):
+            late = now - self._motion_start - len(self._rows.angles) * self._machine.cycle > ARRIVAL_TIMEOUT
+            if self._has_arrived(shot):
                 self._arrived = now
-                self._switch(session, shot)
-            elif late:  # nothing is let go of where it should not be
+                self._switch_outputs(session, shot)
+            elif late:  # without its outputs: a gripper must not open at a wrong position
                 self._arrived = now
         elif now - self._arrived >= self._steps[self.step].pause:
-            self._next(now)
+            self._begin_next_step(now)
 
-    def _is_there(self, shot: Snapshot) -> bool:
-        off = np.abs(shot["averaged_angle"] - np.array(self.target)).max()
-        return bool(off < NEAR and np.abs(shot["averaged_velocity"]).max() < STILL)
+    def _has_arrived(self, shot: RigSnapshot) -> bool:
+        deviation = np.abs(shot["averaged_angle"] - np.array(self.target)).max()
+        return bool(deviation < ARRIVAL_ANGLE and np.abs(shot["averaged_velocity"]).max() < ARRIVAL_SPEED)
 
-    def _switch(self, session: Session, shot: Snapshot) -> None:
-        wanted = self._steps[self.step].outputs
-        if wanted is not None:
-            for name in sorted(wanted ^ outputs_on(self._machine, shot)):
-                session.switch(name, name in wanted)
+    def _switch_outputs(self, session: RigSession, shot: RigSnapshot) -> None:
+        """Switch the digital outputs that differ from those of the present step, if the step has outputs."""
+        outputs = self._steps[self.step].outputs
+        if outputs is not None:
+            for name in sorted(outputs ^ active_outputs(self._machine, shot)):
+                session.switch(name, name in outputs)
 
-    def _next(self, now: float) -> None:
+    def _begin_next_step(self, now: float) -> None:
+        """Begin the motion to the next step at time now (s); after the last step begin again, or end."""
         start = np.array(self.target)
         if self.step + 1 == len(self._steps):
             self.rounds += 1
-            self.over = not self._repeats
-        if not self.over:
+            self.is_over = not self._repeats
+        if not self.is_over:
             self.step = (self.step + 1) % len(self._steps)
-            self._begun, self._arrived = now, None
+            self._motion_start, self._arrived = now, None
             self._rows = self._motion(start)
 
     def _motion(self, start: Array) -> States:
-        return smooth(self._machine, start, np.array(self.target), self._share, self._limits)
+        return plan_smooth_motion(self._machine, start, np.array(self.target), self._share, self._limits)
+
+
+def newest_names(folder: Path) -> tuple[list[str], int]:
+    """Return the names of the newest sequences in a folder, in order, and how many older ones there are."""
+    files = []
+    for path in folder.glob(f"*{SUFFIX}"):
+        with suppress(OSError):  # it was deleted meanwhile
+            files.append((path.stat().st_mtime, path.name.removesuffix(SUFFIX)))
+    newest = sorted(files, reverse=True)[:MAX_LISTED]
+    return sorted(name for _, name in newest), len(files) - len(newest)
+
+
+def sequence_file(folder: Path, name: str) -> Path:
+    """Return the file of a sequence; raise InputError if the name can't be that of a file."""
+    return folder / f"{file_name(name, 'name')}{SUFFIX}"
+
+
+def is_saved(folder: Path, name: str) -> bool:
+    """Return whether a sequence of this name exists; raise InputError if the name can't be that of a file."""
+    return sequence_file(folder, name).exists()
+
+
+def save_sequence(folder: Path, name: str, machine: Machine, steps: Sequence[SequenceStep]) -> Path:
+    """Write a sequence of a machine's joints, and return its file.
+
+    Args:
+        folder: folder of the sequences.
+        name: name of the sequence.
+        machine: machine of the arm.
+        steps: steps, 1 to `MAX_STEPS`.
+
+    Raises:
+        InputError: the name can't be one of a file, or there are too many steps.
+        OutputError: it can't be written.
+    """
+    if len(steps) > MAX_STEPS:
+        raise InputError(f"has {len(steps)} steps", where=name, right=f"give {MAX_STEPS} at most")
+    rows = [_step_table(step, machine) for step in steps]
+    return write_text(sequence_file(folder, name), tomli_w.dumps({"machine": machine.name, "step": rows}))
+
+
+def _step_table(step: SequenceStep, machine: Machine) -> dict[str, Any]:
+    angles = {joint: f"{degrees(at):.3f} deg" for joint, at in zip(machine.joints, step.angles, strict=True)}
+    outputs = {} if step.outputs is None else {"outputs": sorted(step.outputs)}
+    return {"angles": angles, "pause": f"{step.pause:.3f} s", **outputs}
+
+
+def load_sequence(folder: Path, name: str, machine: Machine) -> list[SequenceStep]:
+    """Read a sequence of a machine.
+
+    Args:
+        folder: folder of the sequences.
+        name: name of the sequence.
+        machine: machine of the arm.
+
+    Raises:
+        InputError: the file is missing or no sequence, names other joints, or leaves the working stroke.
+    """
+    path = sequence_file(folder, name)
+    try:
+        table = tomllib.loads(path.read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        raise InputError(f"can't be read ({error})", where=str(path)) from None
+    rows = table.get("step")
+    if not isinstance(rows, list) or not 0 < len(rows) <= MAX_STEPS:
+        raise InputError("holds no steps", where=str(path), right=f"give 1 to {MAX_STEPS} tables [[step]]")
+    return [_read_step(row, machine, f"{path}: step {count}") for count, row in enumerate(rows, 1)]
+
+
+def _read_step(row: Any, machine: Machine, where: str) -> SequenceStep:
+    """Return a step of a sequence file; raise InputError unless it has an angle inside the stroke for every joint."""
+    from layflat.description import units as u  # noqa: PLC0415
+
+    angles = row.get("angles") if isinstance(row, Mapping) else None
+    if not isinstance(angles, Mapping) or set(angles) != set(machine.joints):
+        right = f"give angles of {', '.join(machine.joints)}"
+        raise InputError("names other joints than the machine has", where=where, right=right)
+    values = [u.quantity(angles[name], u.ANGLE, f"{where}: {name}") for name in machine.joints]
+    for name, angle in zip(machine.joints, values, strict=True):
+        check_inside_stroke(machine, name, angle, where)
+    pause = u.quantity(row.get("pause", "0 s"), u.TIME, f"{where}: pause")
+    return SequenceStep(tuple(values), check_pause(pause, where), _read_outputs(row.get("outputs"), machine, where))
+
+
+def _read_outputs(names: Any, machine: Machine, where: str) -> frozenset[str] | None:
+    """Return the outputs that a step switches on, None if it leaves all; raise InputError if the machine lacks one."""
+    outputs = machine.interface.outputs
+    if names is None:
+        return None
+    if not isinstance(names, list) or not set(map(str, names)) <= set(outputs):
+        right = f"give a list of {', '.join(outputs)}" if outputs else "leave them out: the machine has none"
+        raise InputError(f"{names!r} are not outputs of the machine", where=f"{where}: outputs", right=right)
+    return frozenset(names)
+
+
+def check_pause(seconds: float, where: str) -> float:
+    """Return a pause, s; raise InputError if it is not 0 to `MAX_PAUSE`."""
+    if not 0.0 <= seconds <= MAX_PAUSE:
+        raise InputError(f"a pause of {seconds:g} s", where=where, right=f"give 0 to {MAX_PAUSE:g} s")
+    return seconds
+
+
+def read_target(machine: Machine, values: Mapping[str, float | None]) -> tuple[float, ...]:
+    """Return the angles (rad) of a target, from degrees by joint; raise InputError if one is outside its stroke."""
+    values_rad = []
+    for name in machine.joints:
+        value = values.get(name)
+        if value is None:
+            raise InputError("lacks an angle", where=name, right="give a number of degrees")
+        check_inside_stroke(machine, name, radians(value), name)
+        values_rad.append(radians(value))
+    return tuple(values_rad)

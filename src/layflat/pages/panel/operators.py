@@ -1,66 +1,66 @@
-"""Operators of a panel: one person drives at a time, on one page; others look on. Handing over is explicit."""
+"""Operators of a panel: one page drives at a time, others look on; control is handed over explicitly."""
 
 import threading
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from layflat.rig.lease import Lease
+from layflat.rig.session import HostLease
 
-FORGOTTEN = 3.0  # an operator whose page has been silent for so long is none any more, s
-APPEARS = 30.0  # in which a page that was opened has to be heard first, s
-FRESH = 0.4  # a renewal counts if its page had heard from here so shortly before, s
-BEAT, BEATS = 0.02, 64  # shortest time from one to the next, s, and how many are remembered
+OPERATOR_TIMEOUT = 3.0  # without a renewal, after which a page drives no more, s
+FIRST_CONTACT_TIMEOUT = 30.0  # for the first renewal of a page that drives, s
+MAX_BEAT_AGE = 0.4  # of the beat that a valid renewal names, s
+MIN_BEAT_PERIOD, MAX_BEATS = 0.02, 64  # between two beats, s, and number of beats remembered
 
 
 @dataclass
 class Visitor:
-    """A page that is open."""
+    """Open page of a panel."""
 
     key: str
     name: str  # for others to read
-    told: Callable[[], object] = lambda: None  # called once it drives
+    on_drive: Callable[[], object] = lambda: None  # called once it drives
 
 
 class Operators:
-    """The pages that are open, and which of them drives; its renewals keep the lease alive.
+    """Open pages, at most one of which drives; its renewals keep the lease alive.
 
-    A renewal names the last beat that its page has seen. What was written long ago and comes late, as when a network is
-    back, names an old one, and renews nothing.
+    A renewal names the last beat that its page has received. A renewal that is delayed, as by a network, names an old
+    beat, and renews nothing.
     """
 
-    def __init__(self, lease: Lease) -> None:
+    def __init__(self, lease: HostLease) -> None:
         self._lease, self._guard = lease, threading.RLock()
         self._visitors: dict[str, Visitor] = {}
         self._operator: str | None = None
-        self._silent_from = 0.0  # when an operator's page that is not heard again is silent, s, monotonic
+        self._silent_at = 0.0  # time at which the driving page loses control without a renewal, s, monotonic
         self._count = 0
         self._beats: dict[int, float] = {}
-        self.asked_by: Visitor | None = None  # who would like to drive
+        self.requested_by: Visitor | None = None  # page that requests control
 
-    def come(self, key: str, told: Callable[[], object] = lambda: None) -> Visitor:
-        """A page was opened; the first one drives, and whoever drives is told so."""
+    def register(self, key: str, on_drive: Callable[[], object] = lambda: None) -> Visitor:
+        """Register a page that was opened; it drives if no other does. `on_drive` is called once it drives."""
         with self._guard:
             self._count += 1
-            visitor = self._visitors[key] = Visitor(key, f"page {self._count}", told)
+            visitor = self._visitors[key] = Visitor(key, f"page {self._count}", on_drive)
             if self.operator is None:
-                self._give(key)
+                self._set_operator(key)
             return visitor
 
     def leave(self, key: str) -> None:
-        """A page was closed."""
+        """Remove a page that was closed."""
         with self._guard:
             self._visitors.pop(key, None)
             if self._operator == key:
                 self._operator = None
-            if self.asked_by is not None and self.asked_by.key == key:
-                self.asked_by = None
+            if self.requested_by is not None and self.requested_by.key == key:
+                self.requested_by = None
 
     @property
     def operator(self) -> Visitor | None:
-        """Visitor who drives; None where that page has been silent for long."""
+        """Page that drives; None where none does or its renewals have stopped."""
         with self._guard:
-            if self._operator is not None and time.monotonic() > self._silent_from:
+            if self._operator is not None and time.monotonic() > self._silent_at:
                 self._operator = None
             return self._visitors.get(self._operator) if self._operator is not None else None
 
@@ -71,51 +71,51 @@ class Operators:
 
     @property
     def others(self) -> int:
-        """Pages that look on."""
+        """Number of pages that look on."""
         with self._guard:
             return len(self._visitors) - (self.operator is not None)
 
-    def take(self, key: str) -> bool:
-        """Drive from this page, if nobody does; else its wish is shown to who drives. Returns whether it drives."""
+    def take_control(self, key: str) -> bool:
+        """Take control if no page has it, else request it from the page that drives; return whether it drives."""
         with self._guard:
             if self.operator is None and key in self._visitors:
-                self._give(key)
+                self._set_operator(key)
             elif not self.drives(key):
-                self.asked_by = self._visitors.get(key)
+                self.requested_by = self._visitors.get(key)
             return self.drives(key)
 
     def hand_over(self, key: str) -> None:
-        """Hand over to the visitor who asked, if this page drives."""
+        """Hand control over to the page that requests it, if this page drives."""
         with self._guard:
-            if self.drives(key) and self.asked_by is not None:
-                self._give(self.asked_by.key)
+            if self.drives(key) and self.requested_by is not None:
+                self._set_operator(self.requested_by.key)
 
-    def keep(self, key: str) -> None:
-        """Go on driving, if this page drives: whoever asked is told no more."""
+    def refuse_request(self, key: str) -> None:
+        """Reject the request for control, if this page drives."""
         with self._guard:
             if self.drives(key):
-                self.asked_by = None
+                self.requested_by = None
 
     def beat(self) -> int:
-        """A number, to be sent back with renewals; pages that ask at the same time share it."""
+        """Return the number of the present beat, which renewals send back; pages share it for `MIN_BEAT_PERIOD`."""
         with self._guard:
             number, now = max(self._beats, default=0), time.monotonic()
-            if not self._beats or now - self._beats[number] >= BEAT:
+            if not self._beats or now - self._beats[number] >= MIN_BEAT_PERIOD:
                 number += 1
                 self._beats[number] = now
-                self._beats.pop(number - BEATS, None)
+                self._beats.pop(number - MAX_BEATS, None)
             return number
 
     def renew(self, key: str, beat: int) -> bool:
-        """A page is there, and has seen this beat; returns whether the lease was renewed by it."""
+        """Renew the lease for a page that drives and has received this beat; return whether it was renewed."""
         with self._guard:
-            seen = self._beats.get(beat)
-            if seen is None or time.monotonic() - seen > FRESH or not self.drives(key):
+            sent_at = self._beats.get(beat)
+            if sent_at is None or time.monotonic() - sent_at > MAX_BEAT_AGE or not self.drives(key):
                 return False
-            self._silent_from = time.monotonic() + FORGOTTEN
+            self._silent_at = time.monotonic() + OPERATOR_TIMEOUT
             self._lease.renew()
             return True
 
-    def _give(self, key: str) -> None:
-        self._operator, self._silent_from, self.asked_by = key, time.monotonic() + APPEARS, None
-        self._visitors[key].told()
+    def _set_operator(self, key: str) -> None:
+        self._operator, self._silent_at, self.requested_by = key, time.monotonic() + FIRST_CONTACT_TIMEOUT, None
+        self._visitors[key].on_drive()

@@ -1,53 +1,58 @@
-"""Searches of inverse kinematics for a panel, called in a process beside its event loop; and where a tip may go."""
+"""Searches of inverse kinematics for a panel, called in its worker process: angles of a target, reachable positions."""
 
 import numpy as np
 from numpy.typing import NDArray
 
 from layflat.arrays import Array
 from layflat.machine import Machine
-from layflat.motion.inverse import Inverse
+from layflat.motion.inverse import InverseKinematics
 
-ROWS = 61  # of the grid, and its columns
+GRID_ROWS = 61  # and columns of the grid
 
 
-def reachable(inverse: Inverse, height: float) -> tuple[Array, NDArray[np.bool_]]:
-    """Return a grid of places at a height (m) in the frame of the base, and which of them the tip comes to.
+def reachable_grid(inverse: InverseKinematics, height: float) -> tuple[Array, NDArray[np.bool_]]:
+    """Return a grid of positions at a height (m) in the base frame, and the mask of those that the tip reaches.
 
-    The grid is (rows, columns, 3), m; the flags are (rows, columns). Places are only looked for near mid-stroke.
+    The grid is (rows, columns, 3), m; the mask is (rows, columns). Searches begin at mid-stroke only.
     """
     low, high = inverse.tips.min(axis=0), inverse.tips.max(axis=0)
-    x, y = np.linspace(low[0], high[0], ROWS), np.linspace(low[1], high[1], ROWS)
-    corners = np.stack([*np.meshgrid(x, y), np.full((ROWS, ROWS), height)], axis=-1)
-    found = inverse.near(corners.reshape(-1, 3), np.zeros(inverse.joints))
-    return corners, found.there.reshape(ROWS, ROWS)
+    x, y = np.linspace(low[0], high[0], GRID_ROWS), np.linspace(low[1], high[1], GRID_ROWS)
+    corners = np.stack([*np.meshgrid(x, y), np.full((GRID_ROWS, GRID_ROWS), height)], axis=-1)
+    solution = inverse.solve_near(corners.reshape(-1, 3), np.zeros(inverse.joints))
+    return corners, solution.reached.reshape(GRID_ROWS, GRID_ROWS)
 
 
-LONGEST_SEARCH = 5.0  # s
-_known: list[tuple[Machine, Inverse]] = []
-"""The machine that was searched last, and its inverse kinematics."""
+SEARCH_TIMEOUT = 5.0  # s
+_known: list[tuple[Machine, InverseKinematics]] = []
+"""Machine that was searched last, and its inverse kinematics."""
 
 
-def prepare(machine: Machine) -> None:
-    """Load, and compile where need be, what searches call."""
+def prepare_search(machine: Machine) -> None:
+    """Load the inverse kinematics of a machine, and compile them where need be."""
     inverse = _inverse(machine)
-    inverse.near(inverse.tips[:1], np.zeros(inverse.joints))
+    inverse.solve_near(inverse.tips[:1], np.zeros(inverse.joints))
 
 
-def find_posture(machine: Machine, place: Array, near: Array) -> Array:
-    """Return angles (joints,), rad, near to others, with the tip of a machine at a place (axes,), m.
+def find_angles(machine: Machine, place: Array, near: Array) -> Array:
+    """Return joint angles that bring the tip to a position, rad, (joints,).
+
+    Args:
+        machine: machine of the arm.
+        place: position of the tip in the base frame, m, (2,) or (3,).
+        near: angles from which the search begins, rad, (joints,).
 
     Raises:
-        InputError: as of `Inverse.posture`.
+        InputError: as of `InverseKinematics.compute_configuration`.
     """
-    return _inverse(machine).posture(place, near, "tip")
+    return _inverse(machine).compute_configuration(place, near, "tip")
 
 
 def find_reachable(machine: Machine, height: float) -> tuple[Array, NDArray[np.bool_]]:
-    """Return what `reachable` returns for a machine and a height, m."""
-    return reachable(_inverse(machine), height)
+    """Return the `reachable_grid` of a machine at a height, m."""
+    return reachable_grid(_inverse(machine), height)
 
 
-def _inverse(machine: Machine) -> Inverse:
+def _inverse(machine: Machine) -> InverseKinematics:
     if not _known or _known[0][0] != machine:
-        _known[:] = [(machine, Inverse(machine))]
+        _known[:] = [(machine, InverseKinematics(machine))]
     return _known[0][1]

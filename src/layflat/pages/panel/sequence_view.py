@@ -1,4 +1,4 @@
-"""Sequences: places in a table, performed once or again and again, saved by name and loaded again."""
+"""View of a sequence: steps in a table, performed once or repeatedly, saved by name and loaded again."""
 
 import asyncio
 from collections.abc import Sequence
@@ -10,40 +10,47 @@ from nicegui import background_tasks, ui
 
 from layflat.errors import LayflatError
 from layflat.pages.look import theme
-from layflat.pages.look.dialogs import confirmed, number, within
 from layflat.pages.look.pieces import Pieces
-from layflat.pages.panel.controls import Controls
-from layflat.pages.panel.desk import Desk
-from layflat.pages.panel.moves import Step, outputs_on
-from layflat.pages.panel.pilot import USUAL_SHARE
-from layflat.pages.panel.sequences import MAX_STEPS, check_pause, is_saved, load_sequence, newest_names, save_sequence
-from layflat.rig.session import Snapshot
+from layflat.pages.look.theme import clamp_number, confirm, finite_number
+from layflat.pages.panel.desk import Controls, Desk
+from layflat.pages.panel.moves import (
+    MAX_STEPS,
+    SequenceStep,
+    active_outputs,
+    check_pause,
+    is_saved,
+    load_sequence,
+    newest_names,
+    save_sequence,
+)
+from layflat.pages.panel.pilot import DEFAULT_SPEED_FRACTION
+from layflat.rig.session import RigSnapshot
 
-SHARES = (10, 100, round(100 * USUAL_SHARE))  # least, most, and at first, % of what the arm can do
-SOON = 0.05  # from a change of the steps to their drawing, s
-FILES_WITHIN = 10.0  # in which files of sequences have to be read or written, s
+SPEED_PERCENTAGES = (10, 100, round(100 * DEFAULT_SPEED_FRACTION))  # min, max and initial value, % of the arm's limits
+REDRAW_DELAY = 0.05  # from a change of the steps to their drawing, s
+FILE_TIMEOUT = 10.0  # for reading or writing files of sequences, s
 
 
 class SequenceView:
-    """The places of one page's sequence."""
+    """View of one page's sequence."""
 
     def __init__(self, desk: Desk, controls: Controls) -> None:
-        """Build it; `list_saved` shows what was saved."""
+        """Build it; `list_saved` lists the saved sequences."""
         self._desk, self._controls, self._outputs = desk, controls, desk.first.interface.outputs
-        self.steps: list[Step] = []
+        self.steps: list[SequenceStep] = []
         ui.context.client.on_delete(lambda: desk.worker.forget(self))
-        self._draws = self._stale = False  # whether the table is being drawn, and whether it has to be drawn anew
-        least, most, usual = SHARES
+        self._draws = self._stale = False  # whether the table is being drawn, and whether it has to be redrawn
+        lower, upper, usual = SPEED_PERCENTAGES
         with ui.row().classes("lf-line"):
             ui.label("Speed of moves:").props('id="move-share"')
-            self.share = ui.slider(min=least, max=most, step=5, value=usual, on_change=self._set_share)
+            self.share = ui.slider(min=lower, max=upper, step=5, value=usual, on_change=self._set_share)
             self.share.classes("lf-slider").props('aria-labelledby="move-share"')
             ui.label().bind_text_from(
-                self.share, "value", lambda x: f"{within(x, *SHARES):.0f} % of what the arm can do"
+                self.share, "value", lambda x: f"{clamp_number(x, *SPEED_PERCENTAGES):.0f} % of what the arm can do"
             )
         with ui.row().classes("lf-line"):
             self.pause = ui.number("pause after it (s)", value=0.5, min=0.0, step=0.5).props("dense outlined")
-            self.add = theme.button("Add present angles", self._add, icon="add_location_alt")
+            self.add = theme.button("Add present angles", self._add_step, icon="add_location_alt")
             theme.button("Clear", self._clear, icon="clear_all")
         self.table = ui.element("div")
         with ui.row().classes("lf-line"):
@@ -55,118 +62,109 @@ class SequenceView:
             theme.button("Save", self._save, icon="save")
             self.saved = ui.select([], label="saved").props("dense outlined").classes("lf-select")
             theme.button("Load", self._load, icon="folder_open")
-        self.told = ui.label("").classes("lf-told").props("role=alert")
+        self.status = ui.label("").classes("lf-told").props("role=alert")
         self._draw()
 
-    def refresh(self, shot: Snapshot | None, fits: bool) -> None:
-        """Enable what may be used, and show how far a run has come."""
+    def refresh(self, shot: RigSnapshot | None, can_move: bool) -> None:
+        """Enable the buttons that may be used now, and show the progress of a sequence."""
         self.add.set_enabled(shot is not None)
         for button in (self.run, self.loop):
-            button.set_enabled(fits and bool(self.steps))
-        course = self._desk.pilot.course
+            button.set_enabled(can_move and bool(self.steps))
+        course = self._desk.pilot.sequence
         text = f"at step {course.step + 1}, {course.rounds} rounds done" if course is not None else ""
         self.progress.set_text(text)
 
     async def list_saved(self, chosen: str | None = None) -> None:
-        """Show the names of what was saved, and choose one."""
-        try:
-            found, older = await self._files(newest_names, by=self)
-        except LayflatError as error:
-            self.told.set_text(str(error))
-            return
-        if older:
-            self.told.set_text(f"The newest {len(found)} sequences are offered; {older} older ones are in the folder.")
-        self.saved.set_options(found, value=chosen if chosen in found else None)
+        """List the names of saved sequences, and select one."""
+        with theme.show_errors_on(self.status):
+            names, older = await self._files(newest_names, by=self)
+            if older:
+                text = f"The newest {len(names)} sequences are offered; {older} older ones are in the folder."
+                self.status.set_text(text)
+            self.saved.set_options(names, value=chosen if chosen in names else None)
 
-    async def _files(self, work: Any, *more: Any, by: object = None) -> Any:
-        """Call what reads or writes files of the desk's folder, beside the event loop."""
+    async def _files(self, work: Any, *arguments: Any, by: object = None) -> Any:
+        """Call a function that reads or writes sequences of the desk's folder, in the worker process."""
         what = "work on the sequences' files"
-        return await self._desk.worker.call(work, self._desk.folder, *more, limit=FILES_WITHIN, what=what, by=by)
+        return await self._desk.worker.call(work, self._desk.folder, *arguments, limit=FILE_TIMEOUT, what=what, by=by)
 
     def _set_share(self) -> None:
-        self._controls.share = within(self.share.value, *SHARES) / 100.0
+        self._controls.share = clamp_number(self.share.value, *SPEED_PERCENTAGES) / 100.0
 
-    def _add(self) -> None:
+    def _add_step(self) -> None:
+        """Append a step with the present demand, the entered pause (s) and the present outputs; at most `MAX_STEPS`."""
         shot = self._desk.snapshot()
-        pause = number(self.pause.value)
-        try:
+        pause = finite_number(self.pause.value)
+        with theme.show_errors_on(self.status):
             if len(self.steps) >= MAX_STEPS:
-                raise LayflatError(
-                    f"A sequence has at most {MAX_STEPS} steps: take one away, or save it and begin another."
-                )
+                right = "take one away, or save it and begin another"
+                raise LayflatError(f"A sequence has at most {MAX_STEPS} steps: {right}.")
             pause = check_pause(-1.0 if pause is None else pause, "pause")
-        except LayflatError as error:
-            self.told.set_text(str(error))
-            return
-        if shot is not None:
-            outputs = outputs_on(self._desk.first, shot) if self._outputs else None
-            self.steps.append(Step(tuple(map(float, shot["demand"])), pause, outputs))
-            self.told.set_text("")
-            self._draw()
+            if shot is not None:
+                outputs = active_outputs(self._desk.first, shot) if self._outputs else None
+                self.steps.append(SequenceStep(tuple(map(float, shot["demand"])), pause, outputs))
+                self.status.set_text("")
+                self._draw()
 
     def _clear(self) -> None:
         self.steps = []
         self._draw()
 
-    def _drop(self, step: Step) -> None:
+    def _drop(self, step: SequenceStep) -> None:
         """Take the step away whose button was pressed: rows on the page may be older than the steps."""
         self.steps = [one for one in self.steps if one is not step]
         self._draw()
 
     def _run(self, *, repeats: bool) -> None:
-        try:
-            self._controls.go(self.steps, repeats=repeats)
-        except LayflatError as error:
-            self.told.set_text(str(error))
-            return
-        self.told.set_text("")
+        with theme.show_errors_on(self.status):
+            self._controls.start_sequence(self.steps, repeats=repeats)
+            self.status.set_text("")
 
     async def _save(self) -> None:
+        """Save the steps by the entered name, after a question if it replaces a sequence."""
         name, desk, steps = str(self.name.value or ""), self._desk, tuple(self.steps)
         if not steps:
-            self.told.set_text("There are no steps to save: add some.")
+            self.status.set_text("There are no steps to save: add some.")
             return
-        try:
-            there = await self._files(is_saved, name)
-            if there and not await confirmed(f"Replace the sequence {name!r}?", "Replace"):
+        with theme.show_errors_on(self.status):
+            exists = await self._files(is_saved, name)
+            if exists and not await confirm(f"Replace the sequence {name!r}?", "Replace"):
                 return
             path = await self._files(save_sequence, name, desk.first, steps)
             await self.list_saved(name)
-        except LayflatError as error:
-            self.told.set_text(str(error))
-            return
-        self.told.set_text(f"saved {path}")
+            self.status.set_text(f"saved {path}")
 
     async def _load(self) -> None:
+        """Replace the steps by those of the chosen saved sequence."""
         if not self.saved.value:
-            self.told.set_text("Choose a saved sequence first.")
+            self.status.set_text("Choose a saved sequence first.")
             return
         name = str(self.saved.value)
-        try:
+        with theme.show_errors_on(self.status):
             self.steps = await self._files(load_sequence, name, self._desk.first)
-        except LayflatError as error:
-            self.told.set_text(str(error))
-            return
-        self.name.value, _ = name, self.told.set_text("")
-        self._draw()
+            self.name.value = name
+            self.status.set_text("")
+            self._draw()
 
     def _draw(self) -> None:
-        """Draw the table anew, soon: what is pressed again and again meanwhile is drawn once."""
+        """Redraw the table soon; requests until then share one redraw."""
         self._stale = True
         if not self._draws:
             self._draws = True
-            background_tasks.create(self._keep_drawn(), context=self.table)
+            background_tasks.create(self._redraw_until_newest(), context=self.table)
 
-    async def _keep_drawn(self) -> None:
+    async def _redraw_until_newest(self) -> None:
+        """Redraw the table of steps, at most once every `REDRAW_DELAY`, until it shows the newest steps."""
         try:
             while self._stale:
-                await asyncio.sleep(SOON)
+                await asyncio.sleep(REDRAW_DELAY)
                 self._stale = False
                 await self._draw_rows(tuple(self.steps))
         finally:
             self._draws = False
 
-    async def _draw_rows(self, steps: Sequence[Step]) -> None:
+    async def _draw_rows(self, steps: Sequence[SequenceStep]) -> None:
+        """Replace the table by the given steps in short pieces; return early once they are outdated."""
         pieces = Pieces()
         for before in list(self.table):
             for row in reversed(list(before)):
@@ -187,15 +185,17 @@ class SequenceView:
                     return
 
     def _draw_head(self) -> None:
+        """Add the head of the table: step, joints, outputs if the machine has some, and pause."""
         switched = ("then on",) if self._outputs else ()
         joints = (f"{name} (deg)" for name in self._desk.first.joints)
         with ui.element("tr"):
             for head in ("step", *joints, *switched, "pause (s)", ""):
                 theme.text_element("th", head)
 
-    def _draw_row(self, at: int, step: Step) -> None:
+    def _draw_row(self, at: int, step: SequenceStep) -> None:
+        """Add the row of the step with index `at`: angles (deg), outputs, pause (s), and a button that deletes it."""
         angles = (f"{degrees(x):.1f}" for x in step.angles)
-        on = (_named(step.outputs),) if self._outputs else ()
+        on = (_output_names(step.outputs),) if self._outputs else ()
         with ui.element("tr"):
             for text in (str(at + 1), *angles, *on, f"{step.pause:g}"):
                 theme.text_element("td", text)
@@ -203,5 +203,5 @@ class SequenceView:
                 theme.button("", partial(self._drop, step), icon="delete", kind="flat", hint=f"Take step {at + 1} away")
 
 
-def _named(outputs: frozenset[str] | None) -> str:
+def _output_names(outputs: frozenset[str] | None) -> str:
     return "as before" if outputs is None else ", ".join(sorted(outputs)) or "nothing"

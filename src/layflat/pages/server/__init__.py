@@ -1,6 +1,6 @@
-"""How pages are served: to the people who have the start link, and to nobody else."""
+"""Server of pages, only for browsers that have the start link."""
 
-from layflat.pages.server.place import Place
+from layflat.pages.server.place import Endpoint
 from layflat.pages.server.serve import serve
 
-__all__ = ["Place", "serve"]
+__all__ = ["Endpoint", "serve"]

@@ -1,35 +1,112 @@
-"""Where pages are served: the address, the port, and the certificate that any but this computer asks for."""
+"""Endpoint of the pages: host, port and certificate; without a certificate only this computer reaches it.
+
+The listening socket limits its connections: strangers can't displace the people at the pages.
+"""
 
 import errno
 import os
 import socket
 import ssl
-from dataclasses import dataclass
+from contextlib import suppress
+from dataclasses import dataclass, field
 from ipaddress import ip_address
 from pathlib import Path
+from time import monotonic
+from typing import Any
 
 from layflat.errors import InputError
-from layflat.pages.server.connections import Listener
 
-HERE = "127.0.0.1"
+MAX_CONNECTIONS = 64  # open at a time
+ADMISSION_TIMEOUT = 5.0  # for the first admitted request of a connection, s
+
+Peer = tuple[str, int]
+LOOPBACK_ADDRESS = "127.0.0.1"
 USUAL_PORTS = {"http": 80, "https": 443}
 
 
-@dataclass(frozen=True)
-class Place:
-    """Where pages are served; other computers reach them only under a certificate.
+@dataclass
+class Connection:
+    """Open connection of a listener."""
+
+    socket: socket.socket
+    since: float = field(default_factory=monotonic)  # s
+    is_admitted: bool = False
+
+    def end(self) -> None:
+        """Shut the connection down, so that its server notices."""
+        with suppress(OSError):  # the other side went away
+            self.socket.shutdown(socket.SHUT_RDWR)
+
+
+class Listener(socket.socket):
+    """Listening socket with at most `MAX_CONNECTIONS`; those not admitted make room, the oldest first.
+
+    It counts accepted sockets itself, since with TLS a server learns of a connection only after the handshake.
 
     Args:
-        host: an address of this computer, or its name; 127.0.0.1, ::1 and localhost are for people at it alone.
-        port: 0: any that is free.
-        certificate: PEM file, for TLS.
-        key: of the certificate, PEM file, without a password.
-
-    Raises:
-        InputError: others would reach the host and there is no certificate, or certificate and key can't be used.
+        family: address family of the socket.
     """
 
-    host: str = HERE
+    def __init__(self, family: int) -> None:
+        super().__init__(family, socket.SOCK_STREAM)
+        self._open: dict[Peer, Connection] = {}
+        self._accepted = False
+
+    def accept(self) -> tuple[socket.socket, Any]:
+        """Accept a connection, at most one in a turn of the event loop, so that it is read before others displace it.
+
+        Raises:
+            BlockingIOError: there is none, or one was accepted in this turn.
+            ConnectionAbortedError: there was no room for it.
+        """
+        if self._accepted:
+            self._accepted = False
+            raise BlockingIOError
+        accepted, peer = super().accept()
+        self._accepted = True
+        self._open = {peer: connection for peer, connection in self._open.items() if connection.socket.fileno() >= 0}
+        if len(self._open) >= MAX_CONNECTIONS and not self._make_room():
+            accepted.close()
+            raise ConnectionAbortedError
+        self._open[peer[:2]] = Connection(accepted)
+        return accepted, peer
+
+    def admit(self, peer: Peer) -> None:
+        """Mark a connection as admitted: it is not ended to make room, nor by `sweep`."""
+        if peer in self._open:
+            self._open[peer].is_admitted = True
+
+    def sweep(self) -> None:
+        """End connections that were not admitted within `ADMISSION_TIMEOUT`; to be called often."""
+        now = monotonic()
+        for connection in self._open.values():
+            if not connection.is_admitted and now - connection.since > ADMISSION_TIMEOUT:
+                connection.end()
+
+    def _make_room(self) -> bool:
+        """Close the oldest connection that was not admitted; return False if there is none."""
+        oldest = next((peer for peer, connection in self._open.items() if not connection.is_admitted), None)
+        if oldest is None:
+            return False
+        self._open.pop(oldest).end()
+        return True
+
+
+@dataclass(frozen=True)
+class Endpoint:
+    """Endpoint at which pages are served; other computers reach it only with a certificate.
+
+    Args:
+        host: address or name of this computer; 127.0.0.1, ::1 and localhost are reached from this computer alone.
+        port: 0 for any that is free.
+        certificate: PEM file, for TLS.
+        key: key of the certificate, PEM file, without a password.
+
+    Raises:
+        InputError: other computers would reach the host without a certificate, or certificate and key can't be used.
+    """
+
+    host: str = LOOPBACK_ADDRESS
     port: int = 8080
     certificate: Path | None = None
     key: Path | None = None
@@ -40,16 +117,16 @@ class Place:
         elif self.certificate is not None or self.key is not None:
             missing = "key" if self.key is None else "certificate"
             raise InputError("is missing", where=missing, right="give both a certificate and its key, or neither")
-        elif not self.alone:
-            right = f"give a certificate and its key, or {HERE} for this computer alone"
+        elif not self.is_loopback:
+            right = f"give a certificate and its key, or {LOOPBACK_ADDRESS} for this computer alone"
             raise InputError(f"{self.host!r} can be reached from other computers", where="host", right=right)
         if self.host in ("", "*", "0.0.0.0", "::"):
             right = "give the address or name by which others reach this computer"
             raise InputError(f"{self.host!r} is not an address that a browser can open", where="host", right=right)
 
     @property
-    def alone(self) -> bool:
-        """Whether only this computer reaches it."""
+    def is_loopback(self) -> bool:
+        """Return whether the host is a loopback address."""
         if self.host.lower() == "localhost":
             return True
         try:
@@ -63,7 +140,7 @@ class Place:
         return "http" if self.certificate is None else "https"
 
     def listen(self) -> Listener:
-        """Return a socket that listens there.
+        """Return a socket that listens at the endpoint.
 
         Raises:
             InputError: the host is not this computer, or the port is in use.
@@ -89,28 +166,28 @@ class Place:
 
     def address(self, port: int) -> str:
         """Return the address of the pages at a port, without a slash at its end."""
-        return f"{self.scheme}://{_shown(self._address)}:{port}"
+        return f"{self.scheme}://{_url_host(self._address)}:{port}"
 
     def hosts(self, port: int) -> frozenset[str]:
-        """Return what a request for the pages at a port may name as its host."""
-        names = {_shown(self._address)}
-        if self.alone:
-            names |= {_shown(self.host), HERE, "localhost", "[::1]"}
+        """Return the hosts that a request for the pages at a port may name, with their ports, in lower case."""
+        names = {_url_host(self._address)}
+        if self.is_loopback:
+            names |= {_url_host(self.host), LOOPBACK_ADDRESS, "localhost", "[::1]"}
         with_port = {f"{name}:{port}" for name in names}
         return frozenset(with_port | names if port == USUAL_PORTS[self.scheme] else with_port)
 
     @property
     def _address(self) -> str:
         # With the name a browser might try ::1 first, where another person's program may wait for the token.
-        return HERE if self.host.lower() == "localhost" else self.host
+        return LOOPBACK_ADDRESS if self.host.lower() == "localhost" else self.host
 
     def _not_here(self, error: Exception) -> InputError:
         what = f"{self.host!r} can't be had ({_reason(error)})"
         return InputError(what, where="host", right="give an address of this computer, or its name")
 
 
-def _shown(host: str) -> str:
-    """Return a host as it stands in addresses of pages."""
+def _url_host(host: str) -> str:
+    """Return a host as it is written in a URL: lower case, IPv6 in brackets."""
     try:
         address = ip_address(host)
     except ValueError:
@@ -124,7 +201,7 @@ def _check_pair(certificate: Path, key: Path) -> None:
         if not path.is_file():
             raise InputError("no such file", where=str(path), right=f"give the path of the {name}, PEM")
     try:
-        # With an empty password one that asks for it is refused; nobody is asked.
+        # With an empty password an encrypted key is refused, without a question at the terminal.
         ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER).load_cert_chain(certificate, key, password="")
     except OSError as error:
         right = "give a certificate and its key, PEM, the key without a password"

@@ -1,41 +1,41 @@
-"""Pages of NiceGUI, served until it is to end."""
+"""Server loop of NiceGUI's pages, with guard, garbage collection and a monitor of slow handlers."""
 
 import asyncio
 import gc
 import logging
-from collections.abc import Callable
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager
 from time import monotonic
 from typing import TYPE_CHECKING
 
 from layflat import extras
-from layflat.pages.server.guard import LARGEST, Guard
-from layflat.pages.server.logs import log_in_lines
-from layflat.pages.server.place import Place
-from layflat.pages.server.turns import Turn, TurnMonitor
+from layflat.pages.server.guard import MAX_BODY_SIZE, Guard
+from layflat.pages.server.logs import Turn, TurnMonitor, log_in_lines
+from layflat.pages.server.place import Endpoint, Listener
 
 if TYPE_CHECKING:
     from fastapi import FastAPI
     from uvicorn import Server
 
 LOG = logging.getLogger(__name__)
-TIDY = 60.0  # between two collections of all garbage, at least, s
-SPARING = 2000, 10, 1_000_000  # thresholds of the collector of garbage: it never looks through everything by itself
-POLL = 0.05  # s
-GRACE = 1  # s, that connections have to end
-RECONNECT = 3.0  # s, that a browser has to come back to the page it had
-HEAD = 2**16  # bytes of a request's head; all cookies of this computer are in it
+COLLECTION_INTERVAL = 60.0  # between two full garbage collections, at least, s
+COLLECTOR_THRESHOLDS = (2000, 10, 1_000_000)  # of the garbage collector: no automatic full collection
+POLL_PERIOD = 0.05  # s
+SHUTDOWN_TIMEOUT = 1  # for connections to end, s
+RECONNECT_TIMEOUT = 3.0  # for a browser to come back to its page, s
+MAX_HEAD_SIZE = 2**16  # bytes of a request's head, which holds all cookies of this computer
 
-CANNOT = (  # in place of what NiceGUI has to say
+ALERT_HTML = (  # in place of NiceGUI's own message
     "<style>body > #esm-fallback { display: none }</style>"
     '<p role="alert" style="font: 1.1rem/1.5 sans-serif; max-width: 36rem; margin: 15vh auto; padding: 0 1rem">%s</p>'
 )
-NO_SCRIPTS = f"<noscript>{CANNOT}</noscript>" % (
+NO_SCRIPTS = f"<noscript>{ALERT_HTML}</noscript>" % (
     "This page needs JavaScript. Switch it on for this address, then load the page again."
 )
 TOO_OLD = (
     f"""<script>
 if (!window.WebSocket || !HTMLScriptElement.supports || !HTMLScriptElement.supports("importmap"))
-  document.write('{CANNOT}')
+  document.write('{ALERT_HTML}')
 </script>"""
     % "This page needs a newer browser: Chrome or Edge 96, Firefox 108, Safari 16.4, or later ones."
 )
@@ -43,7 +43,7 @@ if (!window.WebSocket || !HTMLScriptElement.supports || !HTMLScriptElement.suppo
 
 def serve(
     root: Callable[[], object],
-    place: Place,
+    place: Endpoint,
     *,
     title: str,
     ready: Callable[[str], object],
@@ -52,26 +52,26 @@ def serve(
     ended: Callable[[], object] | None = None,
     idle: Callable[[], bool] = lambda: True,
 ) -> None:
-    """Serve a page until it is to end; once in a process, as NiceGUI keeps what it serves for all of it.
+    """Serve a page until `stopped` returns True; only once in a process, since NiceGUI keeps its pages.
 
     All functions are called in the one thread of the event loop.
 
     Args:
-        root: builds the page of a browser's tab, at the path `/`.
-        place: where it is served.
-        title: of the page.
-        ready: told the start link, which lets a browser in, once it can be opened.
-        stopped: asked about every 50 ms whether to end; signals are left to the caller.
+        root: builds the page of a browser tab, at the path `/`.
+        place: endpoint at which it is served.
+        title: title of the page.
+        ready: called with the start link once it can be opened.
+        stopped: called about every 50 ms; True ends the server. Signals are left to the caller.
         started: called once in the event loop, before `ready`.
-        idle: asked now and then whether everything may be held up for a moment, to collect garbage.
-        ended: called once in the event loop where `started` was due, whatever the reason, with pages still open.
+        ended: called once in the event loop if `started` was due, whatever ends the server, with pages still open.
+        idle: called now and then; True allows a pause of about 0.1 s for garbage collection.
 
     Raises:
-        InputError: the place can't be had.
-        MissingExtraError: what serves pages is not installed.
+        InputError: the endpoint can't be used.
+        MissingExtraError: the extra `panel` is not installed.
     """
     extras.require("panel", "nicegui")
-    from layflat.pages.server.values import problem_of_value  # noqa: PLC0415  # it needs the extra
+    from layflat.pages.server.values import value_problem  # noqa: PLC0415  # it needs the extra
 
     with place.listen() as listener:
         port = listener.getsockname()[1]
@@ -79,47 +79,60 @@ def serve(
         secure = place.certificate is not None
         guard = Guard(
             app, place.hosts(port), cookie=f"layflat-{port}", secure=secure, admit=listener.admit,
-            judge=problem_of_value,
+            judge=value_problem,
         )  # fmt: skip
         server = _server(guard, place)
 
-        with TurnMonitor(tell_slow_turn) as turns:
+        with TurnMonitor(report_slow_turn) as turns:
 
             def loop() -> asyncio.AbstractEventLoop:  # other loops accept in other ways
                 return asyncio.SelectorEventLoop(turns.selector)
 
             async def run() -> None:
-                async with app.router.lifespan_context(app):
-                    await server.startup(sockets=[listener])
-                    try:
-                        if started is not None:
-                            started()
-                        _spare_collector()
-                        ready(f"{place.address(port)}/?token={guard.token}")
-                        await asyncio.sleep(0)  # nobody waits for what was done so far
-                        turns.reports = True
-                        due = monotonic() + TIDY
-                        while not stopped():
-                            listener.sweep()
-                            await asyncio.sleep(POLL)
-                            if monotonic() > due and idle():
-                                await _tidy(turns)
-                                due = monotonic() + TIDY
-                    finally:
-                        if ended is not None:
-                            ended()
-                        await server.shutdown(sockets=[listener])
-                        logging.getLogger("nicegui").setLevel(
-                            logging.CRITICAL
-                        )  # what is slow to end ends with the rest
+                async with _serve_browsers(app, server, listener, started, ended):
+                    _spare_collector()
+                    ready(f"{place.address(port)}/?token={guard.token}")
+                    await asyncio.sleep(0)  # no caller waits for the work so far
+                    turns.reports = True
+                    await _watch(listener, turns, stopped, idle)
 
             with asyncio.Runner(loop_factory=loop) as runner:
                 runner.run(run())
 
 
-def tell_slow_turn(turn: Turn) -> None:
+@asynccontextmanager
+async def _serve_browsers(
+    app: "FastAPI", server: "Server", listener: Listener,
+    started: Callable[[], object] | None, ended: Callable[[], object] | None,
+) -> AsyncIterator[None]:  # fmt: skip
+    """Serve browsers within the context."""
+    async with app.router.lifespan_context(app):
+        await server.startup(sockets=[listener])
+        try:
+            if started is not None:
+                started()
+            yield
+        finally:
+            if ended is not None:
+                ended()
+            await server.shutdown(sockets=[listener])
+            logging.getLogger("nicegui").setLevel(logging.CRITICAL)  # slow tasks end with the rest
+
+
+async def _watch(listener: Listener, turns: TurnMonitor, stopped: Callable[[], bool], idle: Callable[[], bool]) -> None:
+    """Wait until `stopped`; meanwhile end connections that are not admitted and, when idle, collect garbage."""
+    due = monotonic() + COLLECTION_INTERVAL
+    while not stopped():
+        listener.sweep()
+        await asyncio.sleep(POLL_PERIOD)
+        if monotonic() > due and idle():
+            await _collect_garbage(turns)
+            due = monotonic() + COLLECTION_INTERVAL
+
+
+def report_slow_turn(turn: Turn) -> None:
     """Log a turn of the event loop that people at the pages feel."""
-    if turn.slow:
+    if turn.is_slow:
         LOG.warning("%s", turn)
 
 
@@ -127,26 +140,27 @@ def _spare_collector() -> None:
     """Exempt all present objects from garbage collection: each pass over them holds everything up for 0.3 s."""
     gc.collect()
     gc.freeze()
-    # What pages have made since is looked through in small parts; as a whole, which takes 0.1 s, where nobody waits.
-    gc.set_threshold(*SPARING)
+    # Young objects of pages are collected in small parts; a full collection, of 0.1 s, happens where no page waits.
+    gc.set_threshold(*COLLECTOR_THRESHOLDS)
 
 
-async def _tidy(turns: TurnMonitor) -> None:
-    """Collect all garbage, while nobody waits."""
+async def _collect_garbage(turns: TurnMonitor) -> None:
+    """Collect all garbage, without a report of the slow turn."""
     turns.reports = False
     gc.collect()
     await asyncio.sleep(0)
     turns.reports = True
 
 
-def _server(guard: Guard, place: Place) -> "Server":
-    """Return a server that prints nothing, and is started and stopped by hand: its own loop would take the signals."""
+def _server(guard: Guard, place: Endpoint) -> "Server":
+    """Return a server that prints nothing and that its caller starts and stops: its own loop would take signals."""
     import uvicorn  # noqa: PLC0415
 
     config = uvicorn.Config(
         guard, lifespan="off", log_config=None, log_level="critical", access_log=False,
-        http="h11", h11_max_incomplete_event_size=HEAD, ws_max_size=LARGEST, ws_per_message_deflate=False,
-        proxy_headers=False, server_header=False, timeout_graceful_shutdown=GRACE,
+        http="h11", h11_max_incomplete_event_size=MAX_HEAD_SIZE, ws_max_size=MAX_BODY_SIZE,
+        ws_per_message_deflate=False, proxy_headers=False, server_header=False,
+        timeout_graceful_shutdown=SHUTDOWN_TIMEOUT,
         ssl_certfile=place.certificate, ssl_keyfile=place.key,
     )  # fmt: skip
     config.load()
@@ -156,17 +170,17 @@ def _server(guard: Guard, place: Place) -> "Server":
 
 
 def _application(root: Callable[[], object], title: str) -> "FastAPI":
-    """Return an application with the page at its root, which writes nothing and asks nobody else for anything."""
-    nicegui = extras.module("panel", "nicegui")
+    """Return an application with the page at its root; it prints nothing and loads nothing from other hosts."""
+    nicegui = extras.import_extra("panel", "nicegui")
     ui = nicegui.ui
     from fastapi import FastAPI  # noqa: PLC0415
 
-    for name in ("nicegui", "asyncio"):  # a page that is not there any more is nobody's concern
+    for name in ("nicegui", "asyncio"):  # a page that was closed needs no report
         logging.getLogger(name).setLevel(logging.ERROR)
     log_in_lines()
     nicegui.app.config.socket_io_js_transports = ["websocket"]  # the guard lets no other through
     app = FastAPI(openapi_url=None)
-    nicegui.app.config.quasar_config["loadingBar"]["skipHijack"] = True  # a bar without a name for readers of screens
+    nicegui.app.config.quasar_config["loadingBar"]["skipHijack"] = True  # a bar without a name for screen readers
     ui.page("/", title=title)(root)
     ui.add_body_html(NO_SCRIPTS, shared=True)
     ui.add_body_html(TOO_OLD, shared=True)
@@ -174,7 +188,7 @@ def _application(root: Callable[[], object], title: str) -> "FastAPI":
         app,
         title=title,
         language="en-US",
-        reconnect_timeout=RECONNECT,
+        reconnect_timeout=RECONNECT_TIMEOUT,
         gzip_middleware_factory=None,  # it would only cost time on one's own computer
         show_welcome_message=False,
     )

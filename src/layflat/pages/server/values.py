@@ -1,4 +1,4 @@
-"""Values that elements of a page may send: those that no browser sends for them are told from those that it does."""
+"""Checks of the values that elements of a page send: a value that no browser sends for its element is a problem."""
 
 import json
 import sys
@@ -24,12 +24,12 @@ KEY_TEXTS = ("action", "key", "code")
 CLICK_FLAGS = ("alt_key", "ctrl_key", "meta_key", "shift_key")
 
 
-def problem_of_value(event: Mapping[str, Any]) -> str:
-    """Return what is wrong with the value in an event of a page; "" where its element may send it.
+def value_problem(event: Mapping[str, Any]) -> str:
+    """Return the problem of the value in an event of a page; "" where its element may send it.
 
     Args:
-        event: data of an event that follows the grammar of messages. Events of elements that are gone pass, since a
-            page may not know that yet; nothing obeys them.
+        event: data of an event that follows the grammar of messages. Events of removed elements pass, since a
+            page may not know that yet; no handler receives them.
     """
     client = Client.instances.get(event["client_id"])
     element = None if client is None else client.elements.get(event["id"])
@@ -38,15 +38,15 @@ def problem_of_value(event: Mapping[str, Any]) -> str:
     listener = element._event_listeners.get(event["listener_id"])
     if listener is None:
         return "is for a listener that its element does not have"
-    check = _check_of(element, listener.type)
+    check = _choose_check(element, listener.type)
     if check is None:
         return ""
     args = [None if one is None else json.loads(one) for one in event["args"]]
     return "" if len(args) == 1 and check(args[0]) else f"has no value that a {type(element).__name__.lower()} sends"
 
 
-def _check_of(element: Element, kind: str) -> Callable[[Any], bool] | None:
-    """Return the check of what comes with a kind of event; None where nobody looks at it."""
+def _choose_check(element: Element, kind: str) -> Callable[[Any], bool] | None:
+    """Return the check of an element's values for a kind of event; None where no handler reads them."""
     if isinstance(element, Keyboard):
         return _is_key
     if isinstance(element, Scene):
@@ -57,7 +57,7 @@ def _check_of(element: Element, kind: str) -> Callable[[Any], bool] | None:
         return lambda value: _is_choice(element, value)
     if isinstance(element, (Tabs, TabPanels)):
         return lambda value: value in [child.props.get("name") for child in element.default_slot.children]
-    return next((check for of, check in CHECKS if isinstance(element, of)), _is_truth)
+    return next((check for of, check in VALUE_CHECKS if isinstance(element, of)), _is_truth)
 
 
 def _is_truth(value: Any) -> bool:
@@ -88,7 +88,7 @@ def _is_text(value: Any) -> bool:
     return value is None or isinstance(value, str)
 
 
-CHECKS: tuple[tuple[type[Element], Callable[[Any], bool]], ...] = (
+VALUE_CHECKS: tuple[tuple[type[Element], Callable[[Any], bool]], ...] = (
     (Number, _is_typed_number),
     (Input, _is_text),
     (Slider, _is_slide),
@@ -97,7 +97,7 @@ CHECKS: tuple[tuple[type[Element], Callable[[Any], bool]], ...] = (
 
 
 def _is_choice(element: ChoiceElement, value: Any) -> bool:
-    """Return whether an option is there, under the name that the page shows: options may have changed since."""
+    """Return whether a value is an option under the label that the page shows: options may have changed since."""
     options: list[dict[str, Any]] = element.props.get("options", [])
     if isinstance(element, Select):
         return value is None or (isinstance(value, dict) and _names_option(options, value))
@@ -109,6 +109,7 @@ def _names_option(options: list[dict[str, Any]], value: dict[str, Any]) -> bool:
 
 
 def _is_key(value: Any) -> bool:
+    """Return whether a value is that of a key press: flags, texts and the key's location."""
     if not isinstance(value, dict):
         return False
     flags, texts = [value.get(name) for name in KEY_FLAGS], [value.get(name) for name in KEY_TEXTS]
@@ -116,6 +117,7 @@ def _is_key(value: Any) -> bool:
 
 
 def _is_click(value: Any) -> bool:
+    """Return whether a value is that of a click in a scene, with its list of hit objects."""
     if not isinstance(value, dict) or not isinstance(value.get("hits"), list):
         return False
     flags = all(_is_truth(value.get(name)) for name in CLICK_FLAGS)
@@ -123,6 +125,7 @@ def _is_click(value: Any) -> bool:
 
 
 def _is_hit(hit: Any) -> bool:
+    """Return whether a value names an object of a scene that was hit, at a point of three numbers."""
     if not isinstance(hit, dict) or not {"object_id", "object_name"} <= hit.keys():
         return False
     point = hit.get("point")

@@ -1,4 +1,4 @@
-"""A process beside an event loop, for what takes longer than the loop may be held up: 20 ms."""
+"""Worker process of an event loop, for calls that take longer than the loop may be held up: 20 ms."""
 
 import asyncio
 import threading
@@ -15,13 +15,13 @@ from layflat.errors import InputError, LayflatError
 from layflat.parallel import start_process
 
 Result = TypeVar("Result")
-CLOSING = "the pages are being closed"
-STARTS_WITHIN = 60.0  # a new process may have to load and compile what it calls, beside its first call's limit, s
+CLOSING_TEXT = "the pages are being closed"
+START_TIMEOUT = 60.0  # for a new process to load and compile, on top of its first call's limit, s
 
 
 @dataclass(eq=False)
-class Call:
-    """A call that stands in line or goes on."""
+class WorkerCall:
+    """Call of a function that waits or runs."""
 
     function: Callable[..., Any]
     arguments: tuple[Any, ...]
@@ -31,62 +31,62 @@ class Call:
     cancelled: bool = False
 
 
-class Worker:
-    """One process that calls functions, one after the other, each for so long at most.
+class ProcessWorker:
+    """Process that calls functions one after the other, each within a time limit.
 
-    It begins with the first call, and anew after one that was cancelled or took too long.
+    It starts with the first call, and restarts after a call that was cancelled or took too long.
     """
 
     def __init__(self, name: str, first: Callable[..., object] | None = None, shared: tuple[Any, ...] = ()) -> None:
-        """Take what the process is to be.
+        """Prepare the worker; its process starts with the first call.
 
         Args:
-            name: by which it is listed.
-            first: function that is called in it before anything else.
-            shared: its arguments; memory that processes share can be given to a process only as it begins.
+            name: name of the process.
+            first: function that is called in the process before anything else.
+            shared: arguments of `first`; shared memory can be passed to a process only as it starts.
         """
         self._name, self._first = name, (first, shared)
-        self._caller = ThreadPoolExecutor(1, name)  # waits for the process, so that calls stand in line
+        self._caller = ThreadPoolExecutor(1, name)  # waits for the process, so that calls queue
         self._guard = threading.Lock()
-        self._calls: set[Call] = set()  # that are waited for
-        self._current: Call | None = None
+        self._calls: set[WorkerCall] = set()  # that are waited for
+        self._current: WorkerCall | None = None
         self._process: SpawnProcess | None = None
         self._pipe: Connection | None = None
         self._ended = False
 
-    def begin(self, function: Callable[..., object], *arguments: Any) -> None:
-        """Begin the process by a call whose result nobody needs, such as one that loads what later calls need."""
-        self._caller.submit(self._perform, Call(function, arguments, STARTS_WITHIN, "the beginning"))
+    def warm_up(self, function: Callable[..., object], *arguments: Any) -> None:
+        """Start the process with a call whose result is dropped, such as one that loads modules for later calls."""
+        self._caller.submit(self._run_call, WorkerCall(function, arguments, START_TIMEOUT, "the beginning"))
 
     async def call(
         self, function: Callable[..., Result], *arguments: Any, limit: float, what: str, by: object = None
     ) -> Result:
-        """Call a function of a module over there, and return what it returns.
+        """Call a function of a module in the process, and return its result.
 
         Args:
-            function: found there by its name, with arguments and a result that can be pickled.
-            arguments: of it.
-            limit: time that it may take, s.
-            what: the work, for the message where it fails, such as "the search for angles".
-            by: who asks for it, as for `cancel`.
+            function: imported there by its name, with arguments and a result that can be pickled.
+            arguments: arguments of the function.
+            limit: maximum time of the call, s.
+            what: the work, for messages of errors, such as "the search for angles".
+            by: caller, as for `cancel`.
 
         Raises:
-            LayflatError: what the function raised, or the work took too long, or was cancelled.
+            LayflatError: the function raised it, or the call took too long, or was cancelled.
         """
-        call = Call(function, arguments, limit, what, by)
+        call = WorkerCall(function, arguments, limit, what, by)
         self._calls.add(call)
         try:
-            found: Result = await asyncio.get_running_loop().run_in_executor(self._caller, self._perform, call)
+            result: Result = await asyncio.get_running_loop().run_in_executor(self._caller, self._run_call, call)
         except RuntimeError:  # the caller takes nothing any more
-            raise LayflatError(CLOSING) from None
+            raise LayflatError(CLOSING_TEXT) from None
         finally:
             self._calls.discard(call)
-        return found
+        return result
 
     def cancel(self, by: object) -> None:
-        """End the calls that somebody asked for: one that goes on along with the process, others where they stand.
+        """Cancel the calls of a caller: waiting calls, and a running one, which ends with the process.
 
-        What others asked for is called in a new process. To be called in the event loop.
+        Calls of others are made in a new process. To be called in the event loop.
         """
         with self._guard:
             for call in self._calls:
@@ -95,23 +95,28 @@ class Worker:
                 self._kill()
 
     def forget(self, by: object) -> None:
-        """End the calls of somebody that stand in line: whoever asked is gone. One that goes on does so."""
+        """Cancel the waiting calls of a caller that was closed; a running call goes on."""
         with self._guard:
             for call in self._calls:
                 call.cancelled |= call.by is by and call is not self._current
 
-    def _perform(self, call: Call) -> Any:
-        pipe, patience = self._connected(call)
+    def _run_call(self, call: WorkerCall) -> Any:
+        """Return the result of a call, or raise its error; a call over its time limit ends the process.
+
+        Raises:
+            LayflatError: the call took too long or was cancelled, or its process has ended.
+        """
+        pipe, start_time = self._connect(call)
         try:
             pipe.send((call.function, call.arguments))
-            if not pipe.poll(call.limit + patience):
+            if not pipe.poll(call.limit + start_time):
                 self._kill()
                 raise LayflatError(f"{call.what} took longer than {call.limit:g} s and was ended")
             result, error = pipe.recv()
         except (EOFError, OSError):
-            self._kill()  # what is left of a process that died by itself
+            self._kill()  # the rest of a process that has crashed
             if self._ended:
-                raise LayflatError(CLOSING) from None
+                raise LayflatError(CLOSING_TEXT) from None
             end = "was cancelled" if call.cancelled else "has ended with its process: try again"
             raise LayflatError(f"{call.what} {end}") from None
         finally:
@@ -126,17 +131,17 @@ class Worker:
             process.kill()
 
     def end(self) -> None:
-        """End the process for good."""
+        """End the process; later calls fail."""
         self._ended = True
         self._caller.shutdown(wait=False, cancel_futures=True)
         with self._guard:
             self._kill()
 
-    def _connected(self, call: Call) -> tuple[Connection, float]:
-        """Return the pipe for a call, and how long the process may take to begin, s."""
+    def _connect(self, call: WorkerCall) -> tuple[Connection, float]:
+        """Return the pipe for a call, and the time that the process may take to start, s; start it if need be."""
         with self._guard:
             if self._ended:
-                raise LayflatError(CLOSING)
+                raise LayflatError(CLOSING_TEXT)
             if call.cancelled:
                 raise LayflatError(f"{call.what} was cancelled")
             self._current = call
@@ -147,25 +152,26 @@ class Worker:
             self._pipe, theirs = Pipe()
             self._process = start_process(_serve, (theirs, *self._first), self._name, daemon=True)
             theirs.close()
-            return self._pipe, STARTS_WITHIN
+            return self._pipe, START_TIMEOUT
 
 
 def _serve(pipe: Connection, first: Callable[..., object] | None, shared: tuple[Any, ...]) -> None:
-    """Call what comes, until the other side is gone: main function of the process."""
+    """Call the functions received until the other side is closed: main function of the process."""
     if first is not None:
         first(*shared)
     with suppress(EOFError, OSError):
         while True:
             function, arguments = pipe.recv()
-            pipe.send(_answer(function, arguments))
+            pipe.send(_call_and_catch(function, arguments))
 
 
-def _answer(function: Callable[..., Any], arguments: tuple[Any, ...]) -> tuple[Any, LayflatError | None]:
+def _call_and_catch(function: Callable[..., Any], arguments: tuple[Any, ...]) -> tuple[Any, LayflatError | None]:
+    """Return a function's result and None, or None and its error as a LayflatError that can be sent to a process."""
     try:
         return function(*arguments), None
     except InputError as error:  # errors with arguments of their own do not travel between processes by themselves
         return None, InputError(error.what, where=error.where, right=error.right)
     except LayflatError as error:
         return None, LayflatError(str(error))
-    except Exception as error:  # a law or a library failed: the person goes on, and knows
+    except Exception as error:  # a law or a library failed: the person is informed and continues
         return None, LayflatError(f"{function.__name__} failed ({type(error).__name__}: {error})")

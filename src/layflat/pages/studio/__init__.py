@@ -1,5 +1,5 @@
-"""The design studio: change a description in the browser, and see at once what it does.
+"""Design studio: page on which a person changes a description and sees the results at once.
 
-A reader's way: opened.py, design.py (with field.py and fields.py), results.py, cloud.py, session.py (with worker.py),
-saving.py, report.py, tuning.py; none of these knows NiceGUI. Then page.py, and what it puts together.
+Reading order: design.py (with field.py), results.py, cloud.py, session.py (with worker.py), saving.py, report.py,
+tuning.py; none of these imports NiceGUI. Then page.py and its views.
 """

@@ -1,4 +1,4 @@
-"""The step response of a joint as a cloud of runs over tolerances and payloads: an `ensemble` that keeps traces."""
+"""Step response of a joint as a cloud of runs over tolerances and payloads: an `ensemble` that keeps traces."""
 
 import time
 from collections.abc import Callable
@@ -14,27 +14,30 @@ from layflat.arrays import Array
 from layflat.errors import InputError, MachineError
 from layflat.machine.model import Machine
 from layflat.motion.scenario import Scenario
-from layflat.pages.studio.results import Quantity
-from layflat.physics.step import COARSE, STEP
+from layflat.pages.studio.results import DesignQuantity
+from layflat.physics.step import COARSE_STEP, STEP
 from layflat.sim.ensemble import ensemble
-from layflat.sim.metrics import BAND
+from layflat.sim.metrics import SETTLING_BAND
 
-RUNS = 256  # a power of two, as Sobol's points want
-REST = 0.1  # time before the step, s
-MOST_CYCLES = 4000  # of a run: sensor noise of all runs is in memory at once
-EVERY = 4  # control cycles from one record to the next
-LEVELS = (0.05, 0.25, 0.5, 0.75, 0.95)
-SINGLE = 6  # runs that are drawn one by one
-FEW = 2  # joints up to which runs take the default step; those of more take the coarse one, as tuning searches
+DEFAULT_RUNS = 256  # a power of two, for Sobol's points
+STEP_DELAY = 0.1  # time before the step, s
+MAX_CYCLES = 4000  # control cycles of a run: sensor noise of all runs is in memory at once
+CYCLES_PER_RECORD = 4  # control cycles between two records
+SIGNALS = ("angle", "pressure_a", "pressure_b")
+QUANTILE_LEVELS = (0.05, 0.25, 0.5, 0.75, 0.95)
+MAX_SINGLE_RUNS = 6  # runs that are drawn as single lines
+MAX_FINE_JOINTS = (
+    2  # joints of an arm that is simulated with the default step; with more the coarse step is used, as in tuning
+)
 
 
 class OvertakenError(Exception):
-    """A newer design is to be simulated."""
+    """Signal that a simulation is obsolete: a newer design waits."""
 
 
 @dataclass(frozen=True)
 class Tolerances:
-    """Spread of runs: shares either way, and payloads from none to a share of the described one."""
+    """Tolerances of the runs: relative half ranges, and payloads from zero to a multiple of the described one."""
 
     valve: float = 0.1
     friction: float = 0.2
@@ -44,119 +47,111 @@ class Tolerances:
 
 
 @dataclass(frozen=True)
-class Step:
-    """A step of one joint about mid-stroke, where the others rest."""
+class JointStep:
+    """Step of one joint about mid-stroke, while the others stay at mid-stroke."""
 
     joint: str
     size: float = radians(40.0)  # rad
-    lasts: float = 1.5  # s, from the step on
+    duration: float = 1.5  # s, from the step on
 
 
 @dataclass(frozen=True)
-class Cloud:
-    """Runs of a step, the first of them nominal; arrays are (runs,) or (runs, instants)."""
+class StepCloud:
+    """Results of the runs of a step, the first of them nominal; arrays are (runs,) or (runs, instants)."""
 
-    step: Step
+    step: JointStep
     time: Array  # s, from the step on, (instants,)
     angle: Array  # rad
     pressure_a: Array  # absolute, Pa
     pressure_b: Array
-    settling: Array  # s; infinite where it does not settle, not a number where the run diverged
+    settling: Array  # s; infinite where a run does not settle, NaN where it diverged
     overshoot: Array  # rad
     air: Array  # normal litres of all joints
-    hysteresis: float  # nominal, share
+    hysteresis: float  # of the nominal run, fraction
     plant_step: float  # s
-    seconds: float  # that it took
+    seconds: float  # computing time
 
     @property
     def runs(self) -> int:
-        """Return how many there are."""
+        """Number of runs."""
         return len(self.settling)
 
     @cached_property
     def sound(self) -> NDArray[np.bool_]:
-        """Return which runs did not diverge."""
+        """Mask of the runs that did not diverge, (runs,)."""
         return np.isfinite(self.overshoot)
 
-    def levels(self, of: Array) -> Array:
-        """Return the quantiles `LEVELS` of a signal over all runs that did not diverge, (levels, instants)."""
-        return np.asarray(np.quantile(of[self.sound], LEVELS, axis=0))
-
     @cached_property
-    def angle_levels(self) -> Array:
-        """Quantiles of the angle, (levels, instants), rad."""
-        return self.levels(self.angle)
-
-    @cached_property
-    def pressure_a_levels(self) -> Array:
-        """Quantiles of the pressure of hose A, (levels, instants), Pa."""
-        return self.levels(self.pressure_a)
-
-    @cached_property
-    def pressure_b_levels(self) -> Array:
-        """Quantiles of the pressure of hose B, (levels, instants), Pa."""
-        return self.levels(self.pressure_b)
+    def levels(self) -> dict[str, Array]:
+        """`QUANTILE_LEVELS` of the signals over all runs that did not diverge, (levels, instants) each, SI."""
+        return {name: np.quantile(getattr(self, name)[self.sound], QUANTILE_LEVELS, axis=0) for name in SIGNALS}
 
     def rank(self) -> Self:
-        """Find all quantiles, so that who is given this cloud has them; they take long. Return the cloud."""
+        """Compute all quantiles, which takes long, so that they travel between processes; return the cloud."""
         if self.sound.any():
-            _ = self.angle_levels, self.pressure_a_levels, self.pressure_b_levels
+            _ = self.levels
         return self
 
-    def settled(self, share: float) -> float:
-        """Return the time in which a share of all runs have settled, s; infinite where fewer do."""
-        known = np.sort(np.where(self.sound, self.settling, np.inf))
-        return float(known[min(len(known) - 1, int(np.ceil(share * len(known))) - 1)])
+    def settled(self, fraction: float) -> float:
+        """Return the time in which a fraction of all runs has settled, s; infinite where fewer settle."""
+        times = np.sort(np.where(self.sound, self.settling, np.inf))
+        return float(times[min(len(times) - 1, int(np.ceil(fraction * len(times))) - 1)])
 
     @property
     def late(self) -> int:
-        """Return how many runs have not settled by the end."""
+        """Number of runs that have not settled by the end."""
         return int(np.sum(~np.isfinite(self.settling)))
 
     @property
     def diverged(self) -> int:
-        """Return how many runs diverged."""
+        """Number of runs that diverged."""
         return int(np.sum(~self.sound))
 
     @property
-    def quantities(self) -> list[Quantity]:
-        """Return what is compared between designs."""
+    def quantities(self) -> list[DesignQuantity]:
+        """Quantities that are compared between designs."""
         return [
-            Quantity("settled, half of all runs", self.settled(0.5), "s", 3),
-            Quantity("settled, 95 % of all runs", self.settled(0.95), "s", 3),
-            Quantity("runs that do not settle", float(self.late), f"of {self.runs}", 3),
-            Quantity("overshoot, nominal", float(np.degrees(self.overshoot[0])), "deg", 2),
-            Quantity("air of the move, nominal", float(self.air[0]), "normal l", 3),
-            Quantity("hysteresis, brake on", 100 * self.hysteresis, "%", 3),
+            DesignQuantity("settled, half of all runs", self.settled(0.5), "s", 3),
+            DesignQuantity("settled, 95 % of all runs", self.settled(0.95), "s", 3),
+            DesignQuantity("runs that do not settle", float(self.late), f"of {self.runs}", 3),
+            DesignQuantity("overshoot, nominal", float(np.degrees(self.overshoot[0])), "deg", 2),
+            DesignQuantity("air of the move, nominal", float(self.air[0]), "normal l", 3),
+            DesignQuantity("hysteresis, brake on", 100 * self.hysteresis, "%", 3),
         ]
 
     @property
     def summary(self) -> str:
-        """Return how soon it settles, in a sentence."""
-        band = f"within {np.degrees(BAND):.2g} deg"
-        shares = [f"{100 * share:.0f} % in {self.settled(share):.2f} s" for share in LEVELS[2:]
+        """Sentences about the times in which the runs settle."""
+        band = f"within {np.degrees(SETTLING_BAND):.2g} deg"
+        shares = [f"{100 * share:.0f} % in {self.settled(share):.2f} s" for share in QUANTILE_LEVELS[2:]
                   if np.isfinite(self.settled(share))]  # fmt: skip
         text = f"Settled {band}: {', '.join(shares)}." if shares else f"Fewer than half of the runs settle {band}."
         if self.late:
-            text += f" {self.late} of {self.runs} runs do not settle in {self.step.lasts:g} s."
+            text += f" {self.late} of {self.runs} runs do not settle in {self.step.duration:g} s."
         return text + (f" {self.diverged} runs diverged and are not drawn." if self.diverged else "")
 
 
-def usual_step(machine: Machine) -> Step:
-    """Return the step that is looked at first: of the joint at the base, shorter where it takes long to simulate."""
-    lasts = Step.lasts if len(machine.joints) <= FEW else 0.8
-    return Step(next(iter(machine.joints)), lasts=lasts)
+def default_step(machine: Machine) -> JointStep:
+    """Return the step that is shown first: of the joint at the base, shorter where the simulation takes long."""
+    duration = JointStep.duration if len(machine.joints) <= MAX_FINE_JOINTS else 0.8
+    return JointStep(next(iter(machine.joints)), duration=duration)
 
 
-def scenario(machine: Machine, step: Step) -> Scenario:
-    """Return the step as what happens to a machine."""
-    half = step.size / 2
-    before, after = ({**dict.fromkeys(machine.joints, 0.0), step.joint: way * half} for way in (-1.0, 1.0))
-    return Scenario(demand=[(0.0, before), (REST, after)], duration=REST + step.lasts)
+def step_scenario(machine: Machine, step: JointStep) -> Scenario:
+    """Return the scenario of a step on a machine."""
+    half_size = step.size / 2
+    before, after = ({**dict.fromkeys(machine.joints, 0.0), step.joint: sign * half_size} for sign in (-1.0, 1.0))
+    return Scenario(demand=[(0.0, before), (STEP_DELAY, after)], duration=STEP_DELAY + step.duration)
 
 
-def varied(machine: Machine, tolerances: Tolerances, runs: int) -> dict[str, Array]:
-    """Return what differs from run to run, by path; the first run is nominal, and the runs fill all ranges evenly."""
+def vary_parameters(machine: Machine, tolerances: Tolerances, runs: int) -> dict[str, Array]:
+    """Return the values that vary from run to run, (runs,), by path; the first run is nominal, the rest Sobol points.
+
+    Args:
+        machine: nominal machine.
+        tolerances: ranges of the values.
+        runs: number of runs, a power of two.
+    """
     from scipy.stats import qmc  # noqa: PLC0415  # takes long to import
 
     share = qmc.Sobol(5, seed=1).random(runs)
@@ -172,52 +167,52 @@ def varied(machine: Machine, tolerances: Tolerances, runs: int) -> dict[str, Arr
     }
     for name, joint in machine.joints.items():
         vary[f"joint.{name}.valve_size"] = joint.valve_size * (1.0 + tolerances.valve * about[:, 2])
-        for part, usual in (("hose", joint.hose.loss_share), ("strap", joint.strap.loss_share)):
+        for part, usual in (("hose", joint.hose.loss_fraction), ("strap", joint.strap.loss_fraction)):
             shares = usual * (1.0 + tolerances.losses * about[:, 3])
-            vary[f"joint.{name}.{part}.loss_share"] = np.minimum(shares, 1.0)
+            vary[f"joint.{name}.{part}.loss_fraction"] = np.minimum(shares, 1.0)
     return vary
 
 
-def cloud(
-    machine: Machine, step: Step, tolerances: Tolerances | None = None, *, runs: int = RUNS,
+def simulate_cloud(
+    machine: Machine, step: JointStep, tolerances: Tolerances | None = None, *, runs: int = DEFAULT_RUNS,
     overtaken: Callable[[], bool] = lambda: False,
-) -> Cloud:  # fmt: skip
-    """Simulate a step with all tolerances; controllers know the nominal machine only.
+) -> StepCloud:  # fmt: skip
+    """Simulate a step over all tolerances; the controller's model is the nominal machine.
 
     Args:
-        machine: which is nominal.
-        step: what the joint does.
-        tolerances: how far runs differ.
-        runs: a power of two.
-        overtaken: is asked from time to time whether the result is still wanted.
+        machine: nominal machine.
+        step: step of a joint.
+        tolerances: ranges of the values that vary.
+        runs: number of runs, a power of two.
+        overtaken: called from time to time; True ends the simulation.
 
     Raises:
         InputError: the machine can't be simulated, or the step leaves the joint's stroke.
-        OvertakenError: the result is not wanted any more.
+        OvertakenError: `overtaken` returned True.
     """
     if machine.controller is None or machine.valve is None:
         right = "open a machine with a valve and a controller to see its step response"
         raise MachineError("has no controller", where=machine.origin, right=right)
 
-    what = scenario(machine, step)
-    if what.cycles(machine.cycle) > MOST_CYCLES:
-        right = f"give a shorter time, or a cycle of at least {1e3 * (REST + step.lasts) / MOST_CYCLES:.2g} ms"
+    scenario = step_scenario(machine, step)
+    if scenario.cycles(machine.cycle) > MAX_CYCLES:
+        right = f"give a shorter time, or a cycle of at least {1e3 * (STEP_DELAY + step.duration) / MAX_CYCLES:.2g} ms"
         raise InputError("has too many control cycles to show at once", where="step response", right=right)
 
     def go_on(_done: int) -> None:
         if overtaken():
             raise OvertakenError
 
-    begun = time.perf_counter()
-    plant_step = STEP if len(machine.joints) <= FEW else COARSE
-    found = ensemble(
-        machine, what, varied(machine, tolerances or Tolerances(), runs), controller=machine,
-        step=plant_step, traces=("angle", "pressure_a", "pressure_b"), every=EVERY, progress=go_on,
+    start = time.perf_counter()
+    plant_step = STEP if len(machine.joints) <= MAX_FINE_JOINTS else COARSE_STEP
+    results = ensemble(
+        machine, scenario, vary_parameters(machine, tolerances or Tolerances(), runs), controller=machine,
+        step=plant_step, traces=SIGNALS, every=CYCLES_PER_RECORD, progress=go_on,
     ).sel(joint=step.joint)  # fmt: skip
-    metrics = found.isel(move=-1)
-    traces = {name: found[name].to_numpy() for name in ("angle", "pressure_a", "pressure_b")}
-    return Cloud(
-        step, found["time"].to_numpy() - REST, **traces, settling=metrics["settling"].to_numpy(),
-        overshoot=metrics["overshoot"].to_numpy(), air=found["air_used"].to_numpy(),
-        hysteresis=float(found["hysteresis"][0]), plant_step=plant_step, seconds=time.perf_counter() - begun,
+    metrics = results.isel(move=-1)
+    traces = {name: results[name].to_numpy() for name in SIGNALS}
+    return StepCloud(
+        step, results["time"].to_numpy() - STEP_DELAY, **traces, settling=metrics["settling"].to_numpy(),
+        overshoot=metrics["overshoot"].to_numpy(), air=results["air_used"].to_numpy(),
+        hysteresis=float(results["hysteresis"][0]), plant_step=plant_step, seconds=time.perf_counter() - start,
     )  # fmt: skip

@@ -1,28 +1,91 @@
-"""A design that is being edited: what differs from the description that was opened, checked as a file, with undo."""
+"""Design that a person edits: its differences from the opened description, checked as a file is, with undo."""
 
 from collections import deque
 from collections.abc import Mapping
 from copy import deepcopy
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, field, replace
+from hashlib import sha256
+from pathlib import Path
+from typing import Any, Self
 
 from layflat.description.change import value_at
-from layflat.description.provenance import Provenance, Sources
-from layflat.description.tables import Plain
+from layflat.description.tables import Plain, Provenance, Sources
 from layflat.errors import InputError
+from layflat.machine.loader import MACHINE_LIBRARY, load, tables
 from layflat.machine.model import Machine, build
-from layflat.pages.studio.field import Field
-from layflat.pages.studio.fields import fields_of
-from layflat.pages.studio.opened import Opened, open_description
+from layflat.pages.studio.field import Field, fields_of
 
-MOST_UNDONE = 200  # edits that can be taken back
-
+MAX_UNDONE = 200  # edits that can be taken back
 BY_HAND = Provenance()
 
 
 @dataclass(frozen=True)
+class OpenedDescription:
+    """Description as it was read from its files."""
+
+    name: str  # built-in name or file
+    plain: Plain  # all values as they are written, those of extended descriptions included
+    sources: Sources
+    own_tables: Plain  # tables of its own file, sources and `extends` included
+    machine: Machine
+    digests: dict[str, str] = field(
+        default_factory=dict
+    )  # SHA-256 of its file and of the files that it extends, by path
+    rewritten: bool = False  # whether its own file was saved since it was opened
+
+    @property
+    def file(self) -> Path | None:
+        """The machine's own file; None of a built-in machine."""
+        path = Path(self.name)
+        return path.resolve() if str(path.resolve()) in self.digests else None
+
+    @property
+    def files(self) -> list[Path]:
+        """The machine's file and those that it extends, as far as they are not built in."""
+        return [Path(path) for path in self.digests]
+
+    def as_rewritten(self) -> Self:
+        """Return the same description, marked as saved over its own file."""
+        digests = {
+            path: digest(Path(path)) if Path(path) == self.file else recorded for path, recorded in self.digests.items()
+        }
+        return replace(self, digests=digests, rewritten=True)
+
+    def changed_on_disk(self) -> list[Path]:
+        """Return the files that have changed or were deleted since they were read."""
+        return [Path(path) for path, recorded in self.digests.items() if digest(Path(path)) != recorded]
+
+
+def open_description(name: str) -> OpenedDescription:
+    """Return the description of a built-in machine or a file, as read.
+
+    Raises:
+        MachineError: it is missing or wrong.
+    """
+    load(name)  # raises the usual errors
+    digests = {
+        str(path.resolve()): digest(path)
+        for path in (
+            Path(layer.where) for layer in MACHINE_LIBRARY.layers(name) if layer.where not in MACHINE_LIBRARY.names
+        )
+        if path.is_file()
+    }
+    plain, sources = tables(name)
+    own_tables = MACHINE_LIBRARY.raw(name) if str(Path(name).resolve()) in digests else {}
+    return OpenedDescription(name, plain, sources, own_tables, build(plain, sources, name), digests)
+
+
+def digest(path: Path) -> str:
+    """Return the SHA-256 of a file's content; "" if the file was deleted."""
+    try:
+        return sha256(path.read_bytes()).hexdigest()
+    except OSError:
+        return ""
+
+
+@dataclass(frozen=True)
 class Change:
-    """A value in place of the one that was opened, as it stands in a file."""
+    """Value in place of the opened one, as a file holds it, with its source."""
 
     value: Any
     source: Provenance = BY_HAND
@@ -32,160 +95,156 @@ Changes = Mapping[str, Change]
 
 
 class Design:
-    """A machine that a person edits. Every edit is checked as a file is; one that is refused changes nothing."""
+    """Machine that a person edits. Every edit is checked as a file is; one that is refused changes nothing.
 
-    def __init__(self, opened: Opened) -> None:
+    Attributes:
+        changes: differences from the opened description, by dotted path.
+        machine: present machine.
+        plain: its values as a complete file holds them.
+    """
+
+    changes: Changes
+    machine: Machine
+    plain: Plain
+
+    def __init__(self, opened: OpenedDescription) -> None:
         """Begin with a description, from `open_description`."""
         self.opened = opened
-        self._past: deque[Changes] = deque(maxlen=MOST_UNDONE)
+        self._past: deque[Changes] = deque(maxlen=MAX_UNDONE)
         self._future: list[Changes] = []
-        self._held = ""  # path of an edit that goes on
-        self._fields: list[Field] | None = None  # of the machine as it is now, once they were asked for
+        self._held = ""  # path of an edit that may go on
+        self._fields: list[Field] | None = None  # of the present machine, once computed
         self._set({}, opened.machine, opened.plain)
 
     @property
-    def changes(self) -> Changes:
-        """Return what differs from what was opened, by dotted path."""
-        return self._changes
-
-    @property
-    def machine(self) -> Machine:
-        """The machine as it is now."""
-        return self._machine
-
-    @property
-    def plain(self) -> Plain:
-        """Values as they would stand in a complete file."""
-        return self._plain
-
-    @property
     def fields(self) -> list[Field]:
-        """Every value of it, in order."""
+        """All values of the machine, in the order of a description."""
         if self._fields is None:
-            self._fields = fields_of(self._machine, self._plain)
+            self._fields = fields_of(self.machine, self.plain)
         return self._fields
 
     def value(self, path: str) -> Any:
-        """Return what stands at a path, SI."""
-        return value_at(self._machine, path)
+        """Return the value at a path, SI."""
+        return value_at(self.machine, path)
 
-    def was(self, path: str) -> Any:
-        """Return what stood there when it was opened, SI."""
+    def opened_value(self, path: str) -> Any:
+        """Return the opened description's value at a path, SI."""
         return value_at(self.opened.machine, path)
 
     def source(self, path: str) -> Provenance:
-        """Return where the value at a path comes from: "edited", "default" or one of `SOURCES`."""
-        if path in self._changes:
-            change = self._changes[path]
+        """Return the source of the value at a path: "edited", "default" or one of `SOURCES`."""
+        if path in self.changes:
+            change = self.changes[path]
             return Provenance("edited") if change.source == BY_HAND else change.source
         return self.opened.sources.get(whole_path(self.opened.plain, path), Provenance("default"))
 
     def edit(self, path: str, value: Any, *, going_on: bool = False) -> None:
-        """Put another value at a path, as it stands in a file.
+        """Replace the value at a path.
 
         Args:
-            path: of the value.
-            value: text with a unit, number or truth.
-            going_on: the next such edit of the path belongs to this one, and both are undone together; see `hold`.
+            path: dotted path of the value.
+            value: text with a unit, number or boolean, as a file holds it.
+            going_on: whether the next such edit of the path joins this one, to be undone together; see `hold`.
 
         Raises:
-            InputError: it can't stand there; everything stays as it is.
+            InputError: the value is refused; nothing changes.
         """
-        self._do({**self._changes, path: Change(value)}, held=path if going_on else "")
+        self._apply({**self.changes, path: Change(value)}, held=path if going_on else "")
 
     def edit_all(self, changes: Changes) -> None:
-        """Put several values in place at once, as one edit (InputError: one can't stand there; nothing changes)."""
-        self._do({**self._changes, **changes})
+        """Replace several values as one edit (InputError: one of them is refused; nothing changes)."""
+        self._apply({**self.changes, **changes})
 
     def replace_all(self, changes: Changes) -> None:
-        """Put all changes in place of those that there are, as one edit (InputError: nothing changes)."""
-        self._do(dict(changes))
+        """Replace all present changes as one edit (InputError: they are refused; nothing changes)."""
+        self._apply(dict(changes))
 
-    def back(self, path: str) -> None:
-        """Bring one value back to what it was (InputError: it does not go with the others any more)."""
-        self._do({key: change for key, change in self._changes.items() if key != path})
+    def revert(self, path: str) -> None:
+        """Revert one value to the opened one (InputError: it is refused together with the other changes)."""
+        self._apply({key: change for key, change in self.changes.items() if key != path})
 
     def hold(self) -> None:
-        """End an edit that goes on: the next one is undone by itself."""
+        """End an edit that may go on: the next edit is an undo step of its own."""
         self._held = ""
 
     @property
     def can_undo(self) -> bool:
-        """True if there is something to take back."""
+        """True if there is an edit to undo."""
         return bool(self._past)
 
     @property
     def can_redo(self) -> bool:
-        """True if something was taken back."""
+        """True if there is an edit to redo."""
         return bool(self._future)
 
     def undo(self) -> None:
-        """Take back the last edit, if there is one."""
+        """Undo the last edit, if there is one."""
         if self._past:
-            self._future.append(self._changes)
+            self._future.append(self.changes)
             self._show(self._past.pop())
 
     def redo(self) -> None:
-        """Do again what was taken back last, if there is something."""
+        """Redo the edit that was undone last, if there is one."""
         if self._future:
-            self._past.append(self._changes)
+            self._past.append(self.changes)
             self._show(self._future.pop())
 
     def reload(self) -> list[str]:
-        """Read the description again and lay the changes over it.
+        """Read the description again and overlay the changes.
 
         Returns:
-            Paths of changes that do not go with it any more and were dropped.
+            Paths of changes that are refused now and were dropped.
 
         Raises:
-            InputError: it can't be read; everything stays as it is.
+            InputError: the description can't be read; nothing changes.
         """
-        opened = open_description(self.opened.given)
+        opened = open_description(self.opened.name)
         kept: dict[str, Change] = {}
-        for path, change in self._changes.items():
+        for path, change in self.changes.items():
             try:
-                _built(opened, {**kept, path: change})
+                _build_changed(opened, {**kept, path: change})
             except InputError:
                 continue
             kept[path] = change
-        dropped = [path for path in self._changes if path not in kept]
+        dropped = [path for path in self.changes if path not in kept]
         self.opened = opened
         self._past.clear()
         self._future.clear()
-        self._set(kept, *_built(opened, kept))
+        self._set(kept, *_build_changed(opened, kept))
         return dropped
 
     def become(self, other: "Design") -> None:
-        """Take over the state of another design: the same one, after work in another process."""
+        """Adopt the state of another design: the same one, after work in another process."""
         self.__dict__.update(other.__dict__)
 
-    def _do(self, changes: Changes, *, held: str = "") -> None:
-        machine, plain = _built(self.opened, changes)
-        left = {path: one for path, one in changes.items() if _differs(machine, self.opened.machine, path)}
-        if machine == self._machine:
+    def _apply(self, changes: Changes, *, held: str = "") -> None:
+        """Set the changes of the design and add an undo step, unless the edit `held` goes on."""
+        machine, plain = _build_changed(self.opened, changes)
+        effective = {path: one for path, one in changes.items() if _differs(machine, self.opened.machine, path)}
+        if machine == self.machine:
             return
         if not (held and held == self._held):
-            self._past.append(self._changes)
+            self._past.append(self.changes)
         self._future.clear()
         self._held = held
-        self._set(left, machine, plain)
+        self._set(effective, machine, plain)
 
     def _show(self, changes: Changes) -> None:
         self._held = ""
-        self._set(changes, *_built(self.opened, changes))
+        self._set(changes, *_build_changed(self.opened, changes))
 
     def _set(self, changes: Changes, machine: Machine, plain: Plain) -> None:
-        self._changes, self._machine, self._plain = changes, machine, plain
+        self.changes, self.machine, self.plain = changes, machine, plain
         self._fields = None
 
 
-def sources_of(opened: Opened, changes: Changes) -> Sources:
+def sources_of(opened: OpenedDescription, changes: Changes) -> Sources:
     """Return the sources of all values of a description with changes."""
     return {**opened.sources, **{whole_path(opened.plain, path): one.source for path, one in changes.items()}}
 
 
 def whole_path(plain: Plain, path: str) -> str:
-    """Return the path of the list that a path leads into, which files give as a whole; any other path as it is."""
+    """Return the path of the list that a path leads into, as files hold whole lists; any other path as it is."""
     table: Any = plain
     keys = path.split(".")
     for i, key in enumerate(keys):
@@ -195,8 +254,14 @@ def whole_path(plain: Plain, path: str) -> str:
     return path
 
 
-def put(tables: Plain, path: str, value: Any) -> None:
-    """Put a value into nested tables and lists; tables that are missing on the way are made."""
+def set_at_path(tables: Plain, path: str, value: Any) -> None:
+    """Set a value in nested tables and lists; missing tables on the path are created.
+
+    Args:
+        tables: nested tables, changed in place.
+        path: dotted path; an item of a list by its index.
+        value: value as a file holds it.
+    """
     *keys, last = path.split(".")
     table: Any = tables
     for key in keys:
@@ -204,22 +269,24 @@ def put(tables: Plain, path: str, value: Any) -> None:
     table[int(last) if isinstance(table, list) else last] = value
 
 
-def _built(opened: Opened, changes: Changes) -> tuple[Machine, Plain]:
+def _build_changed(opened: OpenedDescription, changes: Changes) -> tuple[Machine, Plain]:
+    """Return the validated machine of an opened description with changes, and its tables."""
     plain = deepcopy(opened.plain)
     for path, change in changes.items():
-        put(plain, path, change.value)
-    return build(plain, sources_of(opened, changes), opened.given), plain
+        set_at_path(plain, path, change.value)
+    return build(plain, sources_of(opened, changes), opened.name), plain
 
 
 def _differs(machine: Machine, other: Machine, path: str) -> bool:
+    """Return whether two machines differ in the value at a path, or only one of them has it."""
     try:
         return bool(value_at(machine, path) != value_at(other, path))
-    except InputError:  # a part that is there in one of them only
+    except InputError:  # a part that only one of them has
         return True
 
 
-def message(error: InputError, path: str) -> str:
-    """Return what the checks say of a value, for a field that shows its path already."""
+def error_text(error: InputError, path: str) -> str:
+    """Return the message of an error about a value, without its path, for a field that shows the path already."""
     text = f"{error.what}; {error.right}" if error.right else error.what
     place = error.where.rpartition(": ")[2]
     return text if not place or place == path else f"{place}: {text}"

@@ -1,4 +1,4 @@
-"""All values of the description: sections that are filled when they are opened, a search, and what was changed."""
+"""Editor of all values of a description: sections that are filled when they are opened, a search, a list of changes."""
 
 from collections.abc import Awaitable, Callable
 
@@ -6,14 +6,14 @@ from nicegui import background_tasks, ui
 
 from layflat.pages.look.pieces import Pieces
 from layflat.pages.studio.design import Design
-from layflat.pages.studio.field import Field, place_of, titled
+from layflat.pages.studio.field import Field, key_title, section_name
 from layflat.pages.studio.row import Row
 
-MOST = 40  # values that a search shows
+MAX_MATCHES = 40  # values that a search lists
 
 
-class Section:
-    """Values of one part, made when they are first looked at."""
+class EditorSection:
+    """Section of the editor with the values of one part; its rows are made when it is first opened."""
 
     def __init__(self, title: str, fields: list[Field], fill: Callable[[list[Field]], Awaitable[None]]) -> None:
         self.paths = {field.path for field in fields}
@@ -22,11 +22,11 @@ class Section:
         self.box.props("dense dense-toggle switch-toggle-side")
 
     def open(self) -> None:
-        """Open it."""
+        """Open the section."""
         self.box.open()
 
     def mark(self, changed: int) -> None:
-        """Show how many of its values were changed."""
+        """Show the number of changed values."""
         _caption(self.box, changed)
 
     def _opened(self) -> None:
@@ -35,20 +35,26 @@ class Section:
             background_tasks.create(self._fill(self._fields), context=self.box)
 
 
-class Group:
-    """Sections of a joint, or of the machine besides."""
+class EditorGroup:
+    """Group of the sections of a joint, or of the rest of the machine."""
 
     def __init__(self, title: str) -> None:
-        self.sections: dict[str, Section] = {}
+        self.sections: dict[str, EditorSection] = {}
         self.box = ui.expansion(title).classes("st-group").props("dense switch-toggle-side")
 
     def add(self, path: str, fields: list[Field], fill: Callable[[list[Field]], Awaitable[None]]) -> None:
-        """Add the section of a part."""
+        """Add the section of a part.
+
+        Args:
+            path: path of the part.
+            fields: its values.
+            fill: makes the rows of values, once the section is opened.
+        """
         with self.box:
-            self.sections[path] = Section(_title(path), fields, fill)
+            self.sections[path] = EditorSection(_section_title(path), fields, fill)
 
     def mark(self, design: Design) -> None:
-        """Show how many values were changed in it and in each of its sections."""
+        """Show the numbers of changed values in the group and in each of its sections."""
         total = 0
         for section in self.sections.values():
             changed = len(section.paths & design.changes.keys())
@@ -58,24 +64,24 @@ class Group:
 
 
 class Editor:
-    """The left side of the page."""
+    """Editor of a description, on the left side of the page."""
 
     def __init__(self, design: Design, edited: Callable[[], object]) -> None:
-        """Make it within the current element; `edited` is called after each edit that was taken."""
+        """Make it within the current element; `edited` is called after each edit that was accepted."""
         self.design, self._edited = design, edited
         self._rows: list[Row] = []
-        self._found: list[Row] = []
-        self._looked = 0  # which search is the newest
+        self._matches: list[Row] = []
+        self._search_count = 0  # which search is the newest
         with ui.element("div").classes("st-search"):
-            self._search = ui.input(placeholder="Search values", on_change=self._look).classes("st-find")
+            self._search = ui.input(placeholder="Search values", on_change=self._start_search).classes("st-find")
             self._search.props('outlined dense clearable maxlength=200 aria-label="Search values of the description"')
             with self._search.add_slot("prepend"):
                 ui.icon("search").props("aria-hidden=true")
-            self._only = ui.checkbox("changed only", on_change=self._look).props("dense")
+            self._only = ui.checkbox("changed only", on_change=self._start_search).props("dense")
         self._results = ui.element("div").classes("st-results")
         self._results.set_visibility(False)
         self._tree = ui.element("div").classes("st-tree")
-        self._groups: dict[str, Group] = {}
+        self._groups: dict[str, EditorGroup] = {}
 
     async def build(self) -> None:
         """Make all sections, piece by piece."""
@@ -87,22 +93,22 @@ class Editor:
             sections.setdefault(part, {}).setdefault(field.section, []).append(field)
         for path in sorted(sections, key=lambda one: not one):
             with self._tree:
-                group = Group(f"Joint {path.partition('.')[2]}" if path else "Machine")
+                group = EditorGroup(f"Joint {path.partition('.')[2]}" if path else "Machine")
             for section, fields in sections[path].items():
-                group.add(section, fields, self._fill)
+                group.add(section, fields, self._fill_section)
                 await pieces.pause()
             self._groups[path] = group
 
     async def rebuild(self) -> None:
-        """Make everything anew: the description was read again."""
-        self._rows, self._found, self._groups = [], [], {}
+        """Rebuild all sections after the description was read again."""
+        self._rows, self._matches, self._groups = [], [], {}
         self._tree.clear()
         self._results.clear()
         await self.build()
-        self._look()
+        self._start_search()
         self.refresh()
 
-    def look_at(self, joint: str) -> None:
+    def show_joint(self, joint: str) -> None:
         """Open the group of a joint, its hose first, and close those of other joints."""
         for path, group in self._groups.items():
             if path:
@@ -113,23 +119,23 @@ class Editor:
             hose.open()
 
     def refresh(self) -> None:
-        """Bring all values that are on the page up to date."""
-        for row in (*self._rows, *self._found):
+        """Update all rows and counts on the page."""
+        for row in (*self._rows, *self._matches):
             row.refresh()
         for group in self._groups.values():
             group.mark(self.design)
-        if self._only.value and {row.field.path for row in self._found} != self._matching():
-            self._look()
+        if self._only.value and {row.field.path for row in self._matches} != self._matching_paths():
+            self._start_search()
 
     def reset_typed(self) -> bool:
-        """Take back what was typed and not taken yet; return whether there was any."""
-        dirty = [row for row in (*self._rows, *self._found) if row.dirty]
+        """Discard typed text that was not accepted yet; return whether there was any."""
+        dirty = [row for row in (*self._rows, *self._matches) if row.has_unaccepted_text]
         for row in dirty:
             row.reset()
         return bool(dirty)
 
-    async def _fill(self, fields: list[Field]) -> None:
-        """Make the rows of a section, piece by piece, as long as it is there."""
+    async def _fill_section(self, fields: list[Field]) -> None:
+        """Make the rows of a section, piece by piece, until the editor is rebuilt."""
         pieces, rows = Pieces(), self._rows
         await pieces.turn()
         for field in fields:
@@ -138,7 +144,8 @@ class Editor:
             if rows is not self._rows:
                 return
 
-    def _matching(self) -> set[str]:
+    def _matching_paths(self) -> set[str]:
+        """Return the paths of the fields that contain all searched words; only changed ones if the switch is on."""
         words = (self._search.value or "").lower().split()
         return {
             field.path
@@ -147,48 +154,49 @@ class Editor:
             and (not self._only.value or field.path in self.design.changes)
         }
 
-    def _look(self) -> None:
+    def _start_search(self) -> None:
+        """Show the matching fields in place of the tree, or the tree if neither words nor switch are set."""
         looking = bool((self._search.value or "").strip()) or bool(self._only.value)
         self._tree.set_visibility(not looking)
         self._results.set_visibility(looking)
         self._results.clear()
-        self._found = []
-        self._looked += 1
+        self._matches = []
+        self._search_count += 1
         if looking:
-            background_tasks.create(self._show_matching(self._looked), context=self._results)
+            background_tasks.create(self._show_matching(self._search_count), context=self._results)
 
-    async def _show_matching(self, look: int) -> None:
-        """Show the values that are searched; a newer search ends this one."""
-        pieces, matching = Pieces(), self._matching()
+    async def _show_matching(self, search_number: int) -> None:
+        """List the matching values; a newer search ends this one."""
+        pieces, matching = Pieces(), self._matching_paths()
         await pieces.turn()
-        found = [field for field in self.design.fields if field.path in matching]
-        if not found:
+        fields = [field for field in self.design.fields if field.path in matching]
+        if not fields:
             ui.label("No value of this name." if self._search.value else "Nothing was changed.").classes("lf-quiet")
-        for field in found[:MOST]:
+        for field in fields[:MAX_MATCHES]:
             await pieces.pause()
-            if look != self._looked:
+            if search_number != self._search_count:
                 return
-            self._found.append(Row(self.design, field, self._edited, place=True))
-        if len(found) > MOST:
-            ui.label(f"{len(found) - MOST} more; search for another word as well.").classes("lf-quiet")
+            self._matches.append(Row(self.design, field, self._edited, place=True))
+        if len(fields) > MAX_MATCHES:
+            ui.label(f"{len(fields) - MAX_MATCHES} more; search for another word as well.").classes("lf-quiet")
 
 
 def _caption(box: ui.expansion, changed: int) -> None:
     text = f"{changed} changed" if changed else ""
-    if box.props.get("caption", "") != text:  # the page is told of every property that is set
+    if box.props.get("caption", "") != text:  # the page receives every property that is set
         box.props["caption"] = text
 
 
-def _title(section: str) -> str:
+def _section_title(section: str) -> str:
+    """Return the title of a section within its group."""
     if not section:
         return "Title"
     keys = section.split(".")
     if keys[0] == "joint":
-        return "General" if len(keys) == 2 else titled(keys[-1])
-    return place_of(section)
+        return "General" if len(keys) == 2 else key_title(keys[-1])
+    return section_name(section)
 
 
 def _words(field: Field) -> str:
-    return (
-        f"{field.path} {field.path.replace('_', ' ')} {place_of(field.section)} {field.label} {field.meaning}".lower()
-    )
+    names = f"{field.path} {field.path.replace('_', ' ')} {section_name(field.section)}"
+    return f"{names} {field.label} {field.meaning}".lower()

@@ -1,4 +1,4 @@
-"""Results of a design: torque, cam, strap, mass, air, and findings of the rules, as in `layflat design`."""
+"""Results of a design, as of `layflat joint design`: torque, cam, strap, mass, air, findings of the design rules."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -9,19 +9,18 @@ import numpy as np
 
 from layflat.arrays import Array
 from layflat.design.drawing import MM, cam_sheet, layout_sheet
-from layflat.design.findings import ORDER, Finding
 from layflat.design.joint import design_joint
-from layflat.design.sheet import Path as Line
-from layflat.design.sheet_formats import svg_text
-from layflat.design.summary import JointDesign
+from layflat.design.sheet import Polyline as Line
+from layflat.design.sheet import svg_text
+from layflat.design.summary import SEVERITY_ORDER, Finding, JointDesign
 from layflat.errors import DesignError
 from layflat.machine.model import Machine
 from layflat.machine.parts import Joint
 
 
 @dataclass(frozen=True)
-class Quantity:
-    """A figure in a table."""
+class DesignQuantity:
+    """Quantity of a design, as tables show it."""
 
     name: str
     value: float
@@ -29,24 +28,24 @@ class Quantity:
     digits: int = 4
 
     @property
-    def known(self) -> bool:
-        """True where there is a value."""
+    def is_known(self) -> bool:
+        """True if there is a value."""
         return bool(np.isfinite(self.value))
 
     @property
     def number(self) -> str:
         """The value without its unit."""
-        return f"{self.value:.{self.digits}g}" if self.known else "none"
+        return f"{self.value:.{self.digits}g}" if self.is_known else "none"
 
     @property
     def text(self) -> str:
         """The value with its unit."""
-        return f"{self.number} {self.unit}".rstrip() if self.known else "none"
+        return f"{self.number} {self.unit}".rstrip() if self.is_known else "none"
 
 
 @dataclass(frozen=True)
-class Figures:
-    """The statics of one joint; `design` is None where it can't be made, which `findings` then say."""
+class JointFigures:
+    """Statics of one joint; `design` is None where the joint can't be made, for a reason in `findings`."""
 
     joint: str
     design: JointDesign | None
@@ -55,79 +54,83 @@ class Figures:
     @cached_property
     def torque(self) -> tuple[Array, Array]:
         """Angle from mid-stroke (deg) and torque of one hose (N m) at the supply's pressure."""
-        return ((0.0 * np.zeros(0),) * 2) if self.design is None else _centred(self.design, *self.design.torque)
+        return ((0.0 * np.zeros(0),) * 2) if self.design is None else _centre_angle(self.design, *self.design.torque)
 
     @cached_property
     def roller_torque(self) -> tuple[Array, Array]:
-        """The same on a round roller; empty where there is one."""
+        """Angle (deg) and torque (N m) on a round roller in place of the cam; empty where the joint has no cam."""
         if self.design is None or self.design.cam is None:
             return (np.zeros(0), np.zeros(0))
-        return _centred(self.design, *self.design.roller_torque)
+        return _centre_angle(self.design, *self.design.roller_torque)
 
     @cached_property
-    def quantities(self) -> list[Quantity]:
+    def quantities(self) -> list[DesignQuantity]:
         """Quantities that are compared between designs."""
-        made = self.design
-        if made is None:
+        design = self.design
+        if design is None:
             return []
-        stress = max(made.stresses, key=lambda one: one.total, default=None)
-        cam = made.cam
+        stress = max(design.stresses, key=lambda one: one.total, default=None)
+        cam = design.cam
         return [
-            Quantity("torque, greatest", float(made.torque[1].max()), "N m"),
-            Quantity("torque, least", float(made.torque[1].min()), "N m"),
-            Quantity("full stroke", degrees(made.stroke), "deg"),
-            Quantity("strap stress, greatest", stress.total / 1e6 if stress else np.nan, "MPa"),
-            Quantity("strap safety", stress.safety if stress else np.nan, "", 3),
-            Quantity("smallest radius of the cam", cam.smallest_radius * MM if cam else np.nan, "mm"),
-            Quantity("mass of the joint", made.mass.body, "kg"),
-            Quantity("mass of hose, cylinder, shell, strap, cam", made.mass.counted, "kg"),
-            Quantity("air per full stroke of one hose", made.air.normal_litres, "normal l"),
+            DesignQuantity("torque, greatest", float(design.torque[1].max()), "N m"),
+            DesignQuantity("torque, least", float(design.torque[1].min()), "N m"),
+            DesignQuantity("full stroke", degrees(design.stroke), "deg"),
+            DesignQuantity("strap stress, greatest", stress.total / 1e6 if stress else np.nan, "MPa"),
+            DesignQuantity("strap safety", stress.safety if stress else np.nan, "", 3),
+            DesignQuantity("smallest radius of the cam", cam.smallest_radius * MM if cam else np.nan, "mm"),
+            DesignQuantity("mass of the joint", design.mass.body, "kg"),
+            DesignQuantity("mass of hose, cylinder, shell, strap, cam", design.mass.counted, "kg"),
+            DesignQuantity("air per full stroke of one hose", design.air.normal_litres, "normal l"),
         ]
 
 
-def _centred(made: JointDesign, angle: Array, torque: Array) -> tuple[Array, Array]:
-    return np.degrees(angle - made.stroke / 2), torque
+def _centre_angle(design: JointDesign, angle: Array, torque: Array) -> tuple[Array, Array]:
+    return np.degrees(angle - design.stroke / 2), torque
 
 
 @dataclass
 class Designer:
-    """Designs joints anew only where they have changed."""
+    """Designer that recomputes a joint only when it has changed."""
 
-    _known: dict[str, tuple[Joint, float, JointDesign | Finding]] = field(default_factory=dict)
+    _designs: dict[str, tuple[Joint, float, JointDesign | Finding]] = field(default_factory=dict)
 
-    def figures(self, machine: Machine, joint: str) -> Figures:
-        """Return the statics of a joint, and what the rules find in all joints."""
-        made = {name: self._made(machine, name) for name in machine.joints}
-        found = [one for each in made.values() for one in ((each,) if isinstance(each, Finding) else each.findings)]
-        chosen = made[joint]
-        return Figures(
+    def figures(self, machine: Machine, joint: str) -> JointFigures:
+        """Return the statics of a joint, and the findings of the design rules in all joints."""
+        designs = {name: self._cached_design(machine, name) for name in machine.joints}
+        findings = [
+            one for each in designs.values() for one in ((each,) if isinstance(each, Finding) else each.findings)
+        ]
+        chosen = designs[joint]
+        return JointFigures(
             joint,
             chosen if isinstance(chosen, JointDesign) else None,
-            tuple(sorted(found, key=lambda finding: ORDER.index(finding.severity))),
+            tuple(sorted(findings, key=lambda finding: SEVERITY_ORDER.index(finding.severity))),
         )
 
-    def _made(self, machine: Machine, name: str) -> JointDesign | Finding:
+    def _cached_design(self, machine: Machine, name: str) -> JointDesign | Finding:
+        """Return the design of a joint, or the finding that it can't be made; recomputed only after a change."""
         joint, pressure = machine.joint[name], machine.supply.pressure_gauge
-        known = self._known.get(name)
-        if known is None or known[0] != joint or known[1] != pressure:
-            known = self._known[name] = (joint, pressure, _designed(machine, name))
-        return known[2]
+        entry = self._designs.get(name)
+        if entry is None or entry[0] != joint or entry[1] != pressure:
+            entry = self._designs[name] = (joint, pressure, _try_design(machine, name))
+        return entry[2]
 
 
-def _designed(machine: Machine, name: str) -> JointDesign | Finding:
+def _try_design(machine: Machine, name: str) -> JointDesign | Finding:
+    """Return the design of a joint, or the finding that it can't be made."""
     try:
         return design_joint(machine, name, strict=False)
     except DesignError as error:
         return Finding("error", "design", error.where, error.what, error.right)
 
 
-def drawing(figures: Figures, beside: Figures | None = None, *, layout: bool = False) -> str:
-    """Return the cam, or the whole layout, as SVG; empty where there is none.
+def design_drawing(figures: JointFigures, beside: JointFigures | None = None, layout: bool = False) -> str:
+    """Return a drawing of the cam, or of the whole layout, as SVG; "" where there is no cam.
 
     Args:
-        figures: of what is drawn.
-        beside: another design, whose cam is drawn with chain lines.
-        layout: cylinder, shell, strap and cam at three angles, in place of the cam alone.
+        figures: statics of the joint.
+        beside: statics of another design, whose cam is drawn with chain lines.
+        layout: whether cylinder, shell, strap and cam are drawn at three angles, in place of the cam alone.
     """
     if figures.design is None or figures.design.outline is None:
         return ""
@@ -140,25 +143,28 @@ def drawing(figures: Figures, beside: Figures | None = None, *, layout: bool = F
     return svg_text(sheet)
 
 
-def differences(now: list[Quantity], other: list[Quantity]) -> list[tuple[Quantity, Quantity | None, str]]:
-    """Return each figure, the same of another design, and what it has more, in words."""
-    known: Mapping[str, Quantity] = {one.name: one for one in other}
-    return [(one, known.get(one.name), _more(one, known.get(one.name))) for one in now]
+def differences(
+    now: list[DesignQuantity], other: list[DesignQuantity]
+) -> list[tuple[DesignQuantity, DesignQuantity | None, str]]:
+    """Return each quantity, that of another design by the same name, and the difference as text."""
+    others: Mapping[str, DesignQuantity] = {one.name: one for one in other}
+    return [(one, others.get(one.name), _difference_text(one, others.get(one.name))) for one in now]
 
 
-def share(now: Quantity, other: Quantity | None) -> str:
-    """Return what a figure has more than another, as a share; "" where that means nothing."""
-    if other is None or not (now.known and other.known) or other.value == 0.0:
+def relative_difference(now: DesignQuantity, other: DesignQuantity | None) -> str:
+    """Return the relative difference of a quantity from another as text; "" where it is undefined."""
+    if other is None or not (now.is_known and other.is_known) or other.value == 0.0:
         return ""
-    more = f"{100 * (now.value / other.value - 1):+.1f} %"
-    return "as A" if more in {"+0.0 %", "-0.0 %"} else f"{more} against A"
+    difference = f"{100 * (now.value / other.value - 1):+.1f} %"
+    return "as A" if difference in {"+0.0 %", "-0.0 %"} else f"{difference} against A"
 
 
-def _more(now: Quantity, other: Quantity | None) -> str:
-    if other is None or not (now.known and other.known):
+def _difference_text(now: DesignQuantity, other: DesignQuantity | None) -> str:
+    """Return the difference from design A's quantity, absolute and in percent; "same" below the shown digits."""
+    if other is None or not (now.is_known and other.is_known):
         return ""
-    more = now.value - other.value
-    if abs(more) < 0.5 * 10.0 ** (np.floor(np.log10(abs(now.value) or 1.0)) - now.digits + 1):
+    difference = now.value - other.value
+    if abs(difference) < 0.5 * 10.0 ** (np.floor(np.log10(abs(now.value) or 1.0)) - now.digits + 1):
         return "same"
-    share = f" ({100 * more / other.value:+.3g} %)" if other.value else ""
-    return f"{more:+.3g} {now.unit}".rstrip() + share
+    share = f" ({100 * difference / other.value:+.3g} %)" if other.value else ""
+    return f"{difference:+.3g} {now.unit}".rstrip() + share

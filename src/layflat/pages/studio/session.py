@@ -1,172 +1,202 @@
-"""One tab's work: its design, what is looked at, and results that follow the newest edit without anybody waiting."""
+"""Session of one tab: its design, the step that is simulated, and results that follow the newest edit."""
 
 import asyncio
 import time
 from collections.abc import Awaitable, Callable
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import Any, Literal, TypeVar
 
-from layflat.design.findings import ORDER, Finding
+from layflat.design.summary import SEVERITY_ORDER, Finding
 from layflat.errors import LayflatError
 from layflat.machine.model import Machine
-from layflat.pages.studio.beside import LIMIT, find_figures, find_stale
-from layflat.pages.studio.cloud import Cloud, Step, Tolerances, usual_step
+from layflat.pages.studio.cloud import JointStep, StepCloud, Tolerances, default_step
 from layflat.pages.studio.design import Changes, Design
-from layflat.pages.studio.results import Figures
-from layflat.pages.studio.worker import Worker
+from layflat.pages.studio.results import JointFigures
+from layflat.pages.studio.worker import StudioProcesses, find_figures, find_stale, reread, write_design
 
 Result = TypeVar("Result")
-What = Literal["design", "figures", "cloud", "kept"]
-"""What has changed: what is asked for; the statics; the cloud; the design that is kept as A."""
+ChangedPart = Literal["design", "figures", "cloud", "kept"]
+"""Changed part of a session: the design or step; the statics; the cloud; the design that is kept as A."""
 
-QUICK = 0.2  # a cloud that takes less is let finish when a newer design comes, so that a drag shows something, s
+QUICK_CLOUD_TIME = (
+    0.2  # of a cloud that is finished in spite of a newer design, so that dragging a slider shows results, s
+)
 
 
 @dataclass
-class Shown:
-    """Results, and the number of the request that they belong to."""
+class ShownResults:
+    """Results, and the numbers of the requests that they belong to."""
 
-    figures: Figures | None = None
-    cloud: Cloud | LayflatError | None = None
+    figures: JointFigures | None = None
+    cloud: StepCloud | LayflatError | None = None
     figures_number: int = 0
     cloud_number: int = 0
 
 
 @dataclass
-class Kept:
-    """A design that others are compared with, "A"."""
+class KeptDesign:
+    """Design "A" that others are compared with."""
 
     machine: Machine
     changes: Changes
-    since: str  # when it was kept, for people
-    shown: Shown = field(default_factory=Shown)
+    since: str  # time of day at which it was kept, as text
+    shown: ShownResults = field(default_factory=ShownResults)
 
 
-class Session:
-    """State of a tab. Results come by `follow`, which runs as long as the tab is open."""
+class StudioSession:
+    """Session of a tab; `follow` computes its results as long as the tab is open."""
 
-    def __init__(self, design: Design, worker: Worker) -> None:
+    def __init__(self, design: Design, worker: StudioProcesses) -> None:
         self.design = design
-        self.step = usual_step(design.machine)
+        self.step = default_step(design.machine)
         self.tolerances = Tolerances()
-        self.kept: Kept | None = None
-        self.shown = Shown()
+        self.kept: KeptDesign | None = None
+        self.shown = ShownResults()
         self.stale: list[Finding] = []
         self.number = 1  # of the newest request
-        self.waiting_since: float | None = None  # for a cloud, by the monotonic clock
+        self.waiting_since: float | None = None  # start of the wait for a cloud, s, monotonic
         self.worker, self._tab = worker, worker.tab()
         self._requests = 0
-        self._listeners: list[Callable[[What], object]] = []
-        self._wanted = asyncio.Event(), asyncio.Event()
+        self._listeners: list[Callable[[ChangedPart], object]] = []
+        self._requested = asyncio.Event(), asyncio.Event()
 
-    def listen(self, listener: Callable[[What], object]) -> None:
-        """Call a function whenever something changes, with what it is."""
+    def listen(self, listener: Callable[[ChangedPart], object]) -> None:
+        """Call a function with the changed part after every change."""
         self._listeners.append(listener)
 
     def leave(self) -> None:
-        """Call nobody any more: the page was closed, and may come back."""
+        """Remove all listeners: the page was closed; another page may show the session later."""
         self._listeners.clear()
 
-    def look(self, step: Step | None = None, tolerances: Tolerances | None = None) -> None:
-        """Look at another step, or with other tolerances."""
+    def simulate(self, step: JointStep | None = None, tolerances: Tolerances | None = None) -> None:
+        """Simulate another step, or with other tolerances; None keeps the present ones."""
         self.step, self.tolerances = step or self.step, tolerances or self.tolerances
         if self.kept is not None:
-            self.kept.shown = Shown()
+            self.kept.shown = ShownResults()
         self.renew()
 
-    def look_at(self, joint: str) -> None:
-        """Look at another joint."""
+    def show_joint(self, joint: str) -> None:
+        """Show another joint."""
         if joint != self.step.joint:
-            self.shown = Shown()
-            self.look(replace(self.step, joint=joint))
+            self.shown = ShownResults()
+            self.simulate(replace(self.step, joint=joint))
 
-    def keep(self) -> None:
-        """Keep the design as A, with its results as far as they are there."""
-        shown = Shown()
+    def keep_as_a(self) -> None:
+        """Keep the design as A, with its results if they are up to date."""
+        shown = ShownResults()
         if self.shown.figures_number == self.number:
             shown.figures = self.shown.figures
         if self.shown.cloud_number == self.number:
             shown.cloud = self.shown.cloud
-        self.kept = Kept(self.design.machine, self.design.changes, time.strftime("%H:%M"), shown)
+        self.kept = KeptDesign(self.design.machine, self.design.changes, time.strftime("%H:%M"), shown)
         self.renew()
-        self._tell("kept")
+        self._notify("kept")
 
     def drop(self) -> None:
-        """Forget A."""
+        """Drop A."""
         self.kept = None
-        self._tell("kept")
+        self._notify("kept")
 
     def renew(self) -> None:
-        """Ask for new results: the design has changed, or what is looked at."""
+        """Request new results: the design, the step or the tolerances have changed."""
         self.number += 1
-        if isinstance(self.shown.cloud, Cloud) and self.shown.cloud.seconds > QUICK:
+        if isinstance(self.shown.cloud, StepCloud) and self.shown.cloud.seconds > QUICK_CLOUD_TIME:
             self.worker.overtake(self._tab, self._requests + 1)
-        for wanted in self._wanted:
-            wanted.set()
-        self._tell("design")
+        for requested in self._requested:
+            requested.set()
+        self._notify("design")
+
+    async def reload(self) -> list[str]:
+        """Read the description again and overlay all changes, also those made during the reading.
+
+        Returns:
+            Paths of changes that are refused now and were dropped.
+
+        Raises:
+            InputError: the description can't be read; nothing changes.
+        """
+        while True:
+            changes = self.design.changes
+            design, dropped = await self.worker.perform(reread, self.design, what="the reading of the file")
+            if self.design.changes is changes:
+                self.design.become(design)
+                return dropped
+
+    async def save(self, path: Path) -> None:
+        """Write the design as a description, without changes made meanwhile; errors are those of `saving.save`."""
+        opened = self.design.opened
+        saved = await self.worker.perform(write_design, self.design, path, what="the saving")
+        if self.design.opened is opened:
+            self.design.opened = saved
 
     @property
     def findings(self) -> list[Finding]:
         """Findings of the design rules and checks, worst first."""
-        found = [*(self.shown.figures.findings if self.shown.figures else ()), *self.stale]
-        return sorted(found, key=lambda finding: ORDER.index(finding.severity))
+        findings = [*(self.shown.figures.findings if self.shown.figures else ()), *self.stale]
+        return sorted(findings, key=lambda finding: SEVERITY_ORDER.index(finding.severity))
 
     async def follow(self) -> None:
-        """Bring results for the newest request, again and again."""
-        for wanted in self._wanted:
-            wanted.set()
+        """Compute results for the newest request, again after each new one, until cancelled."""
+        for requested in self._requested:
+            requested.set()
         async with asyncio.TaskGroup() as group:
-            group.create_task(self._again(self._wanted[0], self._bring_figures))
-            group.create_task(self._again(self._wanted[1], self._bring_cloud))
+            group.create_task(self._repeat_update(self._requested[0], self._update_figures))
+            group.create_task(self._repeat_update(self._requested[1], self._update_cloud))
 
-    async def _again(self, wanted: asyncio.Event, bring: Callable[[int], Awaitable[None]]) -> None:
+    async def _repeat_update(self, requested: asyncio.Event, update: Callable[[int], Awaitable[None]]) -> None:
+        """Update results after each request, until cancelled; an unexpected error becomes a finding on the page."""
         while True:
-            await wanted.wait()
-            wanted.clear()
+            await requested.wait()
+            requested.clear()
             try:
-                await bring(self.number)
-            except asyncio.CancelledError:  # another page of this session may have been overtaken by what ends here
-                wanted.set()
+                await update(self.number)
+            except (
+                asyncio.CancelledError
+            ):  # the work that ends here may have replaced that of another page of this session
+                requested.set()
                 raise
-            except Exception as error:  # a law or a library failed: the person goes on, and knows
+            except Exception as error:  # a law or a library failed: the person is informed and continues
                 what = f"results can't be computed ({type(error).__name__}: {error})"
                 self.stale = [Finding("error", "results", self.design.machine.origin, what, "undo the last edit")]
-                self._tell("figures")
+                self._notify("figures")
 
-    async def _bring_figures(self, number: int) -> None:
+    async def _update_figures(self, number: int) -> None:
+        """Compute the figures of the joint and of design A, then the outdated values if the design is the newest."""
         design, joint = self.design, self.step.joint
-        figures = await self._beside(find_figures, self._tab, False, design.machine, joint)
+        figures = await self._design_in_process(find_figures, self._tab, False, design.machine, joint)
         self.shown.figures, self.shown.figures_number = figures, number
-        self._tell("figures")
+        self._notify("figures")
         kept = self.kept
         if kept is not None and (kept.shown.figures is None or kept.shown.figures.joint != joint):
-            kept.shown.figures = await self._beside(find_figures, self._tab, True, kept.machine, joint)
-            self._tell("kept")
+            kept.shown.figures = await self._design_in_process(find_figures, self._tab, True, kept.machine, joint)
+            self._notify("kept")
         if number == self.number:
-            found = await self._beside(find_stale, design)
-            if number == self.number and found != self.stale:
-                self.stale = found
-                self._tell("figures")
+            stale = await self._design_in_process(find_stale, design)
+            if number == self.number and stale != self.stale:
+                self.stale = stale
+                self._notify("figures")
 
-    async def _beside(self, work: Callable[..., Result], *arguments: Any) -> Result:
-        return await self.worker.beside.call(work, *arguments, limit=LIMIT, what="the design of a joint")
+    async def _design_in_process(self, work: Callable[..., Result], *arguments: Any) -> Result:
+        return await self.worker.perform(work, *arguments, what="the design of a joint")
 
-    async def _bring_cloud(self, number: int) -> None:
+    async def _update_cloud(self, number: int) -> None:
+        """Simulate the step with the cloud, and of design A if its step differs; keep the present one if overtaken."""
         self.waiting_since = time.monotonic()
-        found = await self._cloud(self.design.machine)
-        if found is None:
+        cloud = await self._cloud(self.design.machine)
+        if cloud is None:
             return
-        self.shown.cloud, self.shown.cloud_number, self.waiting_since = found, number, None
-        self._tell("cloud")
+        self.shown.cloud, self.shown.cloud_number, self.waiting_since = cloud, number, None
+        self._notify("cloud")
         kept = self.kept
-        if kept is not None and not (isinstance(kept.shown.cloud, Cloud) and kept.shown.cloud.step == self.step):
+        if kept is not None and not (isinstance(kept.shown.cloud, StepCloud) and kept.shown.cloud.step == self.step):
             kept.shown.cloud = await self._cloud(kept.machine)
-            self._tell("kept")
+            self._notify("kept")
 
-    async def _cloud(self, machine: Machine) -> Cloud | LayflatError | None:
+    async def _cloud(self, machine: Machine) -> StepCloud | LayflatError | None:
         self._requests += 1
         return await self.worker.cloud(self._tab, self._requests, machine, self.step, self.tolerances)
 
-    def _tell(self, what: What) -> None:
+    def _notify(self, what: ChangedPart) -> None:
         for listener in self._listeners:
             listener(what)

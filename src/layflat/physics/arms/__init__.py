@@ -3,65 +3,68 @@
 import numpy as np
 
 from layflat.jit import composition, kernel, law
-from layflat.kinds import Table
+from layflat.kinds import KindTable
 from layflat.lanes import each, gather, write_numbers
 from layflat.physics.arms import chain, planar
 from layflat.physics.arms.chain.space import Vector
-from layflat.physics.arms.kind import NONE, ArmKind, ArmLaws, ArmPart
+from layflat.physics.arms.kind import NO_TORQUE, ArmKind, ArmLaws, ArmPart
 
-ARMS: Table[ArmKind] = Table("arm", planar.KIND, chain.KIND)
+ARM_KINDS: KindTable[ArmKind] = KindTable("arm", planar.KIND, chain.KIND)
 
-dynamics = ARMS.law("dynamics")
-points = ARMS.law("points")
+dynamics = ARM_KINDS.law("dynamics")
+points = ARM_KINDS.law("points")
 
 
 @composition
 def tip(arm, angles):
-    """Position of the tip (m), in the plane or in space (see `ArmLaws`), from a tuple of the joints' angles."""
+    """Return the position of the tip (m), in the plane or in space (see `ArmLaws`), at joint angles (rad), a tuple."""
     return points(arm, angles)[-1]
 
 
 @law
-def _level(point):
+def _to_space(point):
     x, y = point
     return Vector(x, y, 0.0 * x)
 
 
 @composition
-def _level_points(arm, angles):
-    return each(_level, points(arm, angles))
+def _planar_points_in_space(arm, angles):
+    return each(_to_space, points(arm, angles))
 
 
 @law
-def _up(angle):
+def _vertical_axis(angle):
     zero = 0.0 * angle
     return Vector(zero, zero, zero + 1.0)
 
 
 @composition
-def _all_up(arm, angles):  # noqa: ARG001  (as of all arms)
-    return each(_up, angles)
+def _vertical_axes(arm, angles):  # noqa: ARG001  (signature of all arms)
+    return each(_vertical_axis, angles)
 
 
-points_in_space = ARMS.law(lambda laws: points if laws.axes == 3 else _level_points)
-"""As `points`, with three coordinates whatever the arm."""
+points_in_space = ARM_KINDS.law(lambda laws: points if laws.axes == 3 else _planar_points_in_space)
+"""Positions of joints and tip, as `points`, with three coordinates whatever the arm."""
 
-turning = ARMS.law(lambda laws: laws.turning or _all_up)
-"""Directions of the joints' axes, (x, y, z) of length 1, from a tuple of the joints' angles."""
+joint_axes = ARM_KINDS.law(lambda laws: laws.axis_directions or _vertical_axes)
+"""Unit vectors (x, y, z) of the joints' axes at joint angles (rad), a tuple."""
 
 
 @composition
-def _level_tip(arm, angles):
-    return _level(tip(arm, angles))
+def _planar_tip_in_space(arm, angles):
+    return _to_space(tip(arm, angles))
 
 
-tip_in_space = ARMS.law(lambda laws: tip if laws.axes == 3 else _level_tip)
-"""As `tip`, with three coordinates whatever the arm."""
+tip_in_space = ARM_KINDS.law(lambda laws: tip if laws.axes == 3 else _planar_tip_in_space)
+"""Position of the tip, as `tip`, with three coordinates whatever the arm."""
 
 
 @kernel
-def tips_along(arm, like, q):
-    """Positions of the tip, (instants, axes), m, from angles (instants, joints), rad; `like`: an item a joint."""
+def tip_positions(arm, like, q):
+    """Return positions of the tip, (instants, axes), m, at angles (instants, joints), rad.
+
+    `like` is a tuple with an item a joint.
+    """
     tips = np.empty((len(q), len(tip(arm, like))))
     for i in range(len(q)):
         write_numbers(tips[i], tip(arm, gather(like, q[i])))
@@ -69,32 +72,32 @@ def tips_along(arm, like, q):
 
 
 @kernel
-def joints_along(arm, like, q):
-    """Positions of joints and tip, (instants, joints + 1, 3), m, and directions of axes, (instants, joints, 3).
+def joint_positions_and_axes(arm, like, q):
+    """Return positions of joints and tip, (instants, joints + 1, 3), m, and axes, (instants, joints, 3), of length 1.
 
-    From angles (instants, joints), rad; `like`: an item a joint.
+    They are those at angles (instants, joints), rad; `like` is a tuple with an item a joint.
     """
     n = len(like)
     places, axes = np.empty((len(q), n + 1, 3)), np.empty((len(q), n, 3))
     for i in range(len(q)):
         angles = gather(like, q[i])
         write_numbers(places[i].reshape(3 * n + 3), points_in_space(arm, angles))
-        write_numbers(axes[i].reshape(3 * n), turning(arm, angles))
+        write_numbers(axes[i].reshape(3 * n), joint_axes(arm, angles))
     return places, axes
 
 
 __all__ = [
-    "ARMS",
-    "NONE",
+    "ARM_KINDS",
+    "NO_TORQUE",
     "ArmKind",
     "ArmLaws",
     "ArmPart",
     "dynamics",
-    "joints_along",
+    "joint_axes",
+    "joint_positions_and_axes",
     "points",
     "points_in_space",
     "tip",
     "tip_in_space",
-    "tips_along",
-    "turning",
+    "tip_positions",
 ]

@@ -11,16 +11,16 @@ from layflat.description import units as u
 from layflat.errors import KindError
 from layflat.jit import law
 from layflat.kind_checks import MisfitError, check_items, check_numbers, naming_law, tolerating_arithmetic
-from layflat.kinds import REQUIRED, Kind, KindPart
+from layflat.kinds import REQUIRED_ENTRY, Kind, KindPart
 from layflat.lanes import select
 from layflat.physics.arms.bodies import RigidArm
 
 Law = Callable[..., Any]
 
-MOST = 7  # joints of an arm
+MAX_JOINTS = 7  # joints of an arm
 
-NONE = -0.0
-"""A torque that is not there: added to any number it leaves every bit as it was, which +0.0 does not do to -0.0."""
+NO_TORQUE = -0.0
+"""No torque: added to any number it leaves every bit as it was, which +0.0 does not do to -0.0."""
 
 
 class ArmPart(KindPart):
@@ -28,10 +28,11 @@ class ArmPart(KindPart):
 
     joints: Annotated[tuple[str, ...], Field(min_length=1)]
     payload: u.Payload
-    own_links: ClassVar[bool] = False  # whether it says itself what its links are: its joints then need none
+    own_links: ClassVar[bool] = False  # whether it describes its links itself: its joints then need none
 
     @model_validator(mode="after")
-    def _each_once(self) -> Self:
+    def _check_distinct_joints(self) -> Self:
+        """Raise ValueError if a joint is named twice."""
         for place, name in enumerate(self.joints):
             if name in self.joints[:place]:
                 raise ValueError(f"joints names {name!r} twice; name each joint once")
@@ -40,19 +41,19 @@ class ArmPart(KindPart):
 
 @dataclass(frozen=True, kw_only=True)
 class ArmLaws:
-    """The laws of arms whose parameters are of one class. Angles and torques are tuples with an item per joint."""
+    """Laws of the arms whose parameters are of one class. Angles and torques are tuples with an item per joint."""
 
-    joints: int | None  # how many joints such an arm has; None: as many as its parameters say
+    joints: int | None  # number of joints of such an arm; None: the parameters say it
     dynamics: Law
     """`dynamics(arm, payload, q, v)` yields three tuples at angles q (rad) and velocities v (rad/s): the upper triangle
-    of the mass matrix, row by row (kg m2); the torques that come of the velocities (N m, `NONE` where there are none);
-    and those that come of the angles (gravity, springs)."""
+    of the mass matrix, row by row (kg m2); the velocity-dependent torques (N m, `NO_TORQUE` where there are none); and
+    the angle-dependent ones (gravity, springs)."""
     points: Law
     """`points(arm, q)` yields positions of all joints from the base on, and of the tip, m: (x, y), x along link 1 at
     mid-stroke; or (x, y, z) in the frame of the base."""
     axes: int = 2  # of these positions
-    turning: Law | None = None
-    """`turning(arm, q)` yields the direction of each joint's axis, (x, y, z) of length 1; None: all turn about z."""
+    axis_directions: Law | None = None
+    """`axis_directions(arm, q)` yields each joint's axis, unit vector (x, y, z) in the base frame; None: all are z."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -65,24 +66,27 @@ class ArmKind(Kind):
     bodies: Callable[..., RigidArm] | None = None
     """`bodies(described, joints)` yields the arm as rigid bodies, for other engines and pictures; None: it has none."""
 
-    laws: Mapping[type, ArmLaws] = REQUIRED  # by class of the parameters
+    laws: Mapping[type, ArmLaws] = REQUIRED_ENTRY  # by class of the parameters
 
     def __post_init__(self) -> None:
         """Refuse parameters without laws."""
         super().__post_init__()
         for cls in self.parameter_types:
-            if cls not in self.laws or self.laws[cls].joints not in (None, *range(1, MOST + 1)):
+            if cls not in self.laws or self.laws[cls].joints not in (None, *range(1, MAX_JOINTS + 1)):
                 raise KindError(
-                    f"{cls.__name__} has no laws for one to {MOST} joints", where=f"kind {self.name!r} of arm"
+                    f"{cls.__name__} has no laws for one to {MAX_JOINTS} joints", where=f"kind {self.name!r} of arm"
                 )
 
     def guarded(self) -> "ArmKind":
-        """Return the kind with a mass matrix that is not a number where its first item is not positive."""
-        laws = {cls: replace(own, dynamics=_positive(own.dynamics)) for cls, own in self.laws.items()}
+        """Return the kind with a mass matrix that becomes nan where its first item is not positive."""
+        laws = {
+            cls: replace(of_class, dynamics=_with_positive_mass(of_class.dynamics))
+            for cls, of_class in self.laws.items()
+        }
         return replace(self, laws=laws)
 
     def try_laws(self, parameters: Any, *described: Any) -> None:
-        """Hold an arm at two postures, and check what the laws return; raise KindError if that is something else."""
+        """Call the laws of an arm in two configurations; raise KindError if a result has a wrong shape or value."""
         laws, count, thing = self.laws[type(parameters)], len(described[0].joints), f"arm {self.name!r}"
         for angle in (0.0, 0.2):
             q, v = (angle,) * count, (0.1,) * count
@@ -101,12 +105,14 @@ class ArmKind(Kind):
                 for point in points:
                     check_numbers(point, laws.axes, "a position")
 
-    def entries(self) -> Mapping[type, Any]:
-        """Return the holder of the laws by class of the parameters."""
+    def laws_by_parameter_type(self) -> Mapping[type, Any]:
+        """Return the objects with the compiled laws, by type of the laws' parameters."""
         return self.laws
 
 
-def _positive(dynamics_of: Law) -> Law:
+def _with_positive_mass(dynamics_of: Law) -> Law:
+    """Return the dynamics, with NaN in place of a first mass (kg m2) that is not positive."""
+
     @law
     def dynamics(arm, payload, q, v):
         masses, of_velocities, of_angles = dynamics_of(arm, payload, q, v)

@@ -22,8 +22,8 @@ from pydantic import Field
 from layflat.description import units as u
 from layflat.jit import composition, law
 from layflat.lanes import halves, join
-from layflat.physics.arms.bodies import RigidArm, RigidLink, lumped, point, turned_by
-from layflat.physics.arms.kind import NONE, ArmKind, ArmLaws, ArmPart
+from layflat.physics.arms.bodies import RigidArm, RigidLink, lump_bodies, point_mass_body, rotation_from_angles
+from layflat.physics.arms.kind import NO_TORQUE, ArmKind, ArmLaws, ArmPart
 from layflat.physics.trig import sincos
 
 STANDARD_GRAVITY = 9.80665  # m/s2
@@ -76,7 +76,7 @@ class LevelTwoLink(NamedTuple):
 
 
 def parameters(described: PlanarArmPart, joints: Sequence[Any]) -> OneLink | TwoLink | LevelTwoLink:
-    """Masses of the arm, without payload."""
+    """Return the parameters of the described arm, without payload; joints from base to tip."""
     g_x = described.gravity * np.cos(described.gravity_direction)
     g_y = described.gravity * np.sin(described.gravity_direction)
     first = joints[0].planar_link
@@ -105,7 +105,7 @@ def parameters(described: PlanarArmPart, joints: Sequence[Any]) -> OneLink | Two
 
 
 def bodies(described: PlanarArmPart, joints: Sequence[Any]) -> RigidArm:
-    """Return the arm as rigid bodies in the plane z = 0, x along each link; what gravity is not in it acts across."""
+    """Return the arm as rigid bodies in the plane z = 0, x along each link; the rest of gravity acts along -z."""
     g_x = described.gravity * np.cos(described.gravity_direction)
     g_y = described.gravity * np.sin(described.gravity_direction)
     carried = [joint.body.mass for joint in joints[1:]] + [0.0]
@@ -114,8 +114,8 @@ def bodies(described: PlanarArmPart, joints: Sequence[Any]) -> RigidArm:
         link, end = joint.planar_link, (joint.planar_link.length, 0.0, 0.0)
         across = link.inertia + link.rotor_inertia
         own = link.mass, np.array([link.centre, 0.0, 0.0]), np.diag([link.rotor_inertia, across, across])
-        axes, axis = turned_by((0.0, 0.0, turn)), np.array([0.0, 0.0, 1.0])
-        links.append(RigidLink(np.array([at, 0.0, 0.0]), axes, axis, *lumped([own, point(load, end)])))
+        axes, axis = rotation_from_angles((0.0, 0.0, turn)), np.array([0.0, 0.0, 1.0])
+        links.append(RigidLink(np.array([at, 0.0, 0.0]), axes, axis, *lump_bodies([own, point_mass_body(load, end)])))
         at, turn = link.length, described.elbow
     across = -np.sqrt(max(STANDARD_GRAVITY**2 - g_x**2 - g_y**2, 0.0))
     return RigidArm(tuple(links), np.array([at, 0.0, 0.0]), np.eye(3), np.array([g_x, g_y, across]))
@@ -123,20 +123,20 @@ def bodies(described: PlanarArmPart, joints: Sequence[Any]) -> RigidArm:
 
 @law
 def one_link_mass(arm, m_p):
-    """Inertia about the joint, kg m2."""
+    """Return the inertia about the joint with a payload m_p (kg), kg m2."""
     return arm.inertia + m_p * arm.length * arm.length
 
 
 @law
 def one_link_gravity(arm, m_p, q):
-    """Torque of gravity on the joint, N m."""
+    """Return the torque of gravity on the joint, N m."""
     sin_q, cos_q = sincos(q)
     return (arm.moment + m_p * arm.length) * (arm.gravity_y * cos_q - arm.gravity_x * sin_q)
 
 
 @law
 def two_link_mass(arm, m_p, sin_2, cos_2):
-    """M_11, M_12, M_22 and the Coriolis coefficient h = b sin(q_2 + e), from sine and cosine of q_2 + e."""
+    """Return M_11, M_12, M_22 and the Coriolis coefficient h = b sin(q_2 + e), from sine and cosine of q_2 + e."""
     b = arm.b + m_p * arm.length_1 * arm.length_2
     c = arm.c + m_p * arm.length_2 * arm.length_2
     a = arm.a + m_p * (arm.length_1 * arm.length_1 + arm.length_2 * arm.length_2)
@@ -145,13 +145,13 @@ def two_link_mass(arm, m_p, sin_2, cos_2):
 
 @law
 def two_link_coriolis(h, v_1, v_2):
-    """Torques that the velocities cause, N m."""
+    """Return the Coriolis and centrifugal torques on both joints, N m."""
     return h * v_2 * (2.0 * v_1 + v_2), -h * v_1 * v_1
 
 
 @law
 def two_link_gravity(arm, m_p, sin_1, cos_1, sin_2, cos_2):
-    """Torques of gravity on both joints, N m, from sine and cosine of q_1 and of q_2 + e."""
+    """Return the torques of gravity on both joints, N m, from sine and cosine of q_1 and of q_2 + e."""
     sin_t = sin_1 * cos_2 + cos_1 * sin_2
     cos_t = cos_1 * cos_2 - sin_1 * sin_2
     first = (arm.moment_1 + m_p * arm.length_1) * (arm.gravity_y * cos_1 - arm.gravity_x * sin_1)
@@ -160,12 +160,13 @@ def two_link_gravity(arm, m_p, sin_1, cos_1, sin_2, cos_2):
 
 
 @law
-def _one_link(arm, m_p, q, v):  # noqa: ARG001  (as of all arms)
-    return (one_link_mass(arm, m_p),), (NONE,), (one_link_gravity(arm, m_p, q[0]),)
+def _one_link(arm, m_p, q, v):  # noqa: ARG001  (signature of all arms)
+    return (one_link_mass(arm, m_p),), (NO_TORQUE,), (one_link_gravity(arm, m_p, q[0]),)
 
 
 @composition
 def _two_link(arm, m_p, q, v):
+    """Return masses (M_11, M_12, M_22), Coriolis torques (2) and gravity torques (2) of two links at q and v."""
     sines, cosines = sincos(join(q[0], q[1] + arm.elbow))
     (sin_1, sin_2), (cos_1, cos_2) = halves(sines), halves(cosines)
     M_11, M_12, M_22, coupling = two_link_mass(arm, m_p, sin_2, cos_2)
@@ -188,6 +189,7 @@ def _one_link_points(arm, q):
 
 @law
 def _two_link_points(arm, q):
+    """Return the points (x, y) of shoulder, elbow and tip in the arm's plane, m."""
     sin_1, cos_1 = sincos(q[0])
     sin_2, cos_2 = sincos(q[1] + arm.elbow)
     elbow = arm.length_1 * cos_1, arm.length_1 * sin_1

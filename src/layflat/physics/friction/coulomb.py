@@ -1,4 +1,4 @@
-"""Coulomb friction: a joint holds up to the torque at which it slides, that of its brake."""
+"""Coulomb friction: the joint slips at the torque of its brake, at rest and at any speed."""
 
 from typing import Literal, NamedTuple
 
@@ -13,17 +13,17 @@ class CoulombPart(FrictionPart):
 
 
 class Coulomb(NamedTuple):
-    """Nothing but the brake's torque."""
+    """Parameters of Coulomb friction: none, as the brake's torque is a signal."""
 
 
-def parameters(described: CoulombPart) -> Coulomb:  # noqa: ARG001  (as of all kinds)
-    """Return what stands for any Coulomb friction."""
+def parameters(described: CoulombPart) -> Coulomb:  # noqa: ARG001  (signature of all kinds)
+    """Return the parameters of Coulomb friction."""
     return Coulomb()
 
 
 @law
-def brake_alone(friction, brake, speed, pull):  # noqa: ARG001  (as of all kinds)
-    """Torque at which the shaft slips: that of the brake, N m."""
+def brake_alone(friction, brake, speed, pull):  # noqa: ARG001  (signature of all kinds)
+    """Return the torque at which the shaft slips: that of the brake, N m."""
     return brake
 
 

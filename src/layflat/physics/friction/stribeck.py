@@ -6,7 +6,7 @@
 | F_b | that of the brake | N m |
 | F_0 | drag of bearings and seals without load | N m |
 | mu | torque of friction over the torques of both hoses | 1 |
-| T | torques of both hoses, added up: what the straps pull | N m |
+| T | sum of the torques of both hoses, the load of the straps | N m |
 | s | static over kinetic friction, less one | 1 |
 | v, v_s | speed, Stribeck velocity | rad/s |
 
@@ -28,7 +28,7 @@ StaticRatio = Annotated[float, Field(ge=1.0, le=10.0)]
 
 
 class StribeckPart(FrictionPart):
-    """Static friction above kinetic friction, with a fall over speed; drag and load of the bearings."""
+    """Description of Stribeck friction: static and kinetic level, drag and load of the bearings."""
 
     kind: Literal["stribeck"]
     static_ratio: StaticRatio = Field(description="static over kinetic friction, 1 or more")
@@ -36,7 +36,7 @@ class StribeckPart(FrictionPart):
     drag: u.Torque = Field(
         default=0.0, description="kinetic friction of bearings and seals without load, whatever the brake's signal"
     )
-    load_share: u.Share = Field(
+    load_ratio: u.Share = Field(
         default=0.0,
         description="kinetic friction of the bearings over the torques of both hoses, added up: coefficient of friction"
         " x radius of the bearing / radius at which the strap pulls",
@@ -44,34 +44,34 @@ class StribeckPart(FrictionPart):
 
 
 class Stribeck(NamedTuple):
-    """Parameters: s, 1/v_s^2, F_0 and mu of the module's table."""
+    """Parameters of Stribeck friction: s, 1/v_s^2, F_0 and mu of the module's table."""
 
     excess: float
     per_velocity_squared: float
     drag: float
-    load_share: float
+    load_ratio: float
 
 
 def parameters(described: StribeckPart) -> Stribeck:
-    """Parameters of what a file says."""
+    """Return the parameters of a description."""
     return Stribeck(
         described.static_ratio - 1.0,
         1.0 / (described.velocity * described.velocity),
         described.drag,
-        described.load_share,
+        described.load_ratio,
     )
 
 
 @law
 def falling_share(excess, per_velocity_squared, speed):
-    """Friction over kinetic friction: 1 + s at rest, 1 + s/2 at the Stribeck velocity, 1 far above."""
+    """Return friction over kinetic friction: 1 + s at rest, 1 + s/2 at the Stribeck velocity, 1 far above."""
     return 1.0 + excess / (1.0 + speed * speed * per_velocity_squared)
 
 
 @law
 def falling_level(friction, brake, speed, pull):
-    """Torque at which the shaft slips, N m."""
-    kinetic = brake + friction.drag + friction.load_share * pull
+    """Return the torque at which the shaft slips, N m."""
+    kinetic = brake + friction.drag + friction.load_ratio * pull
     return kinetic * falling_share(friction.excess, friction.per_velocity_squared, speed)
 
 

@@ -1,48 +1,48 @@
-"""Dry friction over a step in which a joint may come to rest, turn round, or stay there.
+"""Dry friction over a step in which a joint may come to rest, reverse, or stay at rest.
 
 | symbol | meaning | unit |
 |---|---|---|
 | M | mass matrix, upper triangle | kg m2 |
-| p | momentum (M v)_i that the step would end with, were there no friction | kg m2 rad/s |
+| p | momentum (M v)_i after the step if there were no friction | kg m2 rad/s |
 | u, w | velocities before and after the step | rad/s |
-| B | greatest impulse of friction in this step: torque x step | N m s |
-| low, high | least and greatest impulse of friction in this step: -B and B | N m s |
-| S | the same of a joint that stands still at some instant of the step | N m s |
+| B | maximum impulse of friction in this step: torque x step | N m s |
+| low, high | minimum and maximum impulse of friction in this step: -B and B | N m s |
+| S | B of a joint that is at rest at some instant of the step | N m s |
 | J | impulse of friction | N m s |
-| f | share of the step after which the first joint is at rest | 1 |
+| f | fraction of the step after which the first joint is at rest | 1 |
 
-Friction turns with the velocity. Were it against the way at the end from the beginning of the step on, each turn would
-leave an error of the order of B h. So what moves is taken to move on, against all of its friction, and what rests to
-rest or to slip, as `brake_one`, `brake_two` and pivoting.py find. Where a joint would pass zero, the step is parted: up
-to the first rest all is as it was taken to be, in proportion to time; from there the rest of the step is solved.
-Friction takes energy in both parts.
+Friction reverses with the velocity. If it opposed the final direction from the beginning of the step on, each reversal
+would leave an error of the order of B h. So a moving joint is first assumed to keep its direction, against all of its
+friction, and a joint at rest to stay or to slip, as `brake_one`, `brake_two` and pivoting.py compute. Where a joint
+would pass zero, the step is split: up to the first rest the assumed solution holds, in proportion to time; from there
+the remaining step is solved. Friction dissipates energy in both parts.
 
-Where friction depends on velocity, B is that of the velocity in the middle of the step, and a joint whose velocity
-would pass zero in that rest is solved for once more with what holds it there, S.
+Where friction depends on velocity, B is that at the velocity in the middle of the step, and a joint whose velocity
+would pass zero in the remaining step is solved for once more with its holding impulse S.
 
 One or two joints are solved in closed form: find J within low and high such that each joint either stands still, or
 slides with J = low forward, with J = high back, where M v = p + J. This is the optimality condition of a convex
 quadratic in J over a box; the exact minimiser is found (see docs/derivations.md): minimise over J_2 first, clip J_1,
-then solve for J_2 again. The minimum can't have more kinetic energy than p has, whatever B is: friction only takes.
-Where friction is known, low is high.
+then solve for J_2 again. The minimum can't have more kinetic energy than p has, whatever B is: friction only
+dissipates. Where friction is known, low is high.
 """
 
 from layflat.jit import composition, law
 from layflat.lanes import anywhere, each, select, total
-from layflat.physics.algebra import least, minus, times
+from layflat.physics.algebra import min_item, multiply_symmetric, negate
 from layflat.physics.friction.pivoting import brake_many
 
 
 @law
 def brake_one(M, p, low, high):
-    """Velocity after friction, and the impulse, of a single joint. The velocity of a held joint is exactly 0."""
+    """Return the velocity after friction, and the impulse, of a single joint; if it is held, exactly 0 rad/s."""
     J = min(max(-p, low), high)
     return (p + J) / M, J
 
 
 @law
 def brake_two(M_11, M_12, M_22, p_1, p_2, low_1, low_2, high_1, high_2):
-    """Velocities after friction, and the impulses, of two coupled joints: (v_1, v_2, J_1, J_2)."""
+    """Return the velocities after friction, and the impulses, of two coupled joints: (v_1, v_2, J_1, J_2)."""
     per_det = 1.0 / (M_11 * M_22 - M_12 * M_12)
     J_2 = min(max(-p_2, low_2), high_2)
     needed_1 = (M_12 / M_22) * (p_2 + J_2) - p_1
@@ -56,8 +56,8 @@ def brake_two(M_11, M_12, M_22, p_1, p_2, low_1, low_2, high_1, high_2):
 
 
 @composition
-def _braked(M, p, u, low, high):
-    # In closed form where there is one.
+def _solve_bounded_friction(M, p, u, low, high):
+    """Return velocities w and impulses J of all joints, tuples; in closed form for one or two joints."""
     if len(p) == 1:
         w, J = brake_one(M[0], p[0], low[0], high[0])
         return (w,), (J,)
@@ -68,28 +68,28 @@ def _braked(M, p, u, low, high):
 
 
 @composition
-def _keep(M, p, u, B, S):  # noqa: ARG001  (as `_slide`)
-    return _braked(M, p, u, each(minus, B), B)
+def _solve_constant(M, p, u, B, S):  # noqa: ARG001  (signature of `_solve_varying`)
+    return _solve_bounded_friction(M, p, u, each(negate, B), B)
 
 
 @law
-def _passing(u, v, B, S):
-    # The limit of a joint that goes from velocity u to v: that at rest if there is an instant of rest on the way.
+def _impulse_limit(u, v, B, S):
+    """Return the maximum impulse of a joint whose velocity goes from u to v: that at rest if it passes zero."""
     return select(u * v <= 0.0, S, B)
 
 
 @composition
-def _slide(M, p, u, B, S):
-    v, _ = _keep(M, p, u, B, B)
-    limits = each(_passing, u, v, B, S)
-    return _keep(M, p, u, limits, limits)
+def _solve_varying(M, p, u, B, S):
+    v, _ = _solve_constant(M, p, u, B, B)
+    limits = each(_impulse_limit, u, v, B, S)
+    return _solve_constant(M, p, u, limits, limits)
 
 
 @law
-def _onwards(u, B, S):
-    # Least and greatest impulse, as long as what moves moves on.
-    most = select(u == 0.0, S, B)
-    return select(u < 0.0, most, -most), select(u > 0.0, -most, most)
+def _impulse_bounds(u, B, S):
+    """Return minimum and maximum impulse while a moving joint keeps its direction."""
+    limit = select(u == 0.0, S, B)
+    return select(u < 0.0, limit, -limit), select(u > 0.0, -limit, limit)
 
 
 @law
@@ -98,53 +98,55 @@ def _comes_to_rest(u, w):
 
 
 @law
-def _until_rest(u, onwards):
+def _fraction_until_rest(u, onwards):
     rests = _comes_to_rest(u, onwards) > 0.0
     return select(rests, u / select(rests, u - onwards, 1.0), 1.0)
 
 
 @law
-def _at_rest(u, onwards, f):
-    # Velocity when the first joint is at rest; 0 where none comes to rest, so that there is nothing left to solve.
-    return select(_until_rest(u, onwards) <= f, 0.0, u + f * (onwards - u))
+def _velocity_at_rest(u, onwards, f):
+    """Return the velocity when the first joint is at rest; 0 where none is, so that nothing is left to solve."""
+    return select(_fraction_until_rest(u, onwards) <= f, 0.0, u + f * (onwards - u))
 
 
 @law
-def _later(before, p, begun, f):
-    return before + (1.0 - f) * (p - begun)
+def _remaining_momentum(split, p, start, f):
+    return split + (1.0 - f) * (p - start)
 
 
 @law
-def _left(B, f):
+def _remaining_impulse(B, f):
     return (1.0 - f) * B
 
 
 @law
-def _either(f, parted, whole):
+def _select_parted(f, parted, whole):
     return select(f < 1.0, parted, whole)
 
 
 @law
-def _both(f, J, K, B, S):
-    most = max(B, S)
-    return min(max(f * J + K, -most), most)
+def _total_impulse(f, J, K, B, S):
+    limit = max(B, S)
+    return min(max(f * J + K, -limit), limit)
 
 
-def _turning(solve):
+def _build_solver(solve):
+    """Return the law of friction over a step, for which `solve` computes the remaining step after the first rest."""
+
     @composition
     def parted(M, p, u, B, S, onwards, J):
-        """Velocities and impulses of a step that is parted where the first joint is at rest."""
-        f = least(each(_until_rest, u, onwards))
-        v = each(_at_rest, u, onwards, f)
-        momentum = each(_later, times(M, v), p, times(M, u), f)
-        w, K = solve(M, momentum, v, each(_left, B, f), each(_left, S, f))
-        return each(_either, f, w, onwards), each(_both, f, J, K, B, S)
+        """Return velocities and impulses of a step that is split where the first joint comes to rest."""
+        f = min_item(each(_fraction_until_rest, u, onwards))
+        v = each(_velocity_at_rest, u, onwards, f)
+        momentum = each(_remaining_momentum, multiply_symmetric(M, v), p, multiply_symmetric(M, u), f)
+        w, K = solve(M, momentum, v, each(_remaining_impulse, B, f), each(_remaining_impulse, S, f))
+        return each(_select_parted, f, w, onwards), each(_total_impulse, f, J, K, B, S)
 
     @composition
-    def rub(friction, M, p, u, B, S):  # noqa: ARG001  (by which the law is picked)
+    def rub(friction, M, p, u, B, S):  # noqa: ARG001  (selects the law)
         """Return velocities after friction, and its impulses, tuples; a held joint's velocity is exactly 0."""
-        low, high = each(_onwards, u, B, S)
-        w, J = _braked(M, p, u, low, high)
+        low, high = each(_impulse_bounds, u, B, S)
+        w, J = _solve_bounded_friction(M, p, u, low, high)
         if anywhere(total(each(_comes_to_rest, u, w))):
             w, J = parted(M, p, u, B, S, w, J)
         return w, J
@@ -152,4 +154,4 @@ def _turning(solve):
     return rub
 
 
-keep, slide = _turning(_keep), _turning(_slide)
+solve_constant_friction, solve_varying_friction = _build_solver(_solve_constant), _build_solver(_solve_varying)

@@ -2,11 +2,11 @@
 
 | symbol | meaning | unit |
 |---|---|---|
-| f | torque of the losses, without that of the spring beside them | N m |
+| f | torque of the losses, without that of the parallel spring | N m |
 | s, c | torque of that spring, its stiffness | N m, N m/rad |
-| k | its slope where it carries nothing | N m/rad |
-| Y | the torque that it approaches, Y = Y_0 + Y_1 p_g | N m |
-| beta | share of the law that depends on the way of the motion; the rest, gamma = 1 - beta, does not | 1 |
+| k | slope of f where f = 0 | N m/rad |
+| Y | limit of f, Y = Y_0 + Y_1 p_g | N m |
+| beta | part of the law that depends on the direction of motion; gamma = 1 - beta does not | 1 |
 | n | exponent, 1 to 2: how suddenly it yields | 1 |
 | m | torque along the motion, f sign(turn) | N m |
 | g | |m/Y|^n | 1 |
@@ -24,13 +24,13 @@ from pydantic import Field
 from layflat.description import units as u
 from layflat.jit import law
 from layflat.lanes import in_lanes, select
-from layflat.physics.hysteresis.kind import HysteresisKind, LossesPart, over_pressure
+from layflat.physics.hysteresis.kind import HysteresisKind, LossesPart, split_by_pressure
 
-TINY = 1e-30  # N m: a hose without losses carries nothing of nothing
+TORQUE_FLOOR = 1e-30  # lower limit of a divisor, N m: a hose without losses divides 0 by it
 
 
 class BoucWen(NamedTuple):
-    """Parameters, in the order of the table; of the unloading the factor beta - gamma."""
+    """Parameters of Bouc and Wen's law, in the order of the table; `unloading` is beta - gamma."""
 
     stiffness: float
     base: float
@@ -40,15 +40,15 @@ class BoucWen(NamedTuple):
     spring: float
 
 
-class Torques(NamedTuple):
-    """Torque of the losses, and of the spring beside them, N m."""
+class BoucWenState(NamedTuple):
+    """State: torque of the losses, and of the parallel spring, N m."""
 
     torque: float
     spring: float
 
 
 class BoucWenPart(LossesPart):
-    """A smooth curve: how stiff it begins, how it bends, and how it comes back."""
+    """Description of a smooth curve: initial stiffness, exponent and unloading."""
 
     kind: Literal["bouc-wen"]
     deflection: u.PositiveAngle = Field(
@@ -66,73 +66,73 @@ class BoucWenPart(LossesPart):
 
 
 def parameters(described: BoucWenPart, limit: float) -> BoucWen:
-    """A curve that approaches `limit` (N m) at the reference pressure."""
-    base, slope = over_pressure(described, limit)
+    """Return the parameters of a curve that approaches the limit torque (N m) at the reference pressure."""
+    base, slope = split_by_pressure(described, limit)
     stiffness = limit / described.deflection
     unloading, spring = 2.0 * described.beta - 1.0, described.hardening * stiffness
     return BoucWen(stiffness, base, slope, unloading, described.exponent, spring)
 
 
 @law
-def _bend(n, z):
+def _power(n, z):
     return z * ((2.0 - n) + (n - 1.0) * z)
 
 
 @law
-def _steepness(n, z):
+def _power_slope(n, z):
     return (2.0 - n) + 2.0 * (n - 1.0) * z
 
 
 @law
 def turned(loss, state, turn, p_g, h):  # noqa: ARG001
-    """Torques after a turn at gauge pressure p_g, however long it took.
+    """Return the state after a rotation `turn` (rad) at gauge pressure p_g (Pa); h is not used (rate-independent).
 
-    A turn back first brings the torque to zero, and what is left of it builds it up the other way; each part is one
-    linearly implicit step, of second order, that never makes energy.
+    A reversal first unloads the torque to zero, and the rest of the rotation loads it the other way; each part is one
+    linearly implicit step, of second order, that never generates energy.
     """
     k, n = loss.stiffness, loss.exponent
-    Y = max(loss.base + loss.slope * max(p_g, 0.0), TINY)
-    way = select(turn < 0.0, -1.0, 1.0)
-    x, m = abs(turn), min(max(way * state.torque, -Y), Y)
+    Y = max(loss.base + loss.slope * max(p_g, 0.0), TORQUE_FLOOR)
+    sign = select(turn < 0.0, -1.0, 1.0)
+    x, m = abs(turn), min(max(sign * state.torque, -Y), Y)
     against = max(-m, 0.0)
     z = against / Y
-    rate = k * (1.0 + loss.unloading * _bend(n, z))
-    braked = 0.5 * k / Y * loss.unloading * _steepness(n, z)
-    # As far as the torque is zero; where the turn ends before that, as far as it goes.
-    back = min(x, select(against > 0.0, against / max(rate - braked * against, TINY), 0.0))
-    left = against - back * rate / (1.0 + braked * back)
+    rate = k * (1.0 + loss.unloading * _power(n, z))
+    braked = 0.5 * k / Y * loss.unloading * _power_slope(n, z)
+    # Rotation that unloads the torque to zero, or all of it where it ends before that.
+    back = min(x, select(against > 0.0, against / max(rate - braked * against, TORQUE_FLOOR), 0.0))
+    residual = against - back * rate / (1.0 + braked * back)
     along = max(m, 0.0)
     z = along / Y
     on = x - back
-    gained = on * k * (1.0 - _bend(n, z)) / (1.0 + on * 0.5 * k / Y * _steepness(n, z))
-    return Torques(way * min(along + gained - max(left, 0.0), Y), state.spring + loss.spring * turn)
+    increment = on * k * (1.0 - _power(n, z)) / (1.0 + on * 0.5 * k / Y * _power_slope(n, z))
+    return BoucWenState(sign * min(along + increment - max(residual, 0.0), Y), state.spring + loss.spring * turn)
 
 
 @law
 def torques(loss, state):  # noqa: ARG001
-    """Both torques, N m."""
+    """Return both torques, N m."""
     return state.torque, state.spring
 
 
 @law
 def relaxed(loss):
-    """A hose that carries nothing."""
-    nothing = in_lanes(0.0, loss.stiffness)
-    return Torques(nothing, nothing)
+    """Return the state without torque."""
+    zero = in_lanes(0.0, loss.stiffness)
+    return BoucWenState(zero, zero)
 
 
 @law
 def stored_energy(loss, state):
-    """Energy of both springs, J."""
+    """Return the energy of both springs, J."""
     inside = state.torque * state.torque / loss.stiffness if loss.stiffness > 0.0 else 0.0
     return 0.5 * (inside + (state.spring * state.spring / loss.spring if loss.spring > 0.0 else 0.0))
 
 
 @law
 def loaded(loss, p_g, share):
-    """A share of what it approaches, the spring at rest."""
+    """Return the state with a fraction `share` of the limit torque at p_g, the spring unloaded."""
     carried = share * (loss.base + loss.slope * max(p_g, 0.0))
-    return Torques(carried, 0.0 * carried)
+    return BoucWenState(carried, 0.0 * carried)
 
 
 KIND = HysteresisKind(

@@ -1,4 +1,4 @@
-"""Losses inside hose and strap: elasto-slip elements in parallel, which remember where the motion turned.
+"""Losses inside hose and strap: elasto-slip elements in parallel, with a memory of the reversals of the motion.
 
 | symbol | meaning | unit |
 |---|---|---|
@@ -10,35 +10,41 @@
 An element is a spring in series with a Coulomb slider (Prandtl-Ishlinskii model, Visintin 1994, key visintin1994). For
 a motion much smaller than Y/k it is a spring and loses nothing: the reason why such hysteresis damps little. A branch
 of a loop is the first way out at twice its size (Masing's rule), whatever the elements.
+
+A spectrum is any number of elements from four numbers. They slip at deflections in geometric progression, from the
+first slip to the last, and their weights are a power of these: weight ~ deflection^slope. With slope 0 each decade of
+the motion's size takes an equal part of the loss; the more elements, the smoother the curve (iwan1966).
 """
 
 from collections.abc import Sequence
-from typing import Annotated, Literal, NamedTuple, Self
+from typing import Annotated, Any, Literal, NamedTuple, Self
 
+import numpy as np
 from pydantic import Field, model_validator
 
+from layflat.description import ordered
 from layflat.description import units as u
 from layflat.jit import law
 from layflat.lanes import each, in_lanes, total
-from layflat.physics.hysteresis.kind import HysteresisKind, LossesPart, over_pressure
+from layflat.physics.hysteresis.kind import HysteresisKind, LossesPart, split_by_pressure
 
 
 class ElastoSlip(NamedTuple):
-    """Parameters of each element: stiffness, slip torque without pressure, and slip torque per gauge pressure."""
+    """Parameters of each element: k (N m/rad), Y_0 (N m) and Y_1 (N m/Pa) of the module's table."""
 
     stiffness: tuple[float, ...]
     base: tuple[float, ...]
     slope: tuple[float, ...]
 
 
-class Elements(NamedTuple):
+class ElementTorques(NamedTuple):
     """Torques of the elements, N m."""
 
     torque: tuple[float, ...]
 
 
 class ElastoSlipPart(LossesPart):
-    """Losses of hose and strap by pressure and size of the motion."""
+    """Description of elasto-slip elements, one by one."""
 
     kind: Literal["elasto-slip"] = "elasto-slip"
     deflections: Annotated[tuple[u.PositiveAngle, ...], Field(min_length=1)] = Field(
@@ -49,7 +55,8 @@ class ElastoSlipPart(LossesPart):
     )
 
     @model_validator(mode="after")
-    def _adds_up(self) -> Self:
+    def _check_weights(self) -> Self:
+        """Raise ValueError unless each deflection has a weight, and the weights add up to 1."""
         if len(self.weights) != len(self.deflections):
             raise ValueError("weights must be as many as deflections")
         if abs(sum(self.weights) - 1.0) > 1e-9:
@@ -57,61 +64,72 @@ class ElastoSlipPart(LossesPart):
         return self
 
 
-def elements(described: LossesPart, deflections: Sequence[float], weights: Sequence[float], limit: float) -> ElastoSlip:
-    """Elements that slip after `deflections` (rad) at their shares of `limit` (N m), both at the reference pressure."""
+def elasto_slip_elements(
+    described: LossesPart, deflections: Sequence[float], weights: Sequence[float], limit: float
+) -> ElastoSlip:
+    """Return the parameters of elements in parallel.
+
+    Args:
+        described: pressure dependence.
+        deflections: rotations after which the elements slip at the reference pressure, rad.
+        weights: fraction of each element in the limit torque.
+        limit: torque that all elements carry together at the reference pressure, N m.
+    """
     limits = [weight * limit for weight in weights]
     stiffness = tuple(y / d for y, d in zip(limits, deflections, strict=True))
-    base, slope = zip(*(over_pressure(described, y) for y in limits), strict=True)
+    base, slope = zip(*(split_by_pressure(described, y) for y in limits), strict=True)
     return ElastoSlip(stiffness, base, slope)
 
 
 def parameters(described: ElastoSlipPart, limit: float) -> ElastoSlip:
-    """Elements that slip at `limit` (N m) in all at the reference pressure."""
-    return elements(described, described.deflections, described.weights, limit)
+    """Return the parameters of elements that carry the limit torque (N m) together at the reference pressure."""
+    return elasto_slip_elements(described, described.deflections, described.weights, limit)
 
 
 @law
-def slip(f, k, Y, turn):
-    """Torque of an element after the joint has turned by `turn` rad."""
+def slip_element(f, k, Y, turn):
+    """Return the torque of an element after a rotation of the joint by `turn` rad."""
     return min(max(f + k * turn, -Y), Y)
 
 
 @law
-def share_carried(wanted, limit):
-    """Share of their limits that elements carry so that `wanted` is met, -1..1, where no log shows how they begin."""
-    return min(max(wanted / limit, -1.0), 1.0) if limit > 0.0 else 0.0
+def carried_fraction(torque, limit):
+    """Return the fraction of their limits at which elements carry a torque together, -1..1 (assumed initial state)."""
+    return min(max(torque / limit, -1.0), 1.0) if limit > 0.0 else 0.0
 
 
 @law
-def _slipped(f, k, Y_0, Y_1, turn, p_g):
-    return slip(f, k, Y_0 + Y_1 * p_g, turn)
+def _slip_at_pressure(f, k, Y_0, Y_1, turn, p_g):
+    return slip_element(f, k, Y_0 + Y_1 * p_g, turn)
 
 
 @law
-def _carrying(Y_0, Y_1, p_g, share):
+def _loaded_torque(Y_0, Y_1, p_g, share):
     return share * (Y_0 + Y_1 * p_g)
 
 
 @law
-def _nothing(k):
+def _zero_torque(k):
     return in_lanes(0.0, k)
 
 
 @law
 def relaxed(loss):
-    """Elements that carry nothing."""
-    return Elements(each(_nothing, loss.stiffness))
+    """Return the state of unloaded elements."""
+    return ElementTorques(each(_zero_torque, loss.stiffness))
 
 
 @law
 def slip_all(loss, state, turn, p_g, h):  # noqa: ARG001
-    """Elements after a turn at gauge pressure p_g, however long it took."""
-    return Elements(each(_slipped, state.torque, loss.stiffness, loss.base, loss.slope, turn, max(p_g, 0.0)))
+    """Return the state after a rotation `turn` (rad) at gauge pressure p_g (Pa); h is not used (rate-independent)."""
+    return ElementTorques(
+        each(_slip_at_pressure, state.torque, loss.stiffness, loss.base, loss.slope, turn, max(p_g, 0.0))
+    )
 
 
 @law
 def element_torques(loss, state):  # noqa: ARG001
-    """Torques of the elements, N m."""
+    """Return the torques of the elements, N m."""
     return state.torque
 
 
@@ -122,14 +140,14 @@ def _energy(f, k):
 
 @law
 def stored_energy(loss, state):
-    """Energy in the springs of the elements, J; zero for an element without stiffness, which carries no torque."""
+    """Return the energy in the springs of the elements, J; zero for an element without stiffness."""
     return total(each(_energy, state.torque, loss.stiffness))
 
 
 @law
 def loaded(loss, p_g, share):
-    """Elements that all carry the same share of their limits."""
-    return Elements(each(_carrying, loss.base, loss.slope, max(p_g, 0.0), share))
+    """Return the state in which all elements carry the same fraction `share` of their limits at p_g."""
+    return ElementTorques(each(_loaded_torque, loss.base, loss.slope, max(p_g, 0.0), share))
 
 
 KIND = HysteresisKind(
@@ -137,6 +155,56 @@ KIND = HysteresisKind(
     description=ElastoSlipPart,
     parameters=parameters,
     parameter_types=(ElastoSlip,),
+    at_rest=relaxed,
+    turned=slip_all,
+    torques=element_torques,
+    stored=stored_energy,
+    loaded=loaded,
+)
+
+
+class Spectrum(NamedTuple):
+    """Parameters of the elements of a spectrum, as `ElastoSlip`."""
+
+    stiffness: tuple[float, ...]
+    base: tuple[float, ...]
+    slope: tuple[float, ...]
+
+
+class SpectrumPart(LossesPart):
+    """Description of a spectrum of elasto-slip elements."""
+
+    kind: Literal["elasto-slip-spectrum"]
+    first: u.PositiveAngle = Field(description="turn after which the first element slips, at reference pressure")
+    last: u.PositiveAngle = Field(description="the same of the last element")
+    elements: Annotated[int, Field(ge=2, le=32)] = Field(default=8, description="how many there are")
+    slope: Annotated[float, Field(ge=-4.0, le=4.0)] = Field(
+        default=0.0, description="power of the deflection that each element's share of the loss is proportional to"
+    )
+
+    _ordered = ordered("first", "last", "last must be greater than first, for example 0.3 deg and 12 deg")
+
+
+def spectrum_elements(described: SpectrumPart) -> tuple[list[Any], list[Any]]:
+    """Return deflections (rad) and weights of the elements, numbers, or arrays where the description has arrays."""
+    ratio = described.last / described.first
+    exponents = np.linspace(0.0, 1.0, described.elements).tolist()
+    deflections = [described.first * ratio**exponent for exponent in exponents]
+    # Relative to the first deflection, so that steep slopes stay in range.
+    raw = [ratio ** (exponent * described.slope) for exponent in exponents]
+    return deflections, [weight / sum(raw) for weight in raw]
+
+
+def spectrum_parameters(described: SpectrumPart, limit: float) -> Spectrum:
+    """Return the parameters of a spectrum that carries the limit torque (N m) at the reference pressure."""
+    return Spectrum(*elasto_slip_elements(described, *spectrum_elements(described), limit))
+
+
+SPECTRUM_KIND = HysteresisKind(
+    name="elasto-slip-spectrum",
+    description=SpectrumPart,
+    parameters=spectrum_parameters,
+    parameter_types=(Spectrum,),
     at_rest=relaxed,
     turned=slip_all,
     torques=element_torques,

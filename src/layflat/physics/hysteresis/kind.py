@@ -1,4 +1,4 @@
-"""What a kind of hysteresis has to offer: torques that hose and strap lose, from how the joint turns."""
+"""Kind of hysteresis: laws of the torques that hose and strap lose, from the rotation of the joint."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -17,16 +17,16 @@ from layflat.kind_checks import (
     naming_law,
     tolerating_arithmetic,
 )
-from layflat.kinds import REQUIRED, Kind, KindPart
+from layflat.kinds import REQUIRED_ENTRY, Kind, KindPart
 
 Law = Callable[..., Any]
 
-TRIED = ((0.01, 1e5, 1e-3), (-0.02, 1e5, 1e-3), (0.0, 0.0, 1e-3), (0.01, 1e5, inf))
-"""Turns (rad), gauge pressures (Pa) and times (s) with which laws from outside are tried."""
+TRIAL_MOTIONS = ((0.01, 1e5, 1e-3), (-0.02, 1e5, 1e-3), (0.0, 0.0, 1e-3), (0.01, 1e5, inf))
+"""Rotations (rad), gauge pressures (Pa) and times (s) with which a user's laws are tried."""
 
 
 class LossesPart(KindPart):
-    """What all descriptions of losses say: the pressure at which `loss_share` of hose and strap was measured."""
+    """Description of losses: fields that all kinds have, such as the pressure at which `loss_fraction` was measured."""
 
     reference_pressure_gauge: u.PositivePressure
     pressure_free: u.Share = Field(
@@ -38,40 +38,45 @@ class LossesPart(KindPart):
     )
 
 
-def over_pressure(described: LossesPart, torque: float) -> tuple[float, float]:
-    """Split a torque at the reference pressure (N m) into what stands without pressure, and its growth (N m/Pa)."""
+def split_by_pressure(described: LossesPart, torque: float) -> tuple[float, float]:
+    """Return the part of a torque (N m) at the reference pressure that needs no pressure, and its slope (N m/Pa).
+
+    Other quantities, such as times, are split alike.
+    """
     free = described.pressure_free
     return free * torque, (1.0 - free) * torque / described.reference_pressure_gauge
 
 
 @dataclass(frozen=True, kw_only=True)
 class HysteresisKind(Kind):
-    """A law of losses, of one hose with its strap.
+    """Kind of losses of one hose with its strap.
 
-    `parameters(described, limit)` has the torque that the losses oppose either way at the reference pressure in a large
-    slow motion, N m. All zeros have to be parameters of a hose without losses.
+    `parameters(described, limit)` takes the limit: the torque against a large slow motion in either direction at the
+    reference pressure, N m. All zeros have to be parameters of a hose without losses.
     """
 
     LAWS = ("at_rest", "turned", "torques", "stored", "loaded")
 
-    at_rest: Law = REQUIRED  # `at_rest(loss)` yields the state of a hose that never moved: a named tuple of floats
-    turned: Law = REQUIRED
-    """`turned(loss, state, turn, p_g, h)` yields the state after a turn (rad) in h seconds at gauge pressure p_g (Pa).
+    at_rest: Law = (
+        REQUIRED_ENTRY  # `at_rest(loss)` yields the state of a hose that never moved: a named tuple of floats
+    )
+    turned: Law = REQUIRED_ENTRY
+    """`turned(loss, state, turn, p_g, h)` yields the state after a rotation (rad) in h seconds at gauge pressure p_g.
     In a slow sweep h is infinite."""
-    torques: Law = REQUIRED
+    torques: Law = REQUIRED_ENTRY
     """`torques(loss, state)` yields the torques against the motion, N m, as a tuple that is summed in order."""
-    stored: Law = REQUIRED
-    """`stored(loss, state)` yields what the losses give back, J; all else that was put in is heat."""
-    loaded: Law = REQUIRED
-    """`loaded(loss, p_g, share)` yields a state in which the losses carry a share (-1 to 1) of what they can."""
+    stored: Law = REQUIRED_ENTRY
+    """`stored(loss, state)` yields the recoverable energy, J; the rest of the work is heat."""
+    loaded: Law = REQUIRED_ENTRY
+    """`loaded(loss, p_g, share)` yields a state in which the losses carry a fraction (-1 to 1) of their limit."""
 
     def try_laws(self, parameters: Any, *_: Any) -> None:
-        """Turn a hose to and fro, and check what the laws return; raise KindError if they return something else."""
+        """Call the laws for a rotation to and fro; raise KindError if a result has a wrong shape or value."""
         with tolerating_arithmetic(self.turned):
             with naming_law(f"hysteresis {self.name!r}", "at_rest", self.at_rest):
                 state = self.at_rest(parameters)
                 check_nested(state, "the state")
-            for turn, p_g, h in TRIED:
+            for turn, p_g, h in TRIAL_MOTIONS:
                 with naming_law(f"hysteresis {self.name!r}", "turned", self.turned):
                     turned = self.turned(parameters, state, turn, p_g, h)
                     check_alike(turned, state, "the state")
@@ -81,6 +86,7 @@ class HysteresisKind(Kind):
                 check_alike(self.loaded(parameters, 1e5, 0.5), state, "the state")
 
     def _try_torques(self, parameters: Any, state: Any) -> None:
+        """Raise MisfitError unless the laws return a tuple of torques and a stored energy for a state."""
         with naming_law(f"hysteresis {self.name!r}", "torques", self.torques):
             torques = self.torques(parameters, state)
             if type(torques) is not tuple:

@@ -1,36 +1,36 @@
-"""The valve between supply, exhaust and a joint's two hoses, of any kind: what it lets through, and the air that flows.
+"""Valves between supply, exhaust and a joint's two hoses, of any kind: conductances, and the flow of air.
 
 A kind of valve is a law that moves it and yields the conductances of its two paths: the one that fills hose A and vents
 hose B, and the reverse. A new kind is one file and one line here; see docs/kinds.md.
 """
 
 from layflat.jit import law
-from layflat.kinds import Table
-from layflat.physics.delay import delayed
+from layflat.kinds import KindTable
+from layflat.physics.driver import delay_command
 from layflat.physics.flow import ENTHALPY, flow_between
 from layflat.physics.valves import spool, switching
-from layflat.physics.valves.kind import Dither, ValveKind, ValvePart
+from layflat.physics.valves.kind import DitherPart, ValveKind, ValvePart
 
-VALVES: Table[ValveKind] = Table("valve", spool.KIND, switching.KIND)
+VALVE_KINDS: KindTable[ValveKind] = KindTable("valve", spool.KIND, switching.KIND)
 
-at_rest = VALVES.law("at_rest")
-start_wave = VALVES.law("start_wave")
-turn_wave = VALVES.law("turn_wave")
-weaken_wave = VALVES.law("weaken_wave")
-move = VALVES.law("move")
-net_opening = VALVES.law("opening")
-seized = VALVES.law("seized")
-held_at = VALVES.law("held_at")
+at_rest = VALVE_KINDS.law("at_rest")
+start_wave = VALVE_KINDS.law("start_wave")
+turn_wave = VALVE_KINDS.law("turn_wave")
+weaken_wave = VALVE_KINDS.law("weaken_wave")
+move = VALVE_KINDS.law("move")
+net_opening = VALVE_KINDS.law("opening")
+seized = VALVE_KINDS.law("seized")
+held_at = VALVE_KINDS.law("held_at")
 
 __all__ = [
-    "VALVES",
-    "Dither",
+    "VALVE_KINDS",
+    "DitherPart",
     "ValveKind",
     "ValvePart",
     "at_rest",
     "chamber_flow",
     "commanded_opening",
-    "driven",
+    "driven_opening",
     "held_at",
     "move",
     "net_opening",
@@ -43,21 +43,24 @@ __all__ = [
 
 @law
 def commanded_opening(valve, voltage):
-    """Opening that the driver asks for at a control voltage, -1..1, without dither."""
+    """Return the opening that a control voltage commands, -1..1, without dither."""
     return min(max((voltage - valve.centre_voltage) / valve.volts_to_full, -1.0), 1.0)
 
 
 @law
-def driven(valve, line, voltage, cycle):
-    """Opening to which a voltage drives a valve in this cycle, and the line of commands after it."""
-    return delayed(line, commanded_opening(valve, voltage), valve.delay / cycle)
+def driven_opening(valve, line, voltage, cycle):
+    """Return the mean opening that a valve is driven to in this cycle, and the delay line after it.
+
+    Args: `cycle`: control cycle, s.
+    """
+    return delay_command(line, commanded_opening(valve, voltage), valve.delay / cycle)
 
 
 @law
 def chamber_flow(valve, C_in, C_out, p, roots, p_supply, roots_supply, p_exhaust):
-    """Flows of a chamber joined to supply and exhaust by paths of conductance C_in and C_out.
+    """Return the flows of a chamber that paths of conductance C_in and C_out connect to supply and exhaust.
 
-    Returns mass flow in (kg/s), enthalpy flow in (W), and the mass flow taken from the supply (kg/s).
+    They are mass flow in (kg/s), enthalpy flow in (W), and the mass flow out of the supply (kg/s).
     """
     b, s = valve.critical_ratio, valve.laminar_slope
     inflow, warm_in = flow_between(C_in, b, s, p_supply, roots_supply, p, roots)

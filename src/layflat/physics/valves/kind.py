@@ -20,24 +20,32 @@ from layflat.kind_checks import (
     naming_law,
     tolerating_arithmetic,
 )
-from layflat.kinds import REQUIRED, Kind, KindPart
+from layflat.kinds import REQUIRED_ENTRY, Kind, KindPart
 from layflat.lanes import select
 
 Law = Callable[..., Any]
 
-TRIED = (0.0, 1.0, -1.0, 0.3)  # openings with which laws from outside are tried
+TRIAL_OPENINGS = (0.0, 1.0, -1.0, 0.3)  # openings with which a user's laws are tried
 
-COMMON = ("conductance", "leakage", "critical_ratio", "laminar_slope", "centre_voltage", "volts_to_full", "delay")
-"""What the parameters of every valve hold, so that air flows and voltages act alike through all."""
+COMMON_FIELDS = (
+    "conductance",
+    "leakage",
+    "critical_ratio",
+    "laminar_slope",
+    "centre_voltage",
+    "volts_to_full",
+    "delay",
+)
+"""Fields that the parameters of every valve have, for the laws that all kinds share."""
 
 
-class Dither(Part):
-    """Oscillation that the driver adds to keep the spool moving."""
+class DitherPart(Part):
+    """Description of the dither: an oscillation that the driver adds to keep the spool moving."""
 
     amplitude: u.Share = Field(description="share of full opening")
     frequency: u.ValveFrequency
-    least: u.Share = Field(
-        default=0.0, description="share of it that the driver adds at any time; 1: nobody can stop it"
+    min: u.Share = Field(
+        default=0.0, description="fraction of it that the driver adds at any time; 1: nobody can stop it"
     )
 
 
@@ -54,115 +62,117 @@ class ValvePart(KindPart):
     _closes = ordered("leakage", "conductance", "leakage must be smaller than conductance")
 
     @property
-    def dithered(self) -> Dither | None:
-        """The dither that its driver has to add; None for a valve without."""
+    def dithered(self) -> DitherPart | None:
+        """Dither that the driver adds; None for a valve without."""
         return None
 
     @property
     def wave_frequency(self) -> float | None:
-        """Frequency of what its driver makes by itself, Hz; None of one that makes nothing."""
+        """Frequency of the driver's own wave (dither, carrier), Hz; None without a wave."""
         frequency: float | None = getattr(self, "frequency", None)
         return frequency
 
     @property
-    def least_dither(self) -> float:
-        """Share of the dither that nobody can stop; 1 for a valve without."""
+    def min_dither(self) -> float:
+        """Fraction of the dither that can't be switched off; 1 for a valve without dither."""
         return 1.0
 
     @property
     def covered(self) -> float:
-        """Share of the stroke in which it stays closed although it moves."""
+        """Fraction of the stroke in which it stays closed although it moves (overlap)."""
         return 0.0
 
 
-class Still(NamedTuple):
-    """The wave of a driver that makes none."""
+class NoWave(NamedTuple):
+    """Wave of a driver without dither or carrier."""
 
     phase: float
 
 
 @law
 def no_wave(valve, t, h):  # noqa: ARG001
-    """The wave of a driver that makes none."""
-    return Still(0.0)
+    """Return the wave of a driver that makes none."""
+    return NoWave(0.0)
 
 
 @law
 def same_wave(valve, wave):  # noqa: ARG001
-    """The wave of the next step of a driver that makes none."""
+    """Return the wave unchanged: the next step of a driver that makes none."""
     return wave
 
 
 @law
-def same_whatever_share(valve, wave, share):  # noqa: ARG001
-    """The wave of a driver whose wave is no dither that could be weaker."""
+def same_wave_at_any_fraction(valve, wave, share):  # noqa: ARG001
+    """Return the wave unchanged, whatever the fraction: of a driver whose wave is no dither."""
     return wave
 
 
-def cannot_be_held(valve: Any, *_: Any) -> Any:
-    """Refuse a failure that a kind of valve does not model."""
+def refuse_seizure(valve: Any, *_: Any) -> Any:
+    """Raise KindError: the kind of valve does not model a seized valve."""
     raise KindError(f"a {type(valve).__name__} can't be seized: its kind says neither `seized` nor `held_at`")
 
 
 @dataclass(frozen=True, kw_only=True)
 class MeanValve:
-    """The laws of a valve on average over the wave of its driver, for models that step in milliseconds.
+    """Laws of a valve averaged over the wave of its driver, for models that step in milliseconds.
 
-    As in `ValveKind`; the wave says how much of the driver's there is.
+    They are those of `ValveKind`; the wave is the fraction of the driver's that is present.
     """
 
-    averaged: Callable[[Any], Any]  # from the parameters of the valve to those on average
+    averaged: Callable[[Any], Any]  # from the parameters of the valve to the averaged ones
     parameter_type: type  # of these
     at_rest: Law
     move: Law
     opening: Law
     start_wave: Law
     turn_wave: Law = same_wave
-    weaken_wave: Law = same_whatever_share
-    seized: Law = cannot_be_held
-    held_at: Law = cannot_be_held
+    weaken_wave: Law = same_wave_at_any_fraction
+    seized: Law = refuse_seizure
+    held_at: Law = refuse_seizure
 
 
 @dataclass(frozen=True, kw_only=True)
 class ValveKind(Kind):
-    """A law of valves.
+    """Kind of valve.
 
-    `parameters(described)` yields a named tuple with at least the fields of `COMMON`, in SI units.
+    `parameters(described)` yields a named tuple with at least the fields of `COMMON_FIELDS`, in SI units.
     """
 
     LAWS = ("at_rest", "move", "opening", "start_wave", "turn_wave")
 
-    at_rest: Law = REQUIRED
+    at_rest: Law = REQUIRED_ENTRY
     """`at_rest(valve)` yields the state of a valve that was never driven, a named tuple of floats."""
-    move: Law = REQUIRED
-    """`move(valve, state, command, wave, h)` yields the state after a step of h seconds at an opening asked for (-1 to
+    move: Law = REQUIRED_ENTRY
+    """`move(valve, state, command, wave, h)` yields the state after a step of h seconds at a commanded opening (-1 to
     1), and the mean conductances in it, m3/(s Pa), of the path that fills hose A and vents hose B and of the
     reverse."""
-    opening: Law = REQUIRED  # `opening(valve, state)` yields the opening towards filling hose A, -1 to 1
+    opening: Law = REQUIRED_ENTRY  # `opening(valve, state)` yields the opening towards filling hose A, -1 to 1
     start_wave: Law = no_wave
-    """`start_wave(valve, t, h)` yields what the driver makes by itself (dither, carrier) in the step that begins at t,
-    a named tuple of floats; a driver makes nothing unless it is given."""
+    """`start_wave(valve, t, h)` yields the driver's own wave (dither, carrier) in the step that begins at t, a named
+    tuple of floats; default: no wave."""
     turn_wave: Law = same_wave  # `turn_wave(valve, wave)` yields the same in the next step
-    weaken_wave: Law = same_whatever_share  # `weaken_wave(valve, wave, share)` yields it with a share of the dither
-    seized: Law = cannot_be_held  # `seized(valve)`, not a law, yields parameters of a valve that stays where it is
-    held_at: Law = cannot_be_held
+    weaken_wave: Law = (
+        same_wave_at_any_fraction  # `weaken_wave(valve, wave, share)` yields it with a fraction of the dither
+    )
+    seized: Law = refuse_seizure  # `seized(valve)`, not a law, yields parameters of a valve that does not move
+    held_at: Law = refuse_seizure
     """`held_at(valve, opening)`, not a law, yields the state of a valve at rest at an opening."""
-    mean: MeanValve | None = None  # the valve on average over its wave; None where no such law is known
+    mean: MeanValve | None = None  # the averaged valve; None where no such law is known
 
     def __post_init__(self) -> None:
-        """Refuse parameters that lack what all valves have."""
+        """Raise KindError if parameters lack one of `COMMON_FIELDS`."""
         super().__post_init__()
         for cls in self.parameter_types:
-            lacking = [name for name in COMMON if name not in getattr(cls, "_fields", ())]
+            lacking = [name for name in COMMON_FIELDS if name not in getattr(cls, "_fields", ())]
             if lacking:
                 raise KindError(f"{cls.__name__} lacks {', '.join(lacking)}", where=f"kind {self.name!r} of valve")
 
     def guarded(self) -> "ValveKind":
-        """Return the kind with conductances that are not numbers where they would be negative."""
-        return replace(self, move=_not_negative(self.move))
+        """Return the kind with conductances that become nan where they would be negative."""
+        return replace(self, move=_with_valid_conductances(self.move))
 
     def try_laws(self, parameters: Any, *_: Any) -> None:
-        """Drive a valve, and check what the laws return; raise KindError if they return something else."""
+        """Call the laws of a valve at `TRIAL_OPENINGS`; raise KindError if a result has a wrong shape or value."""
         thing, h = f"valve {self.name!r}", 5e-4
         with tolerating_arithmetic(self.move):
             with naming_law(thing, "at_rest", self.at_rest):
@@ -175,7 +185,7 @@ class ValveKind(Kind):
                 check_alike(self.turn_wave(parameters, wave), wave, "the wave")
             with naming_law(thing, "weaken_wave", self.weaken_wave):
                 check_alike(self.weaken_wave(parameters, wave, 0.5), wave, "the wave")
-            for command in TRIED:
+            for command in TRIAL_OPENINGS:
                 with naming_law(thing, "move", self.move):
                     moved = self.move(parameters, state, command, wave, h)
                     check_items(moved, 3, "the tuple of state and two conductances")
@@ -188,13 +198,15 @@ class ValveKind(Kind):
                 with naming_law(thing, "opening", self.opening):
                     check_number(self.opening(parameters, state), "the opening")
 
-    def entries(self) -> Mapping[type, Any]:
-        """Return the holder of the laws by class of the parameters."""
-        own = super().entries()
-        return own if self.mean is None else {**own, self.mean.parameter_type: self.mean}
+    def laws_by_parameter_type(self) -> Mapping[type, Any]:
+        """Return the objects with the compiled laws, by type of the laws' parameters; the averaged valve's as well."""
+        entries = super().laws_by_parameter_type()
+        return entries if self.mean is None else {**entries, self.mean.parameter_type: self.mean}
 
 
-def _not_negative(move_of: Law) -> Law:
+def _with_valid_conductances(move_of: Law) -> Law:
+    """Return the law of a valve's motion, with NaN in place of negative conductances."""
+
     @law
     def move(valve, state, command, wave, h):
         after, filling, venting = move_of(valve, state, command, wave, h)

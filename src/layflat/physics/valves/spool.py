@@ -15,15 +15,22 @@ from layflat.description import Part
 from layflat.description import units as u
 from layflat.jit import law
 from layflat.physics.arrays import itemwise
-from layflat.physics.dither import half_change, start_dither, turn_dither, weakened
+from layflat.physics.driver import advance_dither, half_dither_change, scale_dither, start_dither
 from layflat.physics.flow import laminar_slope
 from layflat.physics.friction.stribeck import StaticRatio
-from layflat.physics.valves import spool_ports
-from layflat.physics.valves.kind import Dither, ValveKind, ValvePart
-from layflat.physics.valves.spool_motion import Spool, SpoolState, StictionSpool, advance_spool, centred, spool_opening
-from layflat.physics.valves.spool_ports import mean_conductances
+from layflat.physics.valves import spool_laws
+from layflat.physics.valves.kind import DitherPart, ValveKind, ValvePart
+from layflat.physics.valves.spool_laws import (
+    Spool,
+    SpoolState,
+    StictionSpool,
+    advance_spool,
+    centred,
+    mean_conductances,
+    spool_opening,
+)
 
-STUCK = 1e9  # friction that no solenoid overcomes, as a change of opening
+SEIZED_FRICTION = 1e9  # friction that no solenoid overcomes, as a change of the command
 
 
 class SpoolValve(NamedTuple):
@@ -43,14 +50,14 @@ class SpoolValve(NamedTuple):
 
 
 class Stiction(Part):
-    """Friction of a spool at rest, and its fall as the spool begins to slide."""
+    """Description of a spool's static friction, and its fall as the spool begins to slide."""
 
     static_ratio: StaticRatio = Field(description="static over kinetic friction, 1 or more")
     velocity: u.Rate = Field(description="at which half of the difference is gone, full openings per second")
 
 
 class SpoolValvePart(ValvePart):
-    """A 5/3 proportional spool valve."""
+    """Description of a 5/3 proportional spool valve."""
 
     kind: Literal["spool"] = "spool"
     overlap: Annotated[u.Share, Field(lt=0.9)] = Field(
@@ -59,34 +66,34 @@ class SpoolValvePart(ValvePart):
     natural_frequency: u.ValveFrequency
     damping_ratio: u.Ratio
     friction: u.Share = Field(description="change of command that the spool's friction can hide, share of full opening")
-    dither: Dither
+    dither: DitherPart
     stiction: Stiction | None = Field(
         default=None, description="static friction above `friction`, which is then kinetic; default: none"
     )
 
     @property
-    def dithered(self) -> Dither | None:
-        """The dither, where it has an amplitude."""
+    def dithered(self) -> DitherPart | None:
+        """Dither; None where its amplitude is 0."""
         return self.dither if self.dither.amplitude > 0.0 else None
 
     @property
     def wave_frequency(self) -> float | None:
-        """Frequency of its dither, where that has an amplitude."""
+        """Frequency of its dither, Hz; None where the amplitude is 0."""
         return self.dither.frequency if np.any(self.dither.amplitude > 0.0) else None
 
     @property
-    def least_dither(self) -> float:
-        """Dither that is described."""
-        return self.dither.least
+    def min_dither(self) -> float:
+        """Fraction of the dither that can't be switched off."""
+        return self.dither.min
 
     @property
     def covered(self) -> float:
-        """The overlap."""
+        """Overlap as a fraction of the stroke, as valves of all kinds name it."""
         return self.overlap
 
 
 def parameters(described: SpoolValvePart) -> SpoolValve:
-    """Spool valve with its driver."""
+    """Return the parameters of a spool valve with its driver."""
     b, stiction = described.critical_ratio, described.stiction
     motion = (2 * pi * described.natural_frequency, described.damping_ratio, described.friction)
     return SpoolValve(
@@ -108,39 +115,39 @@ def parameters(described: SpoolValvePart) -> SpoolValve:
 
 @law
 def start_spool_wave(valve, t, h):
-    """Dither of the step of h seconds that begins at t."""
+    """Return the dither of the step of h seconds that begins at t."""
     return start_dither(valve.dither_frequency, t, h)
 
 
 @law
 def move_spool(valve, state, command, dither, h):
-    """State after a step of h seconds, and the mean conductances of the paths that fill and that vent hose A."""
+    """Return the state after a step of h seconds, and the mean conductances of the paths that fill and vent hose A."""
     u = command + valve.dither_amplitude * dither.sine
-    swing = valve.dither_amplitude * half_change(dither)
-    x, rate = advance_spool(valve.spool, u, swing, state.opening, state.rate, h)
+    half_sweep = valve.dither_amplitude * half_dither_change(dither)
+    x, rate = advance_spool(valve.spool, u, half_sweep, state.opening, state.rate, h)
     fills, vents = mean_conductances(valve, state.opening, x)
     return SpoolState(x, rate), fills, vents
 
 
 @law
 def turn_spool_wave(valve, dither):  # noqa: ARG001
-    """Dither of the next step."""
-    return turn_dither(dither)
+    """Return the dither of the next step."""
+    return advance_dither(dither)
 
 
 @law
 def weaken_spool_wave(valve, dither, share):  # noqa: ARG001
-    """A share of the dither."""
-    return weakened(dither, share)
+    """Return a fraction `share` of the dither."""
+    return scale_dither(dither, share)
 
 
 def seized(valve: SpoolValve) -> SpoolValve:
-    """A valve whose spool stays where it is, whatever is asked of it."""
-    return valve._replace(spool=valve.spool._replace(friction=STUCK))
+    """Return the parameters of a valve whose spool does not move, whatever the command."""
+    return valve._replace(spool=valve.spool._replace(friction=SEIZED_FRICTION))
 
 
 def held_at(valve: SpoolValve, opening: float) -> SpoolState:  # noqa: ARG001
-    """State of a spool at rest at an opening, -1 to 1."""
+    """Return the state of a spool at rest at an opening, -1 to 1."""
     return SpoolState(opening, 0.0)
 
 
@@ -157,5 +164,5 @@ KIND = ValveKind(
     weaken_wave=weaken_spool_wave,
     seized=seized,
     held_at=held_at,
-    mean=spool_ports.MEAN,
+    mean=spool_laws.MEAN_LAWS,
 )

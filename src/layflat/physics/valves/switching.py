@@ -2,17 +2,17 @@
 
 The driver compares the command with a sawtooth at every instant (natural sampling). A valve's coil has to be charged
 before its plunger moves, and to be discharged before it falls back: a pulse shorter than the delay opens nothing, and a
-pause shorter than the other delay shuts nothing. The plunger travels at constant speed, and stays where it is while the
-coil is neither charged nor discharged. Within a step the pulse's edges are met exactly.
+pause shorter than the other delay closes nothing. The plunger travels at constant speed, and stays where it is while
+the coil is neither charged nor discharged. Within a step the pulse's edges are exact.
 
 | symbol | meaning | unit |
 |---|---|---|
 | phase | of the sawtooth at the beginning of a step, 0..1 | 1 |
-| D | duty: share of the period in which the coil is on | 1 |
+| D | duty: fraction of the period in which the coil is on | 1 |
 | c | charge of the coil, 0..1 | 1 |
 | x | opening of the valve, 0..1 | 1 |
-| y | how far the plunger has to go | 1 |
-| tau | part of a step in which the coil is on or off throughout | s |
+| y | remaining travel of the plunger | 1 |
+| tau | part of a step in which the coil does not switch | s |
 """
 
 from math import floor, inf
@@ -30,7 +30,7 @@ from layflat.physics.valves.kind import ValveKind, ValvePart
 
 
 class Switch(NamedTuple):
-    """Switching times of an on/off valve, s: until its plunger begins to move, and for its whole way."""
+    """Switching times of an on/off valve, s: until its plunger begins to move, and for its full travel."""
 
     opening_delay: float
     opening_time: float
@@ -49,32 +49,33 @@ class SwitchingPair(NamedTuple):
     centre_voltage: float
     volts_to_full: float
     frequency: float
-    dead_band: float  # command up to which no pulse is given, share of full opening
-    least_pulse: float  # length of the pulse at the edge of the dead band, s
+    dead_band: float  # command up to which there is no pulse, fraction of full opening
+    min_pulse: float  # length of the pulse at the edge of the dead band, s
     delay: float  # from the command to the driver's pulses, s
 
 
 class SwitchingValvesPart(ValvePart):
-    """Two on/off valves under pulse-width modulation: one fills hose A and vents hose B, the other the reverse."""
+    """Description of two on/off valves under pulse-width modulation, with their driver."""
 
     kind: Literal["switching"]
     frequency: u.ValveFrequency = Field(description="of the pulses")
     dead_band: Annotated[u.Share, Field(lt=0.9)] = Field(description="command up to which no pulse is given")
-    least_pulse: u.TimeOrZero = Field(description="length of the pulse at the edge of the dead band")
+    min_pulse: u.TimeOrZero = Field(description="length of the pulse at the edge of the dead band")
     opening_delay: u.ShortTime = Field(description="from voltage on to the plunger's first motion")
     opening_time: u.ShortTime = Field(description="of the plunger's whole way")
     closing_delay: u.ShortTime = Field(description="from voltage off to the plunger's first motion")
     closing_time: u.ShortTime
 
     @model_validator(mode="after")
-    def _pulses_fit(self) -> Self:
-        if self.least_pulse * self.frequency >= 1.0:
-            raise ValueError("least_pulse must be shorter than the pulses' period, 1 / frequency")
+    def _check_pulse_period(self) -> Self:
+        """Raise ValueError unless the shortest pulse is shorter than the period of the pulses."""
+        if self.min_pulse * self.frequency >= 1.0:
+            raise ValueError("min_pulse must be shorter than the pulses' period, 1 / frequency")
         return self
 
 
 def parameters(described: SwitchingValvesPart) -> SwitchingPair:
-    """Two on/off valves with their driver."""
+    """Return the parameters of two on/off valves with their driver."""
     b = described.critical_ratio
     return SwitchingPair(
         Switch(described.opening_delay, described.opening_time, described.closing_delay, described.closing_time),
@@ -86,27 +87,27 @@ def parameters(described: SwitchingValvesPart) -> SwitchingPair:
         described.volts_to_full,
         described.frequency,
         described.dead_band,
-        described.least_pulse,
+        described.min_pulse,
         described.delay,
     )
 
 
 class SwitchState(NamedTuple):
-    """Charge of a valve's coil, and opening of the valve."""
+    """State of an on/off valve: charge of its coil, and opening, 0..1."""
 
     charge: float
     opening: float
 
 
 class PairState(NamedTuple):
-    """The valve that fills hose A, and the one that vents it."""
+    """States of the valve that fills hose A, and of the one that vents it."""
 
     forward: SwitchState
     back: SwitchState
 
 
 class Carrier(NamedTuple):
-    """The driver's sawtooth: its phase at the beginning of the coming step, and how much it gains in a step."""
+    """Sawtooth of the driver: phase at the beginning of the coming step, and phase increment in a step."""
 
     phase: float
     gain: float
@@ -114,42 +115,42 @@ class Carrier(NamedTuple):
 
 @law
 def start_carrier(pair, t, h):
-    """Carrier of the step of h seconds that begins at t; one too fast for the step slows to a period a step."""
+    """Return the carrier of the step of h seconds that begins at t, of at most one period per step."""
     cycles = pair.frequency * t
     return Carrier(cycles - floor(cycles), min(pair.frequency * h, 1.0))
 
 
 @law
 def turn_carrier(pair, carrier):  # noqa: ARG001
-    """Carrier of the next step."""
+    """Return the carrier of the next step."""
     phase = carrier.phase + carrier.gain
     return Carrier(phase - floor(phase), carrier.gain)
 
 
 @law
 def duty(pair, command):
-    """Duty of the valve that a positive command opens."""
-    least = pair.frequency * pair.least_pulse
-    share = (command - pair.dead_band) * (1.0 / (1.0 - pair.dead_band))
-    return select(command > pair.dead_band, min(least + (1.0 - least) * share, 1.0), 0.0)
+    """Return the duty of the valve that a positive command opens."""
+    min_duty = pair.frequency * pair.min_pulse
+    fraction = (command - pair.dead_band) * (1.0 / (1.0 - pair.dead_band))
+    return select(command > pair.dead_band, min(min_duty + (1.0 - min_duty) * fraction, 1.0), 0.0)
 
 
 @law
-def _hold(switch, on, charge, x, tau):
-    # Charge, opening and the opening's integral after tau seconds with the coil on or off.
+def _advance_coil_and_plunger(switch, on, charge, x, tau):
+    """Return charge, opening, and the integral of the opening (s) after tau seconds with the coil on or off."""
     wait = select(on, (1.0 - charge) * switch.opening_delay, charge * switch.closing_delay)
     travels = max(tau - wait, 0.0)
-    gained = charge + tau * select(on, 1.0 / switch.opening_delay, -1.0 / switch.closing_delay)
-    way = travels * select(on, 1.0 / switch.opening_time, 1.0 / switch.closing_time)
+    charge_after = charge + tau * select(on, 1.0 / switch.opening_delay, -1.0 / switch.closing_delay)
+    travel = travels * select(on, 1.0 / switch.opening_time, 1.0 / switch.closing_time)
     y = select(on, 1.0 - x, x)
-    left, mean_left = max(y - way, 0.0), mean_above_zero(y, y - way)
-    after, mean = select(on, 1.0 - left, left), select(on, 1.0 - mean_left, mean_left)
-    return min(max(gained, 0.0), 1.0), after, x * (tau - travels) + mean * travels
+    rest, mean_rest = max(y - travel, 0.0), mean_above_zero(y, y - travel)
+    after, mean = select(on, 1.0 - rest, rest), select(on, 1.0 - mean_rest, mean_rest)
+    return min(max(charge_after, 0.0), 1.0), after, x * (tau - travels) + mean * travels
 
 
 @law
 def switch_on_and_off(switch, state, D, phase, gain, h):
-    """State after a step of h seconds, and the mean opening in it; the carrier gains a period at most."""
+    """Return the state after a step of h seconds, and the mean opening in it; `gain` is one period at most."""
     first_on = phase < D
     last = phase + gain
     edge_1, edge_2 = select(first_on, D, 1.0), select(first_on, 1.0, 1.0 + D)
@@ -158,21 +159,21 @@ def switch_on_and_off(switch, state, D, phase, gain, h):
     tau_2 = scale * max(min(last, edge_2) - edge_1, 0.0)
     tau_3 = scale * max(last - edge_2, 0.0)
     second_on = phase >= D
-    c, x, open_1 = _hold(switch, first_on, state.charge, state.opening, tau_1)
-    c, x, open_2 = _hold(switch, second_on, c, x, tau_2)
-    c, x, open_3 = _hold(switch, first_on, c, x, tau_3)
+    c, x, open_1 = _advance_coil_and_plunger(switch, first_on, state.charge, state.opening, tau_1)
+    c, x, open_2 = _advance_coil_and_plunger(switch, second_on, c, x, tau_2)
+    c, x, open_3 = _advance_coil_and_plunger(switch, first_on, c, x, tau_3)
     return SwitchState(c, x), (open_1 + open_2 + open_3) * (1.0 / h)
 
 
 @law
-def shut(pair):  # noqa: ARG001  (as of all valves)
-    """State of two valves that have been shut for long."""
+def shut(pair):  # noqa: ARG001  (signature of all valves)
+    """Return the state of two closed valves."""
     return PairState(SwitchState(0.0, 0.0), SwitchState(0.0, 0.0))
 
 
 @composition
 def move_pair(pair, state, command, carrier, h):
-    """State after a step of h seconds, and the mean conductances of the paths that fill and that vent hose A."""
+    """Return the state after a step of h seconds, and the mean conductances of the paths that fill and vent hose A."""
     both, wave = join(pair, pair), join(carrier, carrier)
     duties = duty(both, join(command, -command))
     states = join(state.forward, state.back)
@@ -184,17 +185,17 @@ def move_pair(pair, state, command, carrier, h):
 
 @law
 def pair_opening(pair, state):  # noqa: ARG001
-    """Opening of the valve that fills hose A, less that of the other, -1..1."""
+    """Return the opening of the valve that fills hose A minus that of the other, -1..1."""
     return state.forward.opening - state.back.opening
 
 
 def seized(pair: SwitchingPair) -> SwitchingPair:
-    """Two valves whose plungers stay where they are, whatever is asked of them."""
+    """Return the parameters of two valves whose plungers do not move, whatever the command."""
     return pair._replace(switch=pair.switch._replace(opening_time=inf, closing_time=inf))
 
 
 def held_at(pair: SwitchingPair, opening: float) -> PairState:  # noqa: ARG001
-    """State of two valves of which one stands open, by an opening of -1 to 1."""
+    """Return the state of two valves of which one is open, by an opening of -1 to 1."""
     return PairState(SwitchState(0.0, max(opening, 0.0)), SwitchState(0.0, max(-opening, 0.0)))
 
 

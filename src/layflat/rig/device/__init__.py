@@ -1,1 +1,1 @@
-"""The device at the other end of the wires, where there is no real one: a simulated machine behind its interface."""
+"""Virtual device at the other end of the wires: a simulated machine behind the interface of a real one."""

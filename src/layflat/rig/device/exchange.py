@@ -4,29 +4,27 @@ import asyncio
 from collections.abc import Callable, Sequence
 
 from layflat.machine.model import Machine
-from layflat.rig.device.link import Spoil
-from layflat.rig.device.virtual import VirtualDevice
-from layflat.rig.wire.content import Wire, is_later
-from layflat.rig.wire.identity import Identity
+from layflat.rig.device.virtual import ReplyFault, VirtualDevice
+from layflat.rig.wire import Identity, Wire, is_later
 
-LATE = 1.5  # delay of a late reply, in times of the host's patience
+LATE_REPLY_RATIO = 1.5  # delay of a late reply over the host's timeout
 
 
-class Station:
-    """A device behind words; who waits for its replies has a patience, s.
+class DeviceStation:
+    """Device that exchanges words with a host, whose timeout for a reply is `patience`, s.
 
-    A command is obeyed if its number comes after that of the one before, so that none is obeyed twice, nor an old one
-    that was under way for long; who asks for the identity begins anew.
+    A command is obeyed if its number comes after that of the one before, so that none is obeyed twice, nor a delayed
+    old one; a request for the identity restarts the numbers.
     """
 
     def __init__(self, device: VirtualDevice, machine: Machine, patience: float) -> None:
         self.device = device
-        self._wire, self._patience = Wire.of(machine), patience
-        self._identity = Identity.of(machine, device.capabilities).words()
+        self._wire, self._patience = Wire.for_machine(machine), patience
+        self._identity = Identity.for_machine(machine, device.capabilities).words()
         self._last: int | None = None
 
     def _identify(self) -> list[int]:
-        """Words that say what rig this is; the next command may have any number."""
+        """Return the words of the identity; the next command may have any number."""
         self._last = None
         return self._identity
 
@@ -42,11 +40,11 @@ class Station:
     def _read(self) -> list[int]:
         return self._wire.reading_words(self.device.reading())
 
-    def _send(self, reply: bytes, spoil: Spoil | None, damaged: int, write: Callable[[bytes], object]) -> None:
-        """Send a reply, or what becomes of it; `damaged` is the byte that a wrong checksum comes of."""
-        if spoil is Spoil.CRC:
+    def _send(self, reply: bytes, spoil: ReplyFault | None, damaged: int, write: Callable[[bytes], object]) -> None:
+        """Send a reply with a fault; `damaged` is the index of the byte that is altered for a wrong checksum."""
+        if spoil is ReplyFault.CRC:
             reply = reply[:damaged] + bytes([reply[damaged] ^ 0x40]) + reply[damaged + 1 :]
-        if spoil is Spoil.LATE:
-            asyncio.get_running_loop().call_later(LATE * self._patience, write, reply)
-        elif spoil is not Spoil.LOST:
+        if spoil is ReplyFault.LATE:
+            asyncio.get_running_loop().call_later(LATE_REPLY_RATIO * self._patience, write, reply)
+        elif spoil is not ReplyFault.LOST:
             write(reply)

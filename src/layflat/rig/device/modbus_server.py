@@ -1,7 +1,7 @@
-"""A Modbus TCP station with a device behind it.
+"""Modbus TCP station with a device behind it.
 
-pymodbus takes frames and requests apart and puts replies together. Its own server answers some turns of its loop later,
-which costs a third of a transaction's time, and does not tell one master from another; a station has but one.
+pymodbus decodes frames and requests and encodes replies. Its own server answers after some iterations of its event
+loop, which costs a third of a transaction's time, and does not distinguish masters; a station has but one.
 """
 
 import asyncio
@@ -16,86 +16,89 @@ from pymodbus.framer import FramerSocket
 from pymodbus.pdu import DecodePDU, ExceptionResponse, ModbusPDU
 
 from layflat.machine.model import Machine
-from layflat.rig.clock import SECOND
-from layflat.rig.device.exchange import Station
-from layflat.rig.device.link import Spoil
-from layflat.rig.device.virtual import VirtualDevice
-from layflat.rig.wire.content import WireError
-from layflat.rig.wire.identity import Registers
+from layflat.rig.clock import NS_PER_SECOND
+from layflat.rig.device.exchange import DeviceStation
+from layflat.rig.device.virtual import ReplyFault, VirtualDevice
+from layflat.rig.wire import Registers, WireError
 
-# Noise on the line is nothing to tell of, and would be told for every byte where nobody has set up logging.
+# Without a handler pymodbus would log every byte of noise on the line.
 logging.getLogger("pymodbus").addHandler(logging.NullHandler())
 
-READ, WRITE, BOTH = (3, 4), 16, 23  # functions that there are
+READ_FUNCTIONS, WRITE_FUNCTION, READ_WRITE_FUNCTION = (3, 4), 16, 23  # supported functions
 
 
-class ModbusStation(Station):
-    """Answers functions 3, 4, 16 and 23 of one unit; a master that has fallen silent is told by the device's clock."""
+class ModbusStation(DeviceStation):
+    """Station of one unit with functions 3, 4, 16 and 23; the silence of a master counts by the device's clock."""
 
     def __init__(self, device: VirtualDevice, machine: Machine) -> None:
         super().__init__(device, machine, machine.interface.modbus.timeout)
-        self._registers = Registers.of(machine)
-        self._unit, self._silence = machine.interface.modbus.unit, machine.interface.dump_after * SECOND
-        self.master: object = None  # the connection that commands; another may once it has ended, or has been silent
-        self._heard = -inf
+        self._registers = Registers.for_machine(machine)
+        self._unit, self._silence = machine.interface.modbus.unit, machine.interface.dump_after * NS_PER_SECOND
+        self.master: object = None  # commanding connection; another may command once it has ended, or was silent
+        self._last_request = -inf
         self._server: asyncio.Server | None = None
         self.transports: set[asyncio.BaseTransport] = set()
 
     async def listen(self, host: str, port: int) -> int:
-        """Serve from now on; returns the port, which is found if 0 is asked for."""
+        """Start to serve at a port (0: any that is free), and return the port."""
         self._server = await asyncio.get_running_loop().create_server(lambda: _Connection(self), host, port)
         return int(self._server.sockets[0].getsockname()[1])
 
     def close(self) -> None:
-        """Serve no more, and hang up."""
+        """Stop serving, and close all connections."""
         if self._server is not None:
             self._server.close()
         for transport in self.transports:
             transport.close()
 
     def answer(self, connection: "_Connection", request: ModbusPDU) -> None:
-        """Reply to a request, unless nothing is heard."""
+        """Reply to a request, unless the link is silent."""
         link = self.device.link
         if link.silent:
             return
         spoil = link.next()
         try:
-            reply = self._reply(connection, request, behind=spoil is Spoil.SEQUENCE)
+            reply = self._reply(connection, request, behind=spoil is ReplyFault.SEQUENCE)
         except WireError:
             reply = _refusal(request, ExcCodes.ILLEGAL_VALUE)
         except LookupError:
             reply = _refusal(request, ExcCodes.ILLEGAL_ADDRESS)
-        # TCP has no damaged bytes; a station that has lost its way sends some all the same.
+        # TCP delivers no damaged bytes; a faulty station may send some.
         self._send(connection.frame(request, reply), spoil, 7, connection.transport.write)
 
     def _reply(self, master: object, request: Any, behind: bool) -> ModbusPDU:
-        """The reply; `behind` puts an old number into it."""
+        """Return the reply to a request, with the number of an older command if `behind`."""
         now, function = self.device.clock.now(), request.function_code
         if request.dev_id != self._unit:
             return _refusal(request, ExcCodes.GATEWAY_NO_RESPONSE)
-        if self.master not in (None, master) and now - self._heard < self._silence:
+        if self.master not in (None, master) and now - self._last_request < self._silence:
             return _refusal(request, ExcCodes.DEVICE_BUSY)
-        self.master, self._heard = master, now
-        if function not in (*READ, WRITE, BOTH):
+        self.master, self._last_request = master, now
+        if function not in (*READ_FUNCTIONS, WRITE_FUNCTION, READ_WRITE_FUNCTION):
             return _refusal(request, ExcCodes.ILLEGAL_FUNCTION)
         _, response = DecodePDU.pdu_table[function]
-        if function == WRITE:
-            self._take(request.address, request.registers, request.count)
+        if function == WRITE_FUNCTION:
+            self._write_words(request.address, request.registers, request.count)
             return response(address=request.address, count=request.count)
         address, count = request.address, request.count
-        if function == BOTH:
-            self._take(request.write_address, request.write_registers, request.write_count)
+        if function == READ_WRITE_FUNCTION:
+            self._write_words(request.write_address, request.write_registers, request.write_count)
             address, count = request.read_address, request.read_count
-        return response(registers=self._tell(address, count, behind))
+        return response(registers=self._read_words(address, count, behind))
 
-    def _take(self, address: int, words: Sequence[int], count: int) -> None:
+    def _write_words(self, address: int, words: Sequence[int], count: int) -> None:
+        """Apply a command from its registers; raise LookupError for other addresses or counts."""
         if address != self._registers.commands.start or count != len(self._registers.commands):
             raise LookupError
         if len(words) != count:
             raise WireError(f"{len(words)} registers where {count} were told")
         self._obey(words[0], words[1:])
 
-    def _tell(self, address: int, count: int, behind: bool) -> list[int]:
+    def _read_words(self, address: int, count: int, behind: bool) -> list[int]:
+        """Return registers of the readings or the identity; raise LookupError for other addresses.
+
+        `behind` makes the sequence number one too low, as a failure of the link does.
+        """
         _, readings, identity = self._registers
         if address in readings and 1 <= count <= readings.stop - address:
             words = [((self._last or 0) - behind) & 0xFFFF, *self._read()]
@@ -106,7 +109,7 @@ class ModbusStation(Station):
 
 
 class _Connection(asyncio.Protocol):
-    """One master's connection."""
+    """Connection of one master."""
 
     def __init__(self, station: ModbusStation) -> None:
         self._station = station
@@ -124,6 +127,7 @@ class _Connection(asyncio.Protocol):
             self._station.master = None
 
     def data_received(self, data: bytes) -> None:
+        """Answer all whole requests among the received bytes; close the connection once it is out of sync."""
         self._tail += data
         try:
             while True:
@@ -138,11 +142,11 @@ class _Connection(asyncio.Protocol):
             self.transport.write(self.frame(refused, _refusal(refused, ExcCodes.ILLEGAL_FUNCTION)))
             self._tail = b""
         if self._tail[2:4].strip(b"\0") or len(self._tail) > FramerSocket.MAX_SIZE:
-            # Out of step; only a new connection begins at a frame's beginning.
+            # Out of sync: only a new connection starts at the beginning of a frame.
             self.transport.close()
 
     def frame(self, request: ModbusPDU, reply: ModbusPDU) -> bytes:
-        """A reply to a request as it is sent."""
+        """Return a reply to a request as a frame."""
         reply.transaction_id, reply.dev_id = request.transaction_id, request.dev_id
         return self._framer.buildFrame(reply)
 

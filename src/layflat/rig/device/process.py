@@ -1,4 +1,4 @@
-"""A device in a process of its own, and the handle by which a host starts, tells and ends it."""
+"""Device in a process of its own, and the handle by which a host starts, calls and ends it."""
 
 import asyncio
 import gc
@@ -13,21 +13,21 @@ from typing import Any, Self
 
 from layflat.errors import LayflatError
 from layflat.machine.model import Machine
-from layflat.parallel import start_process
-from layflat.rig.clock import Clock, MonotonicClock, VirtualClock
+from layflat.parallel import end_process, start_process
+from layflat.rig.clock import LoopClock, MonotonicClock, VirtualClock
 from layflat.rig.device.virtual import VirtualDevice
 from layflat.rig.driver import DriverError
-from layflat.rig.system import first_in
+from layflat.rig.system import set_fifo_priority
 
-TICK = 5e-3  # between two looks at the clock in real time, s; a device makes up for what happened between them
-START = 300.0  # until a device has to be there, s: laws may have to be compiled first, on a busy computer
+TICK_INTERVAL = 5e-3  # between two advances of a device in real time, s; each covers the time since the last
+START_TIMEOUT = 300.0  # within which a device has to start, s: laws may have to be compiled first, on a busy computer
 
-Factory = Callable[[Clock], VirtualDevice]  # makes the device in the process, with the clock that it lives by
+Factory = Callable[[LoopClock], VirtualDevice]  # creates the device in the process, with its clock
 
 
 @dataclass(frozen=True)
 class ModbusPort:
-    """Where a Modbus station listens; port 0 is any that is free."""
+    """Address at which a Modbus station listens; port 0 is any that is free."""
 
     port: int = 0
     host: str = "127.0.0.1"
@@ -35,7 +35,7 @@ class ModbusPort:
 
 @dataclass(frozen=True)
 class SerialPort:
-    """A pseudo-terminal, with a second name if one is wanted."""
+    """Pseudo-terminal, with an optional link to it."""
 
     link: Path | None = None
 
@@ -55,38 +55,37 @@ class DeviceProcess:
         self.address = ""
 
     def __enter__(self) -> Self:
-        """Start it, and wait until it can be reached; raise LayflatError with the other process's message if not."""
+        """Start the process and wait until the device is served; raise LayflatError with its message on failure."""
         self.process = start_process(_serve, self._arguments, "layflat device", daemon=True)
         self._theirs.close()
-        if not self._control.poll(START):
+        if not self._control.poll(START_TIMEOUT):
             self.process.kill()
-            raise LayflatError(f"the device was not there after {START:g} s")
+            raise LayflatError(f"the device was not there after {START_TIMEOUT:g} s")
         try:
-            self.address = self._answer()
+            self.address = self._receive_result()
         except BaseException:
             self.process.join()
             raise
         return self
 
     def __exit__(self, *_: object) -> None:
-        """End it, kindly at first."""
+        """End the process, gracefully at first; kill it after 2 s."""
         self._control.close()
-        self.process.join(2.0)
-        if self.process.is_alive():
-            self.process.kill()
-            self.process.join()
+        end_process(self.process, 2.0)
 
     def call(self, function: Callable[..., Any], *arguments: Any) -> Any:
-        """Call a function over there: `function(device, *arguments)`; it stands in a module, so that it can be sent.
+        """Call `function(device, *arguments)` in the process and return its result; all of them are pickled.
 
-        Raise LayflatError if the device is gone, or the function raised what the message says.
+        Raises:
+            LayflatError: the process has ended, or the function raised an error, which is the message.
         """
         with suppress(OSError):
             self._control.send((function, *arguments))
-        # Where that failed there may still be a last word.
-        return self._answer()
+        # If sending failed, a last message may still be there.
+        return self._receive_result()
 
-    def _answer(self) -> Any:
+    def _receive_result(self) -> Any:
+        """Return the result of a call to the device; raise LayflatError with its message, or if its process is gone."""
         try:
             well, what = self._control.recv()
         except (EOFError, OSError):
@@ -97,20 +96,21 @@ class DeviceProcess:
 
 
 def _serve(factory: Factory, machine: Machine, at: Port, control: Connection, lockstep: bool) -> None:
-    """Main function of the process: be a device until left alone by whoever holds the handle."""
+    """Serve a device, as the main function of the process, until the handle is closed."""
     try:
         device = factory(VirtualClock() if lockstep else MonotonicClock())
-        asyncio.run(_be(device, machine, at, control, lockstep))
+        asyncio.run(_run_device(device, machine, at, control, lockstep))
     except Exception as error:
         with suppress(OSError):
-            control.send((False, _told(error)))
+            control.send((False, _error_text(error)))
 
 
-def _told(error: Exception) -> str:
+def _error_text(error: Exception) -> str:
     return str(error) if isinstance(error, LayflatError) else f"{type(error).__name__} on the device: {error}"
 
 
-async def _be(device: VirtualDevice, machine: Machine, at: Port, control: Connection, lockstep: bool) -> None:
+async def _run_device(device: VirtualDevice, machine: Machine, at: Port, control: Connection, lockstep: bool) -> None:
+    """Serve a device at a port until its control pipe closes or SIGTERM arrives, in lockstep or in real time."""
     loop: asyncio.AbstractEventLoop = asyncio.get_running_loop()
     done: asyncio.Future[None] = loop.create_future()
 
@@ -122,20 +122,20 @@ async def _be(device: VirtualDevice, machine: Machine, at: Port, control: Connec
 
     def tick() -> None:
         device.tick()
-        loop.call_later(TICK, tick)
+        loop.call_later(TICK_INTERVAL, tick)
 
     loop.set_exception_handler(lambda _, context: end(context.get("exception")))
     loop.add_signal_handler(signal.SIGTERM, end)
-    # Who holds the handle hears an interrupt too, and quits in its own way.
+    # The process with the handle receives the interrupt too, and ends in its own way.
     loop.add_signal_handler(signal.SIGINT, lambda: None)
-    address, close = await _listen(device, machine, at)
-    loop.add_reader(control.fileno(), lambda: None if _hear(device, control) else end())
-    # To look through all that was imported takes a tenth of a second, for which nobody would be answered.
+    address, close = await _open_station(device, machine, at)
+    loop.add_reader(control.fileno(), lambda: None if _handle_call(device, control) else end())
+    # A garbage collection of all imported modules takes a tenth of a second, without any reply.
     gc.freeze()
     if not lockstep:
-        # What it stands for has a processor to itself.
+        # A real device has a processor of its own.
         with suppress(OSError, AttributeError):
-            first_in()
+            set_fifo_priority()
         tick()
     try:
         control.send((True, address))
@@ -145,8 +145,8 @@ async def _be(device: VirtualDevice, machine: Machine, at: Port, control: Connec
         close()
 
 
-def _hear(device: VirtualDevice, control: Connection) -> bool:
-    """Call what the handle sends, and answer whether it went well, and what came of it; false: it was let go."""
+def _handle_call(device: VirtualDevice, control: Connection) -> bool:
+    """Perform a call of the handle and send (success, result or message); return False once the handle is closed."""
     try:
         function, *arguments = control.recv()
     except (EOFError, OSError):
@@ -154,13 +154,14 @@ def _hear(device: VirtualDevice, control: Connection) -> bool:
     try:
         answer = True, function(device, *arguments)
     except Exception as error:  # whatever it is, it is the host's to see
-        answer = False, _told(error)
+        answer = False, _error_text(error)
     with suppress(OSError):
         control.send(answer)
     return True
 
 
-async def _listen(device: VirtualDevice, machine: Machine, at: Port) -> tuple[str, Callable[[], None]]:
+async def _open_station(device: VirtualDevice, machine: Machine, at: Port) -> tuple[str, Callable[[], None]]:
+    """Open a serial or Modbus station for a device; return its address and a function that closes it."""
     if isinstance(at, SerialPort):
         from layflat.rig.device.serial_server import SerialStation  # noqa: PLC0415  (needs an extra)
 
@@ -172,6 +173,8 @@ async def _listen(device: VirtualDevice, machine: Machine, at: Port) -> tuple[st
     try:
         port = await station.listen(at.host, at.port)
     except (OSError, OverflowError) as error:
-        what = f"can't be listened at ({getattr(error, 'strerror', None) or error})"
-        raise DriverError(what, where=f"modbus://{at.host}:{at.port}", right="give another port") from None
+        what = f"can't listen here ({getattr(error, 'strerror', None) or error})"
+        raise DriverError(
+            what, where=f"modbus://{at.host}:{at.port}", right="give a free port, and a host of this computer"
+        ) from None
     return f"modbus://{at.host}:{port}", station.close

@@ -1,4 +1,4 @@
-"""A microcontroller's serial line with a device behind it, on a pseudo-terminal."""
+"""Serial line of a microcontroller with a device behind it, on a pseudo-terminal."""
 
 import asyncio
 import os
@@ -7,15 +7,14 @@ from pathlib import Path
 
 from layflat.errors import OutputError
 from layflat.machine.model import Machine
-from layflat.rig.device.exchange import Station
-from layflat.rig.device.link import Spoil
-from layflat.rig.device.virtual import VirtualDevice
-from layflat.rig.wire import frames
-from layflat.rig.wire.content import WireError
+from layflat.rig import frames
+from layflat.rig.device.exchange import DeviceStation
+from layflat.rig.device.virtual import ReplyFault, VirtualDevice
+from layflat.rig.wire import WireError
 
 
-class SerialStation(Station):
-    """Answers frames."""
+class SerialStation(DeviceStation):
+    """Station that answers frames on a pseudo-terminal."""
 
     def __init__(self, device: VirtualDevice, machine: Machine) -> None:
         super().__init__(device, machine, machine.interface.serial.timeout)
@@ -23,9 +22,10 @@ class SerialStation(Station):
         self._link: Path | None = None
 
     def listen(self, link: Path | None = None) -> str:
-        """Open a terminal and serve from now on; return its path, or that of a link to it.
+        """Open a terminal and start to serve; return its path, or that of the link to it.
 
-        Raise OutputError if the link can't be made.
+        Raises:
+            OutputError: the link can't be created.
         """
         self._near, self._terminal = os.openpty()
         import tty  # noqa: PLC0415  # not on every system
@@ -43,11 +43,11 @@ class SerialStation(Station):
                 what = f"can't be made ({error.strerror})"
                 raise OutputError(what, where=str(link), right="give a name that is free") from None
             self._link = link
-        asyncio.get_running_loop().add_reader(self._near, self._hear)
+        asyncio.get_running_loop().add_reader(self._near, self._answer_frames)
         return str(link or path)
 
     def close(self) -> None:
-        """Serve no more, and leave nothing behind."""
+        """Stop serving, close the terminal and remove the link."""
         asyncio.get_running_loop().remove_reader(self._near)
         os.close(self._near)
         os.close(self._terminal)
@@ -55,25 +55,27 @@ class SerialStation(Station):
         if self._link is not None:
             self._link.unlink(missing_ok=True)
 
-    def _hear(self) -> None:
+    def _answer_frames(self) -> None:
+        """Answer the frames that have arrived, unless the link is silent."""
         with suppress(BlockingIOError):
             for frame in self._decoder.feed(os.read(self._near, 4096)):
                 if not self.device.link.silent:
                     self._answer(frame)
 
-    def _answer(self, frame: frames.Frame) -> None:
+    def _answer(self, frame: frames.SerialFrame) -> None:
+        """Answer an identify or command frame, with the failure of the link that is due; ignore all other frames."""
         spoil = self.device.link.next()
         try:
-            if frame.kind == frames.IDENTIFY:
-                kind, words = frames.IDENTITY, self._identify()
-            elif frame.kind == frames.COMMAND and self._obey(frame.sequence, frames.as_words(frame.payload)):
-                kind, words = frames.READING, self._read()
+            if frame.kind == frames.IDENTIFY_FRAME:
+                kind, words = frames.IDENTITY_FRAME, self._identify()
+            elif frame.kind == frames.COMMAND_FRAME and self._obey(frame.sequence, frames.unpack_words(frame.payload)):
+                kind, words = frames.READING_FRAME, self._read()
             else:
                 return
         except WireError:
             return
-        number = (frame.sequence - (spoil is Spoil.SEQUENCE)) & 0xFFFF
-        reply = frames.encode(kind, number, frames.as_bytes(words))
+        number = (frame.sequence - (spoil is ReplyFault.SEQUENCE)) & 0xFFFF
+        reply = frames.encode(kind, number, frames.pack_words(words))
         self._send(reply, spoil, len(reply) // 2, self._write)
 
     def _write(self, reply: bytes) -> None:

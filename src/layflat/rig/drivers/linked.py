@@ -1,4 +1,4 @@
-"""What drivers over wires have in common: they lock the rig, keep the command, and make one transaction a cycle."""
+"""Base class of drivers over wires: they lock the rig, store the command, and make one transaction a cycle."""
 
 import getpass
 import os
@@ -15,23 +15,28 @@ from select import select
 import numpy as np
 
 from layflat.machine.model import Machine
-from layflat.rig.driver import Capabilities, Command, Driver, DriverError, Lifecycle, LinkError, Reading
-from layflat.rig.system import lock
-from layflat.rig.wire.content import Wire, WireError, following
-from layflat.rig.wire.identity import Identity
+from layflat.rig.driver import Capabilities, Driver, DriverError, Lifecycle, LinkError, RigCommand, SensorReading
+from layflat.rig.system import lock_file
+from layflat.rig.wire import Identity, Wire, WireError, next_sequence
 
-FAREWELLS = 3  # how often a driver that is deactivated tries to say so
-LARGEST = 4096  # bytes taken at once
+MAX_DEACTIVATE_ATTEMPTS = 3  # transactions in which a deactivated driver tries to send the safe command
+MAX_READ_BYTES = 4096  # bytes read at once
 
 
-def pieces(file: int, read: Callable[[int], bytes], patience: float) -> Iterator[bytes]:
-    """Bytes as they come, until one deadline for all of them: a reply that trickles is as late as one that is lost.
+def read_pieces(file: int, read: Callable[[int], bytes], patience: float) -> Iterator[bytes]:
+    """Yield bytes as they come, until one deadline for all: a reply that trickles is as late as one that is lost.
 
-    Raise OSError if the other end has hung up.
+    Args:
+        file: descriptor of the line.
+        read: reads up to a number of bytes from it.
+        patience: time until the deadline, s.
+
+    Raises:
+        OSError: the other end has hung up.
     """
     deadline, left = time.monotonic() + patience, patience
     while left >= 0.0 and select([file], [], [], left)[0]:
-        data = read(LARGEST)
+        data = read(MAX_READ_BYTES)
         if not data:
             raise ConnectionResetError
         yield data
@@ -39,10 +44,12 @@ def pieces(file: int, read: Callable[[int], bytes], patience: float) -> Iterator
 
 
 def lock_rig(endpoint: str) -> int:
-    """Lock a rig, by its one true name, for this process alone; returns the file to be closed when it is let go.
+    """Lock a rig, by its canonical name, for this process alone; return the file descriptor that is closed to unlock.
 
-    The kernel lets go of it when its holder ends, however it ends. Raise DriverError if somebody else has it, or the
-    file can't be made.
+    The kernel releases the lock when its holder ends, however it ends.
+
+    Raises:
+        DriverError: another process holds the lock, or the file can't be created.
     """
     runtime, chosen = os.environ.get("XDG_RUNTIME_DIR"), os.environ.get("LAYFLAT_RUNTIME_DIR")
     usual = Path(runtime) / "layflat" if runtime else Path(tempfile.gettempdir()) / f"layflat-{getpass.getuser()}"
@@ -55,7 +62,7 @@ def lock_rig(endpoint: str) -> int:
         what = f"the lock can't be made ({error.strerror})"
         raise DriverError(what, where=str(path), right="set LAYFLAT_RUNTIME_DIR") from None
     try:
-        lock(file)
+        lock_file(file)
     except OSError:
         holder = os.read(file, 500).decode(errors="replace").strip() or "another process"
         os.close(file)
@@ -67,7 +74,7 @@ def lock_rig(endpoint: str) -> int:
 
 
 class LinkedDriver(Driver):
-    """A driver whose device answers commands; the endpoint names it for people and for the lock."""
+    """Driver whose device answers commands; the endpoint is its name for people and for the lock."""
 
     late = 1
 
@@ -75,31 +82,36 @@ class LinkedDriver(Driver):
         super().__init__()
         self.endpoint = endpoint
         self._machine = machine
-        self._wire = Wire.of(machine)
-        safe = Command(np.full(self._wire.joints, self._wire.voltage.value(self._wire.centre)), air=False)
+        self._wire = Wire.for_machine(machine)
+        safe = RigCommand(np.full(self._wire.joints, self._wire.voltage.value(self._wire.centre)), air=False)
         self._safe = self._kept = self._wire.command_words(safe)
-        # Not that of an earlier process, whose last reply may still be under way.
+        # Differs from that of an earlier process, whose last reply may still be under way.
         self._sequence = time.monotonic_ns() // 1000 & 0xFFFF
         self._lock = -1
 
-    def read(self) -> Reading:
-        """Send the kept command (the safe one while inactive); raise LinkError if it is not answered well in time."""
+    def read(self) -> SensorReading:
+        """Send the stored command (the safe one while inactive) and return the reading that answers it.
+
+        Raises:
+            LinkError: no good reply came in time.
+        """
         if self.state is not Lifecycle.INACTIVE:
             self._expect("read", Lifecycle.ACTIVE)
         return self._transact()
 
-    def write(self, command: Command) -> None:
-        """Keep a command for the next `read`."""
+    def write(self, command: RigCommand) -> None:
+        """Store a command for the next `read`."""
         self._expect("write", Lifecycle.ACTIVE)
         self._kept = self._wire.command_words(command)
 
     def finalize(self) -> None:
-        """Let go of the device and of its lock, whatever state it is in; a second call does nothing."""
+        """Release the device and its lock in any state; a second call does nothing."""
         super().finalize()
-        self._let_go()
+        self._release_link()
 
-    def _transact(self) -> Reading:
-        self._sequence = following(self._sequence)
+    def _transact(self) -> SensorReading:
+        """Send the stored command and return the reading that answers it; raise LinkError if it can't be decoded."""
+        self._sequence = next_sequence(self._sequence)
         words = self._exchange(self._sequence, self._kept)
         try:
             return self._wire.reading(words)
@@ -107,25 +119,28 @@ class LinkedDriver(Driver):
             raise LinkError("crc") from None
 
     def _configure(self) -> Capabilities:
+        """Lock the rig, connect, and return its capabilities, checked against the machine; release all on failure."""
         self._lock = lock_rig(self.endpoint)
         try:
             self._connect()
             return self._identify().check(self._machine, self.endpoint)
         except WireError as error:
-            self._let_go()
+            self._release_link()
             raise self._error(str(error), "give the address of a rig") from None
         except BaseException:
-            self._let_go()
+            self._release_link()
             raise
 
     def _deactivate(self) -> None:
+        """Send the safe command, up to `MAX_DEACTIVATE_ATTEMPTS` times until it is answered."""
         self._kept = self._safe
-        for _ in range(FAREWELLS):
+        for _ in range(MAX_DEACTIVATE_ATTEMPTS):
             with suppress(LinkError):
                 self._transact()
                 return
 
-    def _let_go(self) -> None:
+    def _release_link(self) -> None:
+        """Disconnect, and release the lock of the rig."""
         self._disconnect()
         if self._lock >= 0:
             os.close(self._lock)
@@ -140,7 +155,7 @@ class LinkedDriver(Driver):
 
     @abstractmethod
     def _identify(self) -> Identity:
-        """Ask what is there; a DriverError if nothing answers, a WireError if it is not a rig."""
+        """Read the identity of the device; raise DriverError if nothing answers, WireError if it is not a rig."""
 
     @abstractmethod
     def _exchange(self, sequence: int, words: list[int]) -> Sequence[int]:

@@ -1,4 +1,4 @@
-"""A rig behind a microcontroller on a serial port, mostly USB: frames of `wire.frames`."""
+"""A rig behind a microcontroller on a serial port, mostly USB: frames of `rig/frames.py`."""
 
 import os
 from collections.abc import Sequence
@@ -10,21 +10,20 @@ from serial import Serial, SerialException
 from serial.tools.list_ports import comports
 
 from layflat.machine.model import Machine
+from layflat.rig import frames
 from layflat.rig.driver import DriverError, LinkError
-from layflat.rig.drivers.linked import LinkedDriver, pieces
-from layflat.rig.wire import frames
-from layflat.rig.wire.content import WireError, following
-from layflat.rig.wire.identity import Identity
+from layflat.rig.drivers.linked import LinkedDriver, read_pieces
+from layflat.rig.wire import Identity, WireError, next_sequence
 
-ASKED = 10  # how often a device is asked who it is; some boot when the port is opened
-WAIT = 0.2  # for each answer, s
+MAX_IDENTIFY_ATTEMPTS = 10  # requests for the identity; some devices boot when the port is opened
+IDENTIFY_TIMEOUT = 0.2  # for each reply, s
 
 
 class SerialDriver(LinkedDriver):
-    """A rig at a serial port."""
+    """Driver of a rig at a serial port."""
 
     def __init__(self, machine: Machine, path: str) -> None:
-        # By its one true name, so that two names of one port are one lock.
+        # By its canonical name, so that two names of one port share one lock.
         super().__init__(machine, f"serial://{Path(path).resolve()}")
         self._path = path
         self._link = machine.interface.serial
@@ -33,6 +32,7 @@ class SerialDriver(LinkedDriver):
         self._decoder = frames.Decoder()
 
     def _connect(self) -> None:
+        """Open the serial port exclusively and drop what it has received."""
         try:
             self._port = Serial(self._path, self._link.baud, timeout=0, write_timeout=0, exclusive=True)
             self._port.reset_input_buffer()
@@ -41,26 +41,29 @@ class SerialDriver(LinkedDriver):
         self._file = self._port.fileno()
 
     def _identify(self) -> Identity:
-        for _ in range(ASKED):
-            self._sequence = following(self._sequence)
+        """Return the identity of the microcontroller, in up to `MAX_IDENTIFY_ATTEMPTS` requests."""
+        for _ in range(MAX_IDENTIFY_ATTEMPTS):
+            self._sequence = next_sequence(self._sequence)
             with suppress(LinkError):
-                words = self._ask(self._sequence, frames.IDENTIFY, [], frames.IDENTITY, WAIT)
+                words = self._request(
+                    self._sequence, frames.IDENTIFY_FRAME, [], frames.IDENTITY_FRAME, IDENTIFY_TIMEOUT
+                )
                 return Identity.from_words(words)
         what = "answers, but not in frames" if self._decoder.bad else "does not answer"
         raise self._error(what, "see that the firmware runs, and that interface.serial.baud fits")
 
     def _exchange(self, sequence: int, words: list[int]) -> Sequence[int]:
-        return self._ask(sequence, frames.COMMAND, words, frames.READING, self._link.timeout)
+        return self._request(sequence, frames.COMMAND_FRAME, words, frames.READING_FRAME, self._link.timeout)
 
-    def _ask(self, sequence: int, kind: int, words: list[int], expected: int, patience: float) -> Sequence[int]:
-        """Send a frame, and take the one that answers it; what answers another is stale."""
+    def _request(self, sequence: int, kind: int, words: list[int], expected: int, patience: float) -> Sequence[int]:
+        """Send a frame and return the words of the one that answers it; frames that answer another are stale."""
         bad, why = self._decoder.bad, "lost"
         try:
-            os.write(self._file, frames.encode(kind, sequence, frames.as_bytes(words)))
-            for piece in pieces(self._file, partial(os.read, self._file), patience):
+            os.write(self._file, frames.encode(kind, sequence, frames.pack_words(words)))
+            for piece in read_pieces(self._file, partial(os.read, self._file), patience):
                 for frame in self._decoder.feed(piece):
                     if frame.kind == expected and frame.sequence == sequence:
-                        return frames.as_words(frame.payload)
+                        return frames.unpack_words(frame.payload)
                     why = "sequence"
         except OSError:
             raise LinkError("lost") from None
@@ -74,7 +77,7 @@ class SerialDriver(LinkedDriver):
             self._file = -1
 
     def _closed(self, error: Exception) -> DriverError:
-        """Why a port can't be opened, and what would help."""
+        """Return the error of a port that can't be opened, with its cause and remedy."""
         path = Path(self._path)
         if not path.exists():
             there = ", ".join(sorted(port.device for port in comports())) or "none"
@@ -82,13 +85,14 @@ class SerialDriver(LinkedDriver):
         elif not path.is_char_device():
             what, right = "is not a serial port", "give one, such as serial:///dev/ttyACM0"
         elif not os.access(path, os.R_OK | os.W_OK):
-            what, right = "you may not open it", f"join the group {_group(path)!r} and log in anew"
+            what, right = "you may not open it", f"join the group {_group_name(path)!r} and log in anew"
         else:
             what, right = f"can't be opened ({error})", "see that no other program has it"
         return self._error(what, right)
 
 
-def _group(path: Path) -> str:
+def _group_name(path: Path) -> str:
+    """Return the name of the group that owns a file, or its number as text."""
     try:
         return path.group()
     except KeyError:  # it has no name

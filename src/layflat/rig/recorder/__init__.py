@@ -1,4 +1,4 @@
-"""What is kept of a rig's loop: every cycle, on disk, whatever dies.
+"""Recorder of a rig's loop: every cycle reaches the disk, whichever process dies.
 
 loop -> ring (shared memory) -> recorder (a process of its own) -> NAME.mcap.part -> NAME.mcap, a run like any other
 """

@@ -1,4 +1,4 @@
-"""A file that grows: nothing is kept back in the process, and a full disk is not an error but a state."""
+"""File that grows: no data stay buffered in the process, and a full disk is a state, not an error."""
 
 import contextlib
 import errno
@@ -6,28 +6,27 @@ import os
 import threading
 from pathlib import Path
 
-from layflat.rig.system import lock
+from layflat.rig.system import lock_file
 
-MOST_PENDING = 32 * 2**20  # bytes that are kept in memory while nothing can be written
-SYNC = 0.3  # between two orders to the disk to have what was written, s
+MAX_PENDING_BYTES = 32 * 2**20  # bytes that are buffered while nothing can be written
+SYNC_INTERVAL = 0.3  # between two syncs of the disk, s
 
 _sync = getattr(os, "fdatasync", os.fsync)
 
 
 class GrowingFile:
-    """An empty file to write at the end of, made unless it is there, locked while open: `log repair` leaves it alone.
+    """New or empty file to append to, locked while it is open, so that `log repair` leaves it alone.
 
-    A killed process loses nothing that was flushed; a machine that loses power what came after the last order to the
-    disk. These orders are given by a thread, since a slow disk takes its time. Raise OSError if it can't be made, or
-    holds something already.
+    A killed process loses nothing that was flushed; a computer that loses power loses what came after the last sync of
+    the disk. A thread syncs, since a slow disk blocks. Raise OSError if the file can't be created, or is not empty.
     """
 
     def __init__(self, path: Path) -> None:
         self.path = path
-        self.trouble = ""  # why nothing can be written now; empty where all is well
+        self.trouble = ""  # reason why nothing can be written now; empty where it can
         path.parent.mkdir(parents=True, exist_ok=True)
         self._handle = os.open(path, os.O_WRONLY | os.O_CREAT, 0o644)
-        lock(self._handle)
+        lock_file(self._handle)
         if os.fstat(self._handle).st_size:
             os.close(self._handle)
             raise FileExistsError(errno.EEXIST, "holds something already", str(path))
@@ -38,22 +37,22 @@ class GrowingFile:
         self._syncing.start()
 
     def write(self, data: bytes) -> int:
-        """Add at the end; it reaches the file with `flush`."""
+        """Append data to the buffer, which `flush` writes; return its size."""
         self._pending += data
         self._end += len(data)
         return len(data)
 
     def tell(self) -> int:
-        """Bytes so far, those to be written included."""
+        """Return the bytes so far, buffered ones included."""
         return self._end
 
     @property
-    def room(self) -> bool:
-        """Whether more can be taken in."""
-        return len(self._pending) < MOST_PENDING
+    def has_room(self) -> bool:
+        """Return whether the buffer has room."""
+        return len(self._pending) < MAX_PENDING_BYTES
 
     def flush(self) -> None:
-        """Write what is there; where that fails, keep it for the next time and say so in `trouble`."""
+        """Write the buffer; where that fails, keep it for the next call and set `trouble`."""
         try:
             while self._pending:
                 del self._pending[: os.write(self._handle, self._pending)]
@@ -62,23 +61,23 @@ class GrowingFile:
             self.trouble = error.strerror or str(error)
 
     def sync(self) -> None:
-        """Have on the disk what was flushed."""
+        """Sync flushed data to the disk; an OSError is ignored, since `flush` reports what can't be written."""
         with contextlib.suppress(OSError):  # what can't be written shows when it is
             _sync(self._handle)
 
     def close(self) -> None:
-        """Let go."""
+        """Stop the syncing, and close and unlock the file."""
         self._closing.set()
         self._syncing.join()
         os.close(self._handle)
 
     def _keep_syncing(self) -> None:
-        while not self._closing.wait(SYNC):
+        while not self._closing.wait(SYNC_INTERVAL):
             self.sync()
 
 
-def synced(path: Path) -> None:
-    """Have a file or a folder on the disk."""
+def sync_path(path: Path) -> None:
+    """Sync a file or a folder to the disk."""
     handle = os.open(path, os.O_RDONLY)
     try:
         os.fsync(handle)

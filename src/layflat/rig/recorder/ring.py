@@ -1,8 +1,8 @@
-"""Rows and events on their way from the loop to the recorder, in memory that outlives either.
+"""Ring buffer of rows and events from the loop to the recorder, in shared memory that outlives either.
 
-One writes (the loop), one reads (the recorder), nobody waits: a full queue drops what comes, and counts. The memory is
-a mapped file that its users hold locked, so that what nobody uses any more can be told and removed. It is nothing that
-Python's resource tracker knows of, which would remove it when any one of its users dies.
+One process writes (the loop), one reads (the recorder), neither waits: a full queue drops new items and counts them.
+The memory is a mapped file that its users hold locked, so that an orphaned one can be recognized and removed. Python's
+resource tracker does not know it: the tracker would remove it when any one of its users dies.
 """
 
 import mmap
@@ -19,19 +19,19 @@ from numpy.typing import NDArray
 
 from layflat.arrays import Array
 from layflat.errors import InputError
-from layflat.rig.clock import SECOND
-from layflat.rig.system import RING, lock, new_file
+from layflat.rig.clock import NS_PER_SECOND
+from layflat.rig.system import RING_PREFIX, create_shared_file, lock_file
 
-MAGIC = int.from_bytes(b"lfring04", "little")  # changes with what stands where in the memory
-STALE = SECOND  # who has not shown a sign of life for so long is dead, ns
-ROWS, EVENTS = 4096, 256  # that fit: 20 s at 200 Hz
-TEXT = 240  # bytes of an event's text; the rest is cut off
+RING_MAGIC = int.from_bytes(b"lfring04", "little")  # changes with the layout of the memory
+ALIVE_TIMEOUT = NS_PER_SECOND  # without a heartbeat, after which a process counts as dead, ns
+ROW_CAPACITY, EVENT_CAPACITY = 4096, 256  # 20 s of rows at 200 Hz
+MAX_EVENT_BYTES = 240  # of an event's text; the rest is cut off
 
-_EVENT = np.dtype([("time", "<f8"), ("level", "<i8"), ("text", f"S{TEXT}")])
+_EVENT_DTYPE = np.dtype([("time", "<f8"), ("level", "<i8"), ("text", f"S{MAX_EVENT_BYTES}")])
 
 
-class Level(IntEnum):
-    """How much an event matters; numbers of rcl_interfaces/msg/Log."""
+class EventLevel(IntEnum):
+    """Severity of an event, with the numbers of rcl_interfaces/msg/Log."""
 
     INFO = 20
     WARN = 30
@@ -39,32 +39,32 @@ class Level(IntEnum):
 
 
 class RecorderState(IntEnum):
-    """What the recorder is doing."""
+    """State of the recorder."""
 
     ABSENT = 0
     RECORDING = 1
-    STUCK = 2  # it can't write (disk full): it keeps what it can in memory, and tries on
+    STUCK = 2  # it can't write (disk full): it buffers what fits into memory, and tries again
     FINISHING = 3
     DONE = 4
-    UNFINISHED = 5  # it has ended and could not make the file whole; `layflat log repair` takes what was written
+    UNFINISHED = 5  # it has ended without finishing the file, which `layflat log repair` makes whole
 
 
 class Event(NamedTuple):
-    """Something worth telling."""
+    """Event for people: a fault, a change of state, or a message."""
 
     time: float  # s since the loop began
-    level: int
+    level: int  # as of `EventLevel`
     text: str
 
 
 class _Counts(Structure):
-    """Items of a queue so far."""
+    """Counts of a queue's items so far."""
 
     _fields_ = [(name, c_int64) for name in ("written", "read", "dropped")]
 
 
-class _Head(Structure):
-    """What stands at the beginning of the memory; beats are the last signs of life, ns of `time.monotonic_ns`."""
+class _RingHeader(Structure):
+    """Header of the memory; beats are the instants of the last signs of life, ns of `time.monotonic_ns`."""
 
     _fields_ = [
         *((name, c_int64) for name in ("magic", "width", "rows_fit", "events_fit")),
@@ -74,13 +74,13 @@ class _Head(Structure):
 
 
 class _Queue:
-    """Items in shared memory, one after the other, and again from the beginning."""
+    """Circular queue of items in shared memory."""
 
     def __init__(self, counts: _Counts, items: NDArray[Any]) -> None:
         self._counts, self._items, self._fit = counts, items, len(items)
 
-    def put(self, item: Any) -> bool:
-        """Add an item; False if there was no room."""
+    def append(self, item: Any) -> bool:
+        """Append an item; return False if there was no room."""
         counts = self._counts
         written = counts.written
         if written - counts.read >= self._fit:
@@ -91,8 +91,8 @@ class _Queue:
         counts.written = written + 1
         return True
 
-    def take(self) -> NDArray[Any]:
-        """All items that are there."""
+    def drain(self) -> NDArray[Any]:
+        """Remove and return all items."""
         first, end = self._counts.read, self._counts.written
         _fence()
         items: NDArray[Any] = self._items[np.arange(first, end) % self._fit]
@@ -101,102 +101,112 @@ class _Queue:
 
 
 class Ring:
-    """The memory, as each of its users has it; make one with `create`, join in with `attach`."""
+    """Ring buffer in shared memory; make one with `create`, open an existing one with `attach`."""
 
     def __init__(self, path: Path, handle: int) -> None:
         self.path, self._handle = path, handle
         self._memory = mmap.mmap(handle, 0)
-        self.head = head = _Head.from_buffer(self._memory)  # what both sides tell, and how much was handed over
-        rows: Array = np.ndarray((head.rows_fit, head.width), np.float64, self._memory, sizeof(_Head))
-        events: NDArray[Any] = np.ndarray((head.events_fit,), _EVENT, self._memory, sizeof(_Head) + rows.nbytes)
+        self.head = head = _RingHeader.from_buffer(self._memory)  # states of both sides, and counts of the queues
+        rows: Array = np.ndarray((head.rows_fit, head.width), np.float64, self._memory, sizeof(_RingHeader))
+        events: NDArray[Any] = np.ndarray(
+            (head.events_fit,), _EVENT_DTYPE, self._memory, sizeof(_RingHeader) + rows.nbytes
+        )
         self._rows, self._events = _Queue(head.rows, rows), _Queue(head.events, events)
 
     @classmethod
-    def create(cls, width: int, *, rows: int = ROWS, events: int = EVENTS) -> Self:
-        """Make the memory for so many rows of a width, and so many events."""
-        path, handle = new_file(RING, sizeof(_Head) + rows * width * 8 + events * _EVENT.itemsize)
-        os.pwrite(handle, bytes(_Head(MAGIC, width, rows, events)), 0)
+    def create(cls, width: int, *, rows: int = ROW_CAPACITY, events: int = EVENT_CAPACITY) -> Self:
+        """Create a ring in new shared memory.
+
+        Args:
+            width: count of numbers in a row.
+            rows: capacity of the queue of rows.
+            events: capacity of the queue of events.
+        """
+        path, handle = create_shared_file(
+            RING_PREFIX, sizeof(_RingHeader) + rows * width * 8 + events * _EVENT_DTYPE.itemsize
+        )
+        os.pwrite(handle, bytes(_RingHeader(RING_MAGIC, width, rows, events)), 0)
         return cls(path, handle)
 
     @classmethod
     def attach(cls, path: Path) -> Self:
-        """Join in; raise InputError if there is none."""
+        """Open an existing ring; raise InputError if there is none at the path."""
         right = "give the ring of a loop that runs"
         try:
             handle = os.open(path, os.O_RDWR)
         except OSError as error:
             raise InputError(f"can't be opened ({error.strerror})", where=str(path), right=right) from None
-        lock(handle, shared=True)
-        if os.pread(handle, 8, 0) != MAGIC.to_bytes(8, "little"):
+        lock_file(handle, shared=True)
+        if os.pread(handle, 8, 0) != RING_MAGIC.to_bytes(8, "little"):
             os.close(handle)
             raise InputError("is not a ring of this version of layflat", where=str(path), right=right)
         return cls(path, handle)
 
     def close(self) -> None:
-        """Let go; others go on."""
+        """Unmap the memory in this process; others keep it."""
         del self._rows, self._events, self.head
         self._memory.close()
         os.close(self._handle)
 
     def remove(self) -> None:
-        """Take away its name: those who are in go on, nobody else can join. A second time does nothing."""
+        """Remove the file: processes that have it open keep it, no other can open it. A second call does nothing."""
         self.path.unlink(missing_ok=True)
 
     # the loop
 
     def push(self, row: Array) -> bool:
-        """Hand over a cycle's row, (width,); False if there was no room. It is a sign of life too."""
+        """Append a cycle's row, (width,), which is a heartbeat too; return False if there was no room."""
         self.head.loop_beat = time.monotonic_ns()
-        return self._rows.put(row)
+        return self._rows.append(row)
 
     def put_event(self, event: Event) -> bool:
-        """Hand over an event, its text cut between two characters; False if there was no room."""
-        text = event.text.encode()[:TEXT].decode(errors="ignore").encode()
-        return self._events.put((event.time, event.level, text))
+        """Append an event, its text cut between two characters; return False if there was no room."""
+        text = event.text.encode()[:MAX_EVENT_BYTES].decode(errors="ignore").encode()
+        return self._events.append((event.time, event.level, text))
 
     def end(self) -> None:
-        """Say that no more rows will come."""
+        """Mark the end of the rows."""
         self.head.ended = True
 
-    def recorder_alive(self) -> bool:
-        """Whether the recorder has shown a sign of life in the last second."""
+    def is_recorder_alive(self) -> bool:
+        """Return whether the recorder had a heartbeat in the last second."""
         return _is_fresh(self.head.recorder_beat)
 
     @property
     def recorder(self) -> RecorderState:
-        """What the recorder said last that it does."""
+        """Return the last state that the recorder has reported."""
         return RecorderState(self.head.recorder)
 
     # the recorder
 
-    def take(self) -> Array:
-        """All rows that are there, (rows, width)."""
-        return self._rows.take()
+    def drain(self) -> Array:
+        """Remove and return all rows, (rows, width)."""
+        return self._rows.drain()
 
-    def take_events(self) -> list[Event]:
-        """All events that are there."""
-        return [Event(float(time), int(level), text.decode()) for time, level, text in self._events.take()]
+    def drain_events(self) -> list[Event]:
+        """Remove and return all events."""
+        return [Event(float(time), int(level), text.decode()) for time, level, text in self._events.drain()]
 
     def beat(self, state: RecorderState) -> None:
-        """Show that the recorder lives, and what it does."""
+        """Report the recorder's state, as a heartbeat."""
         self.head.recorder, self.head.recorder_beat = state, time.monotonic_ns()
 
-    def loop_alive(self) -> bool:
-        """Whether the loop has handed over a row in the last second."""
+    def is_loop_alive(self) -> bool:
+        """Return whether the loop has pushed a row in the last second."""
         return _is_fresh(self.head.loop_beat)
 
 
 def _is_fresh(beat: int) -> bool:
-    return beat > 0 and time.monotonic_ns() - beat <= STALE
+    return beat > 0 and time.monotonic_ns() - beat <= ALIVE_TIMEOUT
 
 
 _lock = threading.Lock()
 
 
 def _fence() -> None:
-    """Let all that was written or read so far have happened, on processors that change the order (ARM).
+    """Order all reads and writes before this call ahead of those after it, on processors that reorder them (ARM).
 
-    Nothing passes from before the first block to behind the second.
+    Locking and unlocking twice is a full barrier: nothing moves from before the first block to behind the second.
     """
     with _lock:
         pass

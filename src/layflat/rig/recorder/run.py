@@ -13,50 +13,50 @@ from layflat import extras
 from layflat.arrays import Array
 from layflat.errors import InputError
 from layflat.files import whole_file
-from layflat.rig.clock import SECOND
+from layflat.rig.clock import NS_PER_SECOND
 from layflat.rig.driver import DeviceState
-from layflat.rig.recorder.bag import MACHINE, METADATA
-from layflat.rig.recorder.messages import CYCLE, LOG, Fixed, meanings_in
+from layflat.rig.recorder.bag import CYCLE_TYPE, LOG_TYPE, MACHINE_ATTACHMENT, METADATA, MessageCodec, parse_meanings
 from layflat.rig.recorder.repair import check_magic
 from layflat.rig.recorder.ring import Event
-from layflat.rig.safety.faults import Fault
-from layflat.rig.safety.states import State
+from layflat.rig.safety.faults import Fault, RigState
 
 if TYPE_CHECKING:
     import xarray
     from mcap.reader import McapReader
     from mcap.records import Message, Schema
 
-# What a rig does not know of itself, and the signal that stands in for it.
-BEST_KNOWN = {
+__all__ = ["check_format", "export_run", "read_recording", "read_run"]
+
+# Signals that a rig does not measure: by name the recorded signal in its place, with unit and meaning.
+SUBSTITUTE_SIGNALS = {
     "angle": ("measured_angle", "rad", "joint angle, as sampled"),
     "velocity": ("averaged_velocity", "rad/s", "joint velocity, from the averaged angle"),
     "air_taken": ("estimated_air", "kg", "air taken from the supply since the start, estimated"),
 }
-# Columns that stand for something else than a quantity.
-FLAGS: dict[str, type[IntEnum]] = {"mode": State, "fault": Fault, "joint_fault": Fault, "device": DeviceState}
-RENAMED = {"far": "device"}  # columns that logs of earlier versions have, by their present names
-# Faults by their numbers in logs that do not say so themselves: all but what there has been since.
+# Columns whose numbers are those of an enumeration.
+FLAG_ENUMS: dict[str, type[IntEnum]] = {"mode": RigState, "fault": Fault, "joint_fault": Fault, "device": DeviceState}
+COLUMN_RENAMES = {"far": "device"}  # present names of the columns of earlier versions' logs
+# Names of faults by their numbers in logs without that metadata: all but those added since.
 FIRST_FAULTS = [fault.name for fault in Fault if fault is not Fault.MODEL_DOUBTED]
-# What readers raise on bytes that make no sense.
-UNREADABLE = (ValueError, struct.error, KeyError, IndexError, NotImplementedError)
+# Errors that readers raise on invalid bytes.
+DECODE_ERRORS = (ValueError, struct.error, KeyError, IndexError, NotImplementedError)
 
 
 @dataclass(frozen=True)
 class Recording:
-    """What an MCAP log of a rig holds."""
+    """Content of an MCAP log of a rig."""
 
     joints: tuple[str, ...]  # names, from base to tip
     columns: dict[str, Array]  # of every cycle: (cycles,), or (cycles, joints)
     meanings: dict[str, tuple[str, str]]  # unit and meaning of each column
     events: list[Event]
     begin: int  # log time of the loop's time 0, ns since 1970
-    about: dict[str, str]  # what the log says of itself
+    about: dict[str, str]  # metadata
     machine: str  # description as JSON; empty where it is missing
 
 
 def read_recording(path: Path) -> Recording:
-    """Read a log that the recorder has written; raise InputError if it can't be read, is not whole, or none of ours."""
+    """Read a log of the recorder; raise InputError if it can't be read, is not whole, or is no log of a rig."""
     extras.require("rig", "mcap", where=str(path))
     from mcap.exceptions import McapError  # noqa: PLC0415
     from mcap.reader import make_reader  # noqa: PLC0415
@@ -67,14 +67,19 @@ def read_recording(path: Path) -> Recording:
         raise InputError("was not finished", where=str(path), right=right)
     try:
         with path.open("rb") as file:
-            return _recording(make_reader(file, validate_crcs=True), path)
-    except (McapError, ZstdError, *UNREADABLE) as error:
+            return _decode_recording(make_reader(file, validate_crcs=True), path)
+    except (McapError, ZstdError, *DECODE_ERRORS) as error:
         what = " ".join(str(error).split()) or type(error).__name__
         right = f"`layflat log repair {path}` keeps what is whole"
         raise InputError(f"can't be read ({what})", where=str(path), right=right) from None
 
 
-def _recording(reader: "McapReader", path: Path) -> Recording:
+def _decode_recording(reader: "McapReader", path: Path) -> Recording:
+    """Return the recording in an MCAP log, with names and fault numbers of older versions replaced.
+
+    Raises:
+        InputError: it holds no cycles of a rig.
+    """
     from mcap_ros2.decoder import DecoderFactory  # noqa: PLC0415
 
     schemas: dict[str, Schema | None] = {}
@@ -83,8 +88,8 @@ def _recording(reader: "McapReader", path: Path) -> Recording:
     for schema, channel, message in reader.iter_messages(log_time_order=False):
         kind = schema.name if schema is not None else channel.message_encoding
         schemas.setdefault(kind, schema)
-        if kind in {CYCLE, LOG}:
-            (cycles if kind == CYCLE else events).append(message)
+        if kind in {CYCLE_TYPE, LOG_TYPE}:
+            (cycles if kind == CYCLE_TYPE else events).append(message)
     if not cycles:
         shown = f"only {', '.join(sorted(schemas))}" if schemas else "no messages"
         right = "give a log of `layflat rig`; `layflat log map` starts a mapping for others"
@@ -94,10 +99,10 @@ def _recording(reader: "McapReader", path: Path) -> Recording:
         decode = DecoderFactory().decoder_for("cdr", schemas[kind]) if messages else None
         return [decode(message.data) for message in messages] if decode is not None else []
 
-    definition = schemas[CYCLE].data.decode()  # type: ignore[union-attr]  # it has a name
-    joints = tuple(decoded(CYCLE, cycles[:1])[0].name)
-    columns = Fixed(definition, joints).decoded(message.data for message in cycles)
-    begin = cycles[0].log_time - round(float(columns["time"][0]) * SECOND)
+    definition = schemas[CYCLE_TYPE].data.decode()  # type: ignore[union-attr]  # it has a name
+    joints = tuple(decoded(CYCLE_TYPE, cycles[:1])[0].name)
+    columns = MessageCodec(definition, joints).decode(message.data for message in cycles)
+    begin = cycles[0].log_time - round(float(columns["time"][0]) * NS_PER_SECOND)
     about = next((one.metadata for one in reader.iter_metadata() if one.name == METADATA), {})
     names, known = json.loads(about["faults"]) if "faults" in about else FIRST_FAULTS, Fault.__members__
     if names != list(known):
@@ -105,31 +110,34 @@ def _recording(reader: "McapReader", path: Path) -> Recording:
         columns |= {name: numbers[columns[name].astype(int)] for name in ("fault", "joint_fault") if name in columns}
     return Recording(
         joints=joints,
-        columns={RENAMED.get(name, name): values for name, values in columns.items()},
-        meanings={RENAMED.get(name, name): meaning for name, meaning in meanings_in(definition).items()},
+        columns={COLUMN_RENAMES.get(name, name): values for name, values in columns.items()},
+        meanings={COLUMN_RENAMES.get(name, name): meaning for name, meaning in parse_meanings(definition).items()},
         events=[
-            Event((message.log_time - begin) / SECOND, one.level, one.msg)
-            for message, one in zip(events, decoded(LOG, events), strict=True)
+            Event((message.log_time - begin) / NS_PER_SECOND, one.level, one.msg)
+            for message, one in zip(events, decoded(LOG_TYPE, events), strict=True)
         ],
         begin=begin,
         about=about,
-        machine=next((one.data.decode() for one in reader.iter_attachments() if one.name == MACHINE), ""),
+        machine=next((one.data.decode() for one in reader.iter_attachments() if one.name == MACHINE_ATTACHMENT), ""),
     )
 
 
 def read_run(path: Path) -> "xarray.Dataset":
     """Read a log as a run.
 
-    Dims `time` (as the loop recorded it: its cycles are not quite even, and some may be missing), `joint`, and `event`.
-    A rig does not know what moves: `angle` is the measured one, `velocity` that of the averaged angle, and there are no
-    pressures of single hoses. Attributes are those of a simulated run, as far as there are any, with `start`, the time
-    of day, and `notes`. InputError as from `read_recording`.
+    Dims are `time` (as recorded: cycles are not quite even, and some may be missing), `joint`, and `event`. A rig does
+    not measure all that a simulation knows: `angle` is the measured one, `velocity` that of the averaged angle, and
+    there are no pressures of single hoses. Attributes are those of a simulated run, where they apply, with `start`, the
+    time of day, and `notes`.
+
+    Raises:
+        InputError: as from `read_recording`.
     """
     import xarray  # noqa: PLC0415  # takes long to import
 
     log = read_recording(path)
     run = xarray.Dataset(coords={"time": ("time", log.columns["time"], {"units": "s"}), "joint": list(log.joints)})
-    for name, (source, unit, meaning) in BEST_KNOWN.items():
+    for name, (source, unit, meaning) in SUBSTITUTE_SIGNALS.items():
         if source in log.columns:  # logs of earlier versions lack some
             run[name] = (("time", "joint"), log.columns[source], {"units": unit, "long_name": meaning})
     for name, values in log.columns.items():
@@ -137,7 +145,7 @@ def read_run(path: Path) -> "xarray.Dataset":
             continue
         unit, meaning = log.meanings.get(name, ("1", name))
         about: dict[str, Any] = {"units": unit, "long_name": meaning}
-        if kind := FLAGS.get(name):  # as the CF conventions tell it
+        if kind := FLAG_ENUMS.get(name):  # as the CF conventions tell it
             about["flag_values"] = np.array([int(flag) for flag in kind])
             about["flag_meanings"] = " ".join(flag.name.lower() for flag in kind)
         run[name] = (("time", "joint")[: values.ndim], values, about)
@@ -149,21 +157,23 @@ def read_run(path: Path) -> "xarray.Dataset":
 
 
 def check_format(path: Path) -> None:
-    """Make sure that a name says how to write; raise InputError if it does not, or the package for it is missing."""
-    if path.suffix not in _WRITERS:
+    """Check that a file's suffix names a format; raise InputError if it does not, or the package for it is missing."""
+    if path.suffix not in _FORMAT_WRITERS:
         raise InputError(f"{path.suffix or path.name!r} is not a format", where=str(path), right="use .nc or .parquet")
     if path.suffix == ".parquet":
         extras.require("rig", "pyarrow", where=str(path))
 
 
-def export(run: "xarray.Dataset", path: Path) -> Path:
-    """Write a recorded run, by what the name ends in: NetCDF (.nc), or Parquet (.parquet), a column a signal.
+def export_run(run: "xarray.Dataset", path: Path) -> Path:
+    """Write a recorded run in the format of the file's suffix: NetCDF (.nc), or Parquet (.parquet), a column a signal.
 
-    Raise InputError as `check_format` does, and OutputError if it can't be written there.
+    Raises:
+        InputError: as from `check_format`.
+        OutputError: the file can't be written.
     """
     check_format(path)
     with whole_file(path) as temporary:
-        _WRITERS[path.suffix](run, temporary)
+        _FORMAT_WRITERS[path.suffix](run, temporary)
     return path
 
 
@@ -172,7 +182,7 @@ def _write_netcdf(run: "xarray.Dataset", path: Path) -> None:
 
 
 def _write_parquet(run: "xarray.Dataset", path: Path) -> None:
-    """Columns "time", "supply", "angle.large"; units stand with the fields, the rest in the file's metadata."""
+    """Write columns such as "time", "angle.large", units with the fields, all else in the file's metadata."""
     import pyarrow  # noqa: PLC0415
     from pyarrow import parquet  # noqa: PLC0415
 
@@ -185,10 +195,10 @@ def _write_parquet(run: "xarray.Dataset", path: Path) -> None:
         for column, values in zip(names, variable.to_numpy().reshape(run.sizes["time"], -1).T, strict=True):
             columns.append(pyarrow.array(values))
             fields.append(pyarrow.field(column, pyarrow.float64(), metadata={"unit": variable.attrs["units"]}))
-    told = (run[name].to_numpy().tolist() for name in ("event_time", "event_level", "event_text"))
+    events = (run[name].to_numpy().tolist() for name in ("event_time", "event_level", "event_text"))
     about = {key: str(value) for key, value in run.attrs.items()}
-    about["events"] = json.dumps(list(zip(*told, strict=True)))
+    about["events"] = json.dumps(list(zip(*events, strict=True)))
     parquet.write_table(pyarrow.table(columns, schema=pyarrow.schema(fields, metadata=about)), path)
 
 
-_WRITERS = {".nc": _write_netcdf, ".parquet": _write_parquet}  # by suffix
+_FORMAT_WRITERS = {".nc": _write_netcdf, ".parquet": _write_parquet}  # by suffix

@@ -1,1 +1,1 @@
-"""What watches a rig from outside its controller: faults, what finds them, and what is then done."""
+"""Safety of a rig, independent of its controller: faults, their detection, and the reactions to them."""

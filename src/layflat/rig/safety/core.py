@@ -1,4 +1,4 @@
-"""The numbers of a rig's control cycle, and what performs it on them."""
+"""Numbers of a rig's control cycle, and the stages of compiled code that run on them."""
 
 from collections.abc import Callable, Sequence
 from math import inf, isfinite, nan
@@ -9,154 +9,181 @@ import numpy as np
 from layflat.arrays import Array
 from layflat.machine import Machine, parameters
 from layflat.physics.air_balance import AirEstimate
-from layflat.physics.joint import FILLED
-from layflat.rig.driver import Reading
+from layflat.physics.joint import REST_PRESSURE_RATIO
+from layflat.rig.driver import SensorReading
 from layflat.rig.law import ArmLaw
 from layflat.rig.named import NamedRows
 from layflat.rig.safety import cycle as compiled
 from layflat.rig.safety import cycle_numbers as numbers
-from layflat.rig.safety import estimator, moving
-from layflat.rig.safety.detectors import joint, supply
+from layflat.rig.safety import demands, detectors, estimator
+from layflat.rig.safety.detectors import bounds
 from layflat.rig.safety.faults import Fault
 from layflat.rig.safety.limits import joint_settings, rig_settings
 
-ENOUGH = 0.4  # of the supply's gauge pressure: joints with less are soft, and fling each other further than filled ones
-RIPPLE, LEAST_RIPPLE = "detectors.trace.ripple", "detectors.valve_unresponsive.ripple"
-HEAD = Struct(f"{numbers.IN_INPUTS.even}d")  # of the inputs: written in half the time of an array's slice
+MIN_FILL_FRACTION = (
+    0.4  # of the supply's gauge pressure; joints with less are compliant, and accelerate each other further
+)
+RIPPLE_NAME, MIN_RIPPLE_NAME = "detectors.trace.ripple", "detectors.valve_unresponsive.ripple"
+INPUTS_HEADER = Struct(f"{numbers.INPUT_OFFSETS.even}d")  # of the inputs: written in half the time of an array's slice
 
 
-class Core:
-    """A rig's control cycle: its numbers by name, and its stages; without a control law the detectors alone work.
+class CycleCore:
+    """Control cycle of a rig: its numbers by name, and its stages; without a control law it has the detectors alone.
 
-    Raise MachineError if the machine has no valve or sensors.
+    Raises:
+        MachineError: the machine has no valve or sensors.
     """
 
     def __init__(self, machine: Machine, law: ArmLaw | None = None) -> None:
         names = list(machine.joints)
         self.rig = NamedRows([rig_settings(machine)])
         self.settings = NamedRows([joint_settings(machine, name) for name in names])
-        self.memory, self.inputs = NamedRows([numbers.MEMORY] * len(names)), NamedRows([numbers.INPUTS])
+        self.memory, self.inputs = (
+            NamedRows([numbers.MEMORY_TEMPLATE] * len(names)),
+            NamedRows([numbers.INPUTS_TEMPLATE]),
+        )
         self.law = law
-        self._given, self._head = np.zeros((len(names), numbers.JOINT_INPUTS)), self.inputs.array[0]
-        about = self.rig.array[0], self.settings.array
-        self._arrays: tuple[Array, ...] = (*about, self._head, self._given, self.memory.array)
-        self._perform: Callable[..., int] = compiled.judge
+        self._joint_inputs, self._head = np.zeros((len(names), numbers.JOINT_INPUT_COUNT)), self.inputs.array[0]
+        settings = self.rig.array[0], self.settings.array
+        self._arrays: tuple[Array, ...] = (*settings, self._head, self._joint_inputs, self.memory.array)
+        self._perform: Callable[..., int] = compiled.judge_samples
         if law is not None:
             arm = NamedRows([parameters.arm(machine)])
-            own, memory, report = law.settings, law.memory, law.report
-            self._arrays += (arm.array[0], own.array[0], memory.array[0], report.array)
-            self._perform = compiled.cycle_with(arm.like, own.like, memory.like, len(names))
-        # What comes in: samples (rad, Pa), and the demands of the host (rad, rad/s, rad/s2), (joints,).
-        self.angles, self.pressures, self._asked, *self._rates = self._given.T[:5]
-        self._meant, self._plans = 0.0, law is not None and law.kind.plans
-        self.between: Callable[[], object] | None = None  # is called between control law and the gate of its voltages
-        self.voltages_asked = self.memory["asked"]  # what the control law asked for, V, (joints,)
-        self.demands, self.voltages = self.memory["demand.demand"], self.memory["voltage"]  # let through, rad and V
-        self.faults, self.outcomes = self.memory["fault"], self.memory["outcome"]  # of the joints in this cycle
-        self.memory.replace("stream", moving.Stream())
-        self.voltages[:] = self.voltages_asked[:] = self.rig["centre"][0]
+            law_settings, memory, report = law.settings, law.memory, law.report
+            self._arrays += (arm.array[0], law_settings.array[0], memory.array[0], report.array)
+            self._perform = compiled.compile_cycle(arm.like, law_settings.like, memory.like, len(names))
+        # Inputs: samples (rad, Pa), and the demands of the host (rad, rad/s, rad/s2), (joints,).
+        self.angles, self.pressures, self._host_demands, *self._host_rates = self._joint_inputs.T[:5]
+        self._demand_age, self._plans = 0.0, law is not None and law.kind.plans
+        self.between: Callable[[], object] | None = None  # called between the control law and the gate of its voltages
+        self.law_voltages = self.memory["law_voltage"]  # voltages of the control law, before their gate, V, (joints,)
+        self.demands, self.voltages = self.memory["demand.demand"], self.memory["voltage"]  # after their gates, rad, V
+        self.faults, self.outcomes = self.memory["fault"], self.memory["outcome"]  # of each joint in this cycle
+        self.memory.replace("stream", demands.DemandStream())
+        self.voltages[:] = self.law_voltages[:] = self.rig["centre"][0]
         self.reset()
 
     def reset(self) -> None:
-        """Forget what the detectors saw; what the hoses hold, and demands, are kept."""
-        self.memory.replace("detectors", joint.FRESH)
-        self.inputs.replace("lines", supply.Memory())
-        self.inputs["even"][0] = compiled.CALM
+        """Reset the memory of the detectors; the estimate of the air, and demands, are kept."""
+        self.memory.replace("detectors", detectors.INITIAL_MEMORY)
+        self.inputs.replace("lines", bounds.SupplyMemory())
+        self.inputs["even"][0] = compiled.MIN_EVEN_TIME
 
-    def begin(self, reading: Reading, *, filled: bool) -> None:
-        """Take the hoses for empty, or for filled as they are when left to themselves."""
+    def initialize_air(self, reading: SensorReading, *, filled: bool) -> None:
+        """Initialize the estimate of the air in the hoses.
+
+        Args:
+            reading: first reading of the sensors.
+            filled: whether the hoses hold the pressure that they settle to with centred valves; else they are empty.
+        """
         empty = self.rig["ambient"][0]
-        held = max(FILLED * reading.supply if filled else empty, empty)
+        held = max(REST_PRESSURE_RATIO * reading.supply if filled else empty, empty)
         for j, (angle, pressure) in enumerate(zip(reading.angles, reading.pressures, strict=True)):
             half = 0.5 * pressure if isfinite(pressure) else 0.0
             self.memory.replace("air", AirEstimate(held + half, held - half, angle, 0.0, 0.0), j)
 
-    def wake(self, reading: Reading) -> None:
-        """Start control law and estimators at this reading."""
+    def wake(self, reading: SensorReading) -> None:
+        """Initialize control law and estimators with a reading."""
         angles, pressures = reading.angles.tolist(), reading.pressures.tolist()
         for j, (angle, pressure) in enumerate(zip(angles, pressures, strict=True)):
-            self.memory.replace("estimator", estimator.woken(angle, pressure), j)
+            self.memory.replace("estimator", estimator.start_estimator(angle, pressure), j)
         if self.law is not None:
             self.law.wake(angles, pressures)
 
-    def take(self, reading: Reading) -> None:
-        """Take in what was sampled."""
+    def load_reading(self, reading: SensorReading) -> None:
+        """Load the samples of a reading into the inputs."""
         self.angles[:], self.pressures[:] = reading.angles, reading.pressures
 
-    def ask(
+    def load_demands(
         self, angles: Sequence[float], velocities: Sequence[float] | None = None,
         accelerations: Sequence[float] | None = None, since: float = 0.0,
     ) -> None:  # fmt: skip
-        """Take in what the host asks for, rad, rad/s and rad/s2, meant so many seconds ago; see `HostRequest`."""
-        self._asked[:] = angles
+        """Load the demands of the host into the inputs; see `HostRequest`.
+
+        Args:
+            angles: rad, (joints,).
+            velocities: rad/s, (joints,); None: derived from the angles, as the next.
+            accelerations: rad/s2, (joints,).
+            since: time since the instant for which they are meant, s.
+        """
+        self._host_demands[:] = angles
         if self._plans:
-            v, a = self._rates
+            v, a = self._host_rates
             v[:], a[:] = nan if velocities is None else velocities, nan if accelerations is None else accelerations
-            self._meant = since
+            self._demand_age = since
 
     def perform(
         self, stages: int, supply_now: float, elapsed: float, since: float, level: float, *, follow: bool = False,
         wake: bool = False,
     ) -> int:  # fmt: skip
-        """Perform stages of a cycle and return what came of them; both are flags of cycle.py.
+        """Perform stages of a cycle.
 
-        What comes in are the first fields of `cycle.Inputs`: absolute supply (Pa), times since the last samples and
-        since the last cycle (s), what there is to watch, whether demands are obeyed, whether controllers begin anew.
+        Args:
+            stages: flags of cycle_numbers.py.
+            supply_now: absolute pressure of the supply, Pa.
+            elapsed: time since the last samples, s.
+            since: time since the last cycle, s.
+            level: level of detection (see detectors/sample.py).
+            follow: whether demands are obeyed.
+            wake: whether controllers are initialized with the present samples.
+
+        Returns:
+            Flags of the outcome (see cycle_numbers.py); after a detected fault no further stage was performed.
         """
-        HEAD.pack_into(self._head, 0, supply_now, elapsed, since, level, follow, wake, self._meant)
+        INPUTS_HEADER.pack_into(self._head, 0, supply_now, elapsed, since, level, follow, wake, self._demand_age)
         if self.law is None:
             return self._perform(*self._arrays)
         if self.between is None:
             return self._perform(*self._arrays, stages)
-        came = self._perform(*self._arrays, stages & ~numbers.GATE)
-        if came & numbers.FOUND:
-            return came
-        if stages & numbers.CONTROL:
+        outcome = self._perform(*self._arrays, stages & ~numbers.GATE_STAGE)
+        if outcome & numbers.FAULT_DETECTED:
+            return outcome
+        if stages & numbers.CONTROL_STAGE:
             self.between()
-        return came | self._perform(*self._arrays, stages & numbers.GATE)
+        return outcome | self._perform(*self._arrays, stages & numbers.GATE_STAGE)
 
     def freeze(self, angles: Array | None = None) -> None:
-        """From now on ask the joints for these angles, rad; where they are not given, for those where they are.
+        """Set the demands to constant angles, rad, (joints,); default: those at which the joints are or can stop.
 
-        A law that plans its motion is asked to brake instead: what stops at once flings the other joints on. Joints
-        beyond their working stroke are led back to it.
+        With a law that plans its motion the default is the angle that braking leads to: a joint that stops at once
+        accelerates the others. It is clipped to the working stroke. Where an angle is not finite, the demand stays.
         """
-        wanted = self._stopping() if angles is None else angles
-        self.demands[:] = self.memory["demand.reference"][:] = np.where(np.isfinite(wanted), wanted, self.demands)
+        held = self._stopping_angles() if angles is None else angles
+        self.demands[:] = self.memory["demand.reference"][:] = np.where(np.isfinite(held), held, self.demands)
         self.memory["velocity"][:] = self.memory["acceleration"][:] = 0.0
 
-    def _stopping(self) -> Array:
-        """Return where joints are held that are to stop, rad."""
-        place, working = self.memory["estimate.averaged_angle"], self.settings["moving.working"]
+    def _stopping_angles(self) -> Array:
+        """Return the angles at which joints that stop now are held, rad, (joints,)."""
+        angles, working = self.memory["estimate.averaged_angle"], self.settings["moving.working"]
         if self._plans:
             velocity = self.memory["estimate.averaged_velocity"]
-            place = place + 0.5 * velocity * np.abs(velocity) / self.settings["moving.braking"]
-        return np.clip(place, -working, working)
+            angles = angles + 0.5 * velocity * np.abs(velocity) / self.settings["moving.braking"]
+        return np.clip(angles, -working, working)
 
-    def air_is_there(self, supply_now: float, ready: float) -> bool:
-        """Return whether supply (absolute, Pa) and ripple are those of a machine that can move."""
+    def has_air(self, supply_now: float, ready: float) -> bool:
+        """Return whether the supply is at least `ready` (both absolute, Pa) and every joint has the ripple of air."""
         if not supply_now >= ready:
             return False
-        least, ripple = self.settings[LEAST_RIPPLE], self.memory[RIPPLE]
-        return not (least > 0.0).all() or bool(((least < ripple) & (ripple < inf)).all())
+        threshold, ripple = self.settings[MIN_RIPPLE_NAME], self.memory[RIPPLE_NAME]
+        return not (threshold > 0.0).all() or bool(((threshold < ripple) & (ripple < inf)).all())
 
     def hoses_are_filled(self, supply_now: float) -> bool:
-        """Return whether every pair of hoses holds what it takes to move well; supply absolute, Pa."""
+        """Return whether every pair of hoses holds `MIN_FILL_FRACTION` of the supply's pressure (absolute, Pa)."""
         empty = self.rig["ambient"][0]
         held = self.memory["air.pressure_a"] + self.memory["air.pressure_b"]
-        return bool((held >= 2.0 * (empty + ENOUGH * (supply_now - empty))).all())
+        return bool((held >= 2.0 * (empty + MIN_FILL_FRACTION * (supply_now - empty))).all())
 
     @property
-    def found(self) -> tuple[Fault, list[Fault]]:
-        """Faults of the machine as a whole, and of each joint, as they were judged last."""
+    def detected_faults(self) -> tuple[Fault, list[Fault]]:
+        """Return the fault of the machine as a whole and that of each joint, from the last detection."""
         return Fault(int(self.inputs["fault"][0])), [Fault(int(fault)) for fault in self.faults.tolist()]
 
     def record(self, rows: Array) -> None:
-        """Write what is known of each joint, as in `record.Layout` and without faults, (joints, numbers)."""
-        assert self.law is not None  # who asks has given one
-        compiled.record(rows, self._given, self.memory.array, self.law.report.array, self.law.recorded)
+        """Write the signals of each joint, as in `record.RowLayout` without faults, into rows, (joints, numbers)."""
+        assert self.law is not None  # only cores with a law record
+        compiled.write_signals(rows, self._joint_inputs, self.memory.array, self.law.report.array, self.law.recorded)
 
     @property
-    def lead(self) -> float:
-        """Return how far any demand is ahead of its reference at most, rad."""
+    def max_lead(self) -> float:
+        """Return the greatest distance between a demand and its reference, rad."""
         return float(np.abs(self.demands - self.memory["demand.reference"]).max())

@@ -1,97 +1,97 @@
-"""Numbers of a rig's control cycle: what is handed to its compiled code and remembered from call to call.
+"""Numbers of a rig's control cycle: settings, inputs and memory of its compiled code.
 
-They stay in arrays (see `rig/named.py`); which tuples they are, the compiler knows.
+They stay in arrays from call to call (see `rig/named.py`), as the numbers of the tuples below.
 """
 
 from typing import NamedTuple
 
 from layflat.lanes import leaves
-from layflat.physics.air_balance import AirEstimate, AirParts
-from layflat.rig.named import blank, places
-from layflat.rig.safety import demands, estimator, moving
-from layflat.rig.safety.detectors import joint, supply
+from layflat.physics.air_balance import AirEstimate, AirObserverParameters
+from layflat.rig.named import leaf_offsets, zero_tuple
+from layflat.rig.safety import demands, detectors, estimator
+from layflat.rig.safety.detectors import bounds
 
-JUDGE, DEMAND, ESTIMATE, CONTROL, GATE = 1, 2, 4, 8, 16  # stages of a cycle
-# What came of it: a fault was found, and nothing was done after it; a demand was changed; a voltage was bad; the law
-# goes by what it believes of the machine no more.
-FOUND, CHANGED, BAD, DOUBTED = 1, 2, 4, 8
+JUDGE_STAGE, DEMAND_STAGE, ESTIMATE_STAGE, CONTROL_STAGE, GATE_STAGE = 1, 2, 4, 8, 16  # stages of a cycle
+# Outcomes of a cycle: a fault was detected, and no later stage performed; a demand was limited or refused; a voltage
+# was out of range; the law has given up its model of the machine.
+FAULT_DETECTED, DEMAND_CHANGED, VOLTAGE_REFUSED, MODEL_REJECTED = 1, 2, 4, 8
 
 
-class Rig(NamedTuple):
+class RigSettings(NamedTuple):
     """Settings of the machine as a whole."""
 
     cycle: float  # s
     centre: float  # voltage at which valves are closed, V
     per_volt: float  # opening of a valve, 1/V
-    ambient: float  # pa
-    lightest: float  # payload that there may be at least, kg
-    heaviest: float  # and at most
-    voltage_low: float
+    ambient: float  # absolute pressure, Pa
+    lightest: float  # smallest payload, kg
+    heaviest: float  # greatest payload, kg
+    voltage_low: float  # V, as the next
     voltage_high: float
-    demand_lead: float  # by which demands may be ahead of their references, rad
-    demand_margin: float  # of what is left to the stops, 1
+    demand_step: float  # greatest distance of a demand ahead of its reference, rad
+    demand_margin: float  # limit of the same as a fraction of the distance to the stops, 1
     plans: float  # 1 where the control law plans its own motion to its demands, which then have rates; else 0
-    supply: supply.Limits
+    supply: bounds.SupplyLimits
 
 
-class Settings(NamedTuple):
+class JointSettings(NamedTuple):
     """Settings of a joint."""
 
-    detectors: joint.Limits
-    air: AirParts
-    gate: demands.Gate
-    moving: moving.Limits
+    detectors: detectors.DetectorLimits
+    air: AirObserverParameters
+    gate: demands.DemandGate
+    moving: demands.MovingDemandLimits
     torque_constant: float  # torque per pressure, m3/rad
-    averaged: float  # 1 where signals are averaged over a dither period, else 0
+    averaged: float  # 1 where signals are averaged over a period of the dither, else 0
 
 
-class Memory(NamedTuple):
+class JointMemory(NamedTuple):
     """Memory of a joint from cycle to cycle."""
 
-    detectors: joint.Memory
+    detectors: detectors.DetectorMemory
     air: AirEstimate
-    estimator: estimator.Memory
-    estimate: estimator.Estimate
-    demand: demands.Demand
+    estimator: estimator.EstimatorMemory
+    estimate: estimator.JointEstimate
+    demand: demands.GatedDemand
     velocity: float  # of the demand, rad/s
     acceleration: float  # of the demand, rad/s2
-    stream: moving.Stream
+    stream: demands.DemandStream
     neutral: float  # estimated shift of the valve's neutral voltage, V
-    asked: float  # voltage that the control law asked for, V
-    voltage: float  # voltage that was let through, V
+    law_voltage: float  # voltage of the control law, V
+    voltage: float  # voltage after its gate, V
     fault: float  # number of the worst fault of this cycle; 0: none
-    outcome: float  # what became of the demand in this cycle
+    outcome: float  # 0, or DEMAND_LIMITED or DEMAND_REFUSED of demands.py, in this cycle
 
 
-class Inputs(NamedTuple):
+class CycleInputs(NamedTuple):
     """Inputs of a cycle, and memory of the machine as a whole."""
 
     supply: float  # absolute, Pa
     elapsed: float  # since the last samples, s
     since: float  # since the last cycle, s
-    level: float  # what there is to watch
+    level: float  # level of detection (see detectors/sample.py)
     follow: float  # 1 where demands are obeyed
     wake: float  # 1 where controllers begin anew
-    meant: float  # since the instant for which demands are meant, s
+    demand_age: float  # time since the instant for which demands are, s
     even: float  # for how long cycles have been even, s
-    lines: supply.Memory
+    lines: bounds.SupplyMemory
     fault: float  # number of the machine's fault of this cycle; 0: none
 
 
 class JointInputs(NamedTuple):
     """Inputs of a joint."""
 
-    angle: float
-    pressure: float
-    asked: float
-    velocity: float  # of what is asked for; not a number: it is derived, as the next
-    acceleration: float
-    others_light: float  # differential pressure that gravity and joints that turn would ask of it at rest, Pa
-    others_heavy: float  # the same with the greatest payload, not the least
+    angle: float  # as sampled, rad
+    pressure: float  # differential pressure as sampled, Pa
+    requested: float  # demand of the host, rad
+    velocity: float  # of that demand, rad/s; NaN: derived, as the next
+    acceleration: float  # rad/s2
+    others_light: float  # differential pressure that balances gravity and moving joints, smallest payload, Pa
+    others_heavy: float  # the same with the greatest payload
     inertia: float  # differential pressure per acceleration, of the joint alone, Pa s2/rad
 
 
-class Known(NamedTuple):
+class RecordedSignals(NamedTuple):
     """Signals of a joint in a row under any control law; names are those of `rig.record.RIG_SIGNALS`."""
 
     demand: float
@@ -99,10 +99,16 @@ class Known(NamedTuple):
     voltage: float
     measured_angle: float
     measured_pressure: float
-    estimate: estimator.Estimate
+    estimate: estimator.JointEstimate
     estimated_air: float
 
 
-JOINT_INPUTS, KNOWN = len(JointInputs._fields), len(list(leaves(blank(Known))))
-RIG, SETTINGS, MEMORY, INPUTS, JOINT = (blank(kind) for kind in (Rig, Settings, Memory, Inputs, JointInputs))
-IN_MEMORY, IN_INPUTS, IN_GIVEN = places(MEMORY), places(INPUTS), places(JOINT)
+JOINT_INPUT_COUNT, RECORDED_WIDTH = len(JointInputs._fields), len(list(leaves(zero_tuple(RecordedSignals))))
+RIG_TEMPLATE, SETTINGS_TEMPLATE, MEMORY_TEMPLATE, INPUTS_TEMPLATE, JOINT_TEMPLATE = (
+    zero_tuple(kind) for kind in (RigSettings, JointSettings, JointMemory, CycleInputs, JointInputs)
+)
+MEMORY_OFFSETS, INPUT_OFFSETS, JOINT_INPUT_OFFSETS = (
+    leaf_offsets(MEMORY_TEMPLATE),
+    leaf_offsets(INPUTS_TEMPLATE),
+    leaf_offsets(JOINT_TEMPLATE),
+)

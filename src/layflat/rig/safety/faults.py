@@ -1,12 +1,37 @@
-"""The table of all faults, how soon each is found and what is done, and a ledger of those found; the worst wins."""
+"""States of the supervisor; all faults with their reactions and detection times; a ledger of faults: the worst wins."""
 
 from collections.abc import Sequence
 from enum import IntEnum
 from typing import Self
 
 
+class RigState(IntEnum):
+    """State of a rig; numbers as they stand in records."""
+
+    OFF = 0  # no air; the valves are centred
+    STARTING = 1  # air comes in slowly; the joints are held where they are
+    READY = 2  # air is on; no demand has come yet
+    MOVING = 3  # demands are obeyed
+    HOLDING = 4  # the joints are held where they are, with air; a start leads to READY
+    STOPPED = 5  # a controlled stop: the joints are held, then the air is let out; a start brings it again
+    FAULT = 6  # a latched fault; a reset leads to OFF, or to HOLDING where the air was left on
+
+
+class ValveMode(IntEnum):
+    """Mode of the valves."""
+
+    CENTRE = 0  # air off, all centred
+    HOLD = 1  # air on; the controllers hold the joints
+    FOLLOW = 2  # air on; the controllers follow the demands
+    VENT_JOINT = 3  # air off; faulty joints open to one end, the others centred
+    VENT = 4  # air off; all open to one end
+
+
+MODE_HAS_AIR = [mode in {ValveMode.HOLD, ValveMode.FOLLOW} for mode in ValveMode]  # whether air is on, by mode
+
+
 class Reaction(IntEnum):
-    """What a fault leads to, mildest first."""
+    """Reaction to a fault, mildest first."""
 
     WARN = 0  # a message, and no more
     HOLD = 1  # the joints are held where they are, with air
@@ -19,15 +44,15 @@ class Reaction(IntEnum):
 class Fault(IntEnum):
     """All faults, by the numbers that stand in records: a greater one is worse.
 
-    Each has the title that people read, a reaction, whether it is latched, and how soon it is found. That of the air
-    which does not come takes the machine's `safety.start_time`.
+    Each has a title for people, a reaction, a latch, and a detection time. NO_AIR is detected after the machine's
+    `safety.start_time`.
     """
 
     title: str
     reaction: Reaction
     latched: bool  # whether it stays until a reset
-    seconds: float  # found within so long of its beginning, s; 0 where cycles count
-    cycles: int  # found in so many control cycles, where seconds do not count
+    seconds: float  # detection time, s; 0 where cycles count
+    cycles: int  # detection time in control cycles, where seconds do not count
 
     def __new__(
         cls, number: int, title: str = "", reaction: Reaction = Reaction.WARN, latched: bool = False,
@@ -69,35 +94,35 @@ class Fault(IntEnum):
     E_STOP = 22, "e-stop", Reaction.DUMP, True
 
 
-class Ledger:
-    """Faults of a rig with joints of these names."""
+class FaultLedger:
+    """Ledger of the faults of a rig with joints of these names, present and latched."""
 
     def __init__(self, names: Sequence[str]) -> None:
         self._names = names
         self.clear()
-        self.now = Fault.NONE  # the worst found in this cycle
-        self.joints_now = [Fault.NONE] * len(names)  # the worst of each joint found in this cycle
-        self.events: list[str] = []  # what has to be told; who tells it clears it
+        self.now = Fault.NONE  # worst of this cycle
+        self.joints_now = [Fault.NONE] * len(names)  # worst of each joint in this cycle
+        self.events: list[str] = []  # events to be recorded; the loop clears them
         self._before: set[tuple[Fault, int | None]] = set()
         self._noted: set[tuple[Fault, int | None]] = set()
 
     def clear(self) -> None:
-        """A reset: nothing is latched any more."""
-        self.latched = Fault.NONE  # the worst that stays until a reset
-        self.joints = [Fault.NONE] * len(self._names)  # the worst of each joint that stays until a reset
-        self.reaction = Reaction.WARN  # the worst that the latched faults ask for
+        """Clear all latched faults."""
+        self.latched = Fault.NONE  # worst latched fault
+        self.joints = [Fault.NONE] * len(self._names)  # worst latched fault of each joint
+        self.reaction = Reaction.WARN  # worst reaction of the latched faults
 
     @property
     def worst(self) -> Fault:
-        """Latched or found in this cycle."""
+        """Return the worst fault that is latched or of this cycle."""
         return self.latched if self.latched >= self.now else self.now
 
     def worst_of(self, joint: int) -> Fault:
-        """The same of a joint."""
+        """Return the worst fault of a joint that is latched or of this cycle."""
         return max(self.joints[joint], self.joints_now[joint])
 
     def new_cycle(self) -> None:
-        """Forget what was found in the cycle before, so that it is told again only if it comes again."""
+        """Begin a cycle without faults; one that lasts from the cycle before adds no further event."""
         if self._noted or self._before:
             self._before, self._noted = self._noted, set()
             self.now = Fault.NONE
@@ -105,7 +130,7 @@ class Ledger:
                 self.joints_now[j] = Fault.NONE
 
     def note(self, fault: Fault, joint: int | None = None) -> None:
-        """A fault was found in this cycle, of a joint or of the machine as a whole."""
+        """Add a fault of this cycle, of a joint by its number or of the machine as a whole (None)."""
         if (fault, joint) in self._noted:
             return
         self._noted.add((fault, joint))

@@ -1,7 +1,7 @@
-"""The supervisor: outside the controller, it decides in every cycle whether the rig moves, holds or lets out its air.
+"""Supervisor: outside the controller, it decides in every cycle whether the rig moves, holds or vents its hoses.
 
 A cycle of a rig in motion is one call of compiled code (cycle.py). Python decides only where something changes: a
-request, a fault, a lost reply, or a state that time leads on from; the stages are then performed one by one.
+request, a fault, a lost reply, or a state that ends by time; the stages are then performed one by one.
 """
 
 from collections.abc import Sequence
@@ -10,79 +10,101 @@ from typing import NamedTuple
 
 from layflat.arrays import Array
 from layflat.machine import Machine
-from layflat.rig.abilities import falls
-from layflat.rig.driver import DeviceState, Reading
+from layflat.rig.abilities import falls_without_air
+from layflat.rig.driver import DeviceState, SensorReading
 from layflat.rig.law import ArmLaw
-from layflat.rig.safety.core import Core
-from layflat.rig.safety.cycle_numbers import BAD, CHANGED, CONTROL, DEMAND, DOUBTED, ESTIMATE, FOUND, GATE, JUDGE
-from layflat.rig.safety.demands import REFUSED
-from layflat.rig.safety.faults import Fault, Reaction
+from layflat.rig.safety.core import CycleCore
+from layflat.rig.safety.cycle_numbers import (
+    CONTROL_STAGE,
+    DEMAND_CHANGED,
+    DEMAND_STAGE,
+    ESTIMATE_STAGE,
+    FAULT_DETECTED,
+    GATE_STAGE,
+    JUDGE_STAGE,
+    MODEL_REJECTED,
+    VOLTAGE_REFUSED,
+)
+from layflat.rig.safety.demands import DEMAND_REFUSED
+from layflat.rig.safety.faults import Fault, Reaction, RigState, ValveMode
 from layflat.rig.safety.state_machine import StateMachine
-from layflat.rig.safety.states import State, ValveMode
 
-MOVE = DEMAND | ESTIMATE | CONTROL  # stages of a cycle in which something was read, after it was judged
+MOTION_STAGES = (
+    DEMAND_STAGE | ESTIMATE_STAGE | CONTROL_STAGE
+)  # stages of a cycle in which something was read, after it was judged
 
 
 class HostRequest(NamedTuple):
     """Request of the host in a cycle."""
 
-    demands: list[float]  # rad; not a number where there is none yet
-    start: bool = False  # edge: bring the air and obey demands
-    stop: bool = False  # edge: hold, then let out the air
-    reset: bool = False  # edge: latched faults may go
-    age: float = 0.0  # since the host was last heard, s
-    velocities: Sequence[float] | None = None  # rad/s; None, or not a number: derived from the demands, as the next
+    demands: list[float]  # rad; NaN where there is none yet
+    start: bool = False  # edge: start softly and obey demands
+    stop: bool = False  # edge: hold, then vent the hoses
+    reset: bool = False  # edge: clear latched faults
+    age: float = 0.0  # time since the last message of the host, s
+    velocities: Sequence[float] | None = None  # rad/s; None or NaN: derived from the demands, as the next
     accelerations: Sequence[float] | None = None  # rad/s2
-    since: float = 0.0  # the instant for which the demands are meant, s
-    hold: bool = False  # edge: hold the joints where they are, with air; a start goes on
+    since: float = 0.0  # time since the target instant of the demands, s
+    hold: bool = False  # edge: hold the joints where they are, with air; a start ends it
     switched: Sequence[tuple[int, bool]] = ()  # edges: digital outputs by number, and whether they are on from now on
 
 
 class Supervisor(StateMachine):
-    """State, faults and what is done about them, of a machine with valve and sensors and the law that controls it."""
+    """Supervisor of a machine with valve and sensors, and of its control law: states, faults and reactions."""
 
     def __init__(self, machine: Machine, law: ArmLaw) -> None:
-        core = Core(machine, law)
+        core = CycleCore(machine, law)
         super().__init__(machine, core)
-        self.lost = 0  # replies that were lost, one after the other
+        self.lost = 0  # replies lost in succession
         self.outputs = 0  # digital outputs that are on, as bits
         self._stale_after = machine.safety.setpoint_age - machine.cycle
         self._low, self._high = core.rig["voltage_low"][0], core.rig["voltage_high"][0]
         self._centre = core.rig["centre"][0]
-        self._vented = self._centre if falls(machine) else self._high  # of valves that let out the air
-        # What the controllers are given (rad), and what may be sent (V), (joints,); the arrays stay the same.
+        self._vented = self._centre if falls_without_air(machine) else self._high  # voltage of valves that are vented
+        # Demands of the controllers (rad) and voltages to send (V), (joints,); the arrays stay the same.
         self.demands, self.voltages = core.demands, core.voltages
-        self.noted: tuple[Fault, ...] = ()  # that the loop found in this cycle: a missed one, or a dead recorder
+        self.noted: tuple[Fault, ...] = ()  # faults of this cycle from the loop: a missed cycle, a dead recorder
 
-    def begin(self, reading: Reading, *, filled: bool = False) -> None:
-        """Start from a first reading; `filled`: air is there already, as in a simulated run, and demands are obeyed."""
-        self.core.begin(reading, filled=filled)
+    def initialize(self, reading: SensorReading, *, filled: bool = False) -> None:
+        """Initialize with a first reading.
+
+        Args:
+            reading: first reading of the sensors.
+            filled: whether air is on already, as in a simulated run, so that demands are obeyed at once.
+        """
+        self.core.initialize_air(reading, filled=filled)
         self.core.freeze(reading.angles)
         if filled:
-            self.enter(State.READY, ValveMode.HOLD)
+            self.enter(RigState.READY, ValveMode.HOLD)
             self.core.wake(reading)
             self.wake = False
 
-    def cycle(self, reading: Reading | None, request: HostRequest, elapsed: float, since: float) -> None:
-        """One control cycle, which leaves `demands`, `voltages`, `air` and `resets` as they are to be.
+    def cycle(self, reading: SensorReading | None, request: HostRequest, elapsed: float, since: float) -> None:
+        """Perform one control cycle, which sets `demands`, `voltages`, `air`, `resets` and `outputs`.
 
-        The reading is None where the reply was lost; times are since the last samples and since the last cycle, s.
+        Args:
+            reading: reading of the sensors; None where the reply was lost.
+            request: request of the host.
+            elapsed: time since the last samples, s.
+            since: time since the last cycle, s.
         """
         self.ledger.new_cycle()
         for number, on in request.switched:
             self.outputs = self.outputs & ~(1 << number) | on << number
         core = self.core
-        core.ask(request.demands, request.velocities, request.accelerations, request.since)
+        core.load_demands(request.demands, request.velocities, request.accelerations, request.since)
         if reading is not None:
-            core.take(reading)
+            core.load_reading(reading)
             self.lost = 0
-            if not self._goes_on(reading, request):
-                self._judge(reading, elapsed)
-            elif (came := self._perform(JUDGE | MOVE | GATE, reading.supply, elapsed, since)) & FOUND:
-                self._note_found()
+            if not self._is_unchanged(reading, request):
+                self._evaluate_reading(reading, elapsed)
+            elif (
+                outcomes := self._perform(JUDGE_STAGE | MOTION_STAGES | GATE_STAGE, reading.supply, elapsed, since)
+            ) & FAULT_DETECTED:
+                self._record_faults()
             else:
                 self.pass_time(since)
-                self._note_changes(came)
+                self._note_changes(outcomes)
                 return
         else:
             self.ledger.note(Fault.REPLY_LOST)
@@ -94,15 +116,15 @@ class Supervisor(StateMachine):
         self.pass_time(since)
         self._decide(request)
         supply = reading.supply if reading is not None else 0.0
-        stages = MOVE if reading is not None else DEMAND
-        self._note_changes(self._perform(stages | (GATE if self.air else 0), supply, elapsed, since))
-        if not self.air:
+        stages = MOTION_STAGES if reading is not None else DEMAND_STAGE
+        self._note_changes(self._perform(stages | (GATE_STAGE if self.is_pressurised else 0), supply, elapsed, since))
+        if not self.is_pressurised:
             self._without_air(self.voltages)
 
-    def _goes_on(self, reading: Reading, request: HostRequest) -> bool:
-        """True if all that was so in the cycle before is still so, as far as it can be told before it is judged."""
+    def _is_unchanged(self, reading: SensorReading, request: HostRequest) -> bool:
+        """Return whether the rig is moving and nothing but the detectors can change its state in this cycle."""
         return (
-            self.state is State.MOVING
+            self.state is RigState.MOVING
             and not (request.start or request.stop or request.reset or request.hold)
             and not (reading.stopped or self._reset_for)
             and not (self.noted or self.ledger.latched)
@@ -111,37 +133,44 @@ class Supervisor(StateMachine):
         )
 
     def _perform(self, stages: int, supply: float, elapsed: float, since: float) -> int:
-        follow = self.valve_mode is ValveMode.FOLLOW
-        came = self.core.perform(stages, supply, elapsed, since, self.level, follow=follow, wake=self.wake)
-        if stages & CONTROL and not came & FOUND:
-            self.wake = False
-        return came
+        """Perform stages of the control cycle in the present mode of the valves, and return flags of their outcomes.
 
-    def _judge(self, reading: Reading, elapsed: float) -> None:
-        """Look at what was read, and note every fault."""
+        `elapsed` is the time since the last samples, `since` that since the last cycle, s.
+        """
+        follow = self.valve_mode is ValveMode.FOLLOW
+        outcomes = self.core.perform(stages, supply, elapsed, since, self.level, follow=follow, wake=self.wake)
+        if stages & CONTROL_STAGE and not outcomes & FAULT_DETECTED:
+            self.wake = False
+        return outcomes
+
+    def _evaluate_reading(self, reading: SensorReading, elapsed: float) -> None:
+        """Note every fault of a reading (e-stop, device state, detectors); continue a soft start.
+
+        The outputs are switched off after a dump; `elapsed` is the time since the last samples, s.
+        """
         self.pressed = reading.stopped
         if reading.stopped:
             self.ledger.note(Fault.E_STOP)
         if reading.device == DeviceState.DUMPED:
-            self.outputs = 0  # as the device's are: none comes on by itself once it obeys again
+            self.outputs = 0  # as the device's are: none switches on by itself once it obeys again
         self.device_state(reading.device)
-        if self._perform(JUDGE, reading.supply, elapsed, 0.0):
-            self._note_found()
-        if self.state is State.STARTING:
+        if self._perform(JUDGE_STAGE, reading.supply, elapsed, 0.0):
+            self._record_faults()
+        if self.state is RigState.STARTING:
             self.starting(reading.supply, elapsed)
 
-    def _note_found(self) -> None:
-        """Note what the detectors found."""
-        fault, faults = self.core.found
+    def _record_faults(self) -> None:
+        """Note in the ledger the faults that the last detection has found in the rig and in its joints."""
+        fault, faults = self.core.detected_faults
         if fault:
             self.ledger.note(fault)
-        for j, found in enumerate(faults):
-            if found:
-                self.ledger.note(found, j)
+        for j, joint_fault in enumerate(faults):
+            if joint_fault:
+                self.ledger.note(joint_fault, j)
 
     def _decide(self, request: HostRequest) -> None:
-        """Decide on state and valve mode."""
-        running = self.air
+        """Apply the host's request and the reactions to faults: change the state, and the mode of the valves."""
+        running = self.is_pressurised
         if request.age > self._stale_after and running:
             self.ledger.note(Fault.SETPOINT_STALE)
             self.stop()
@@ -156,27 +185,27 @@ class Supervisor(StateMachine):
             self.start()
         if self.ledger.latched:
             self.react()
-        self.go_on()
-        if self.state is State.READY and not all(isnan(demand) for demand in request.demands):
-            self.enter(State.MOVING, ValveMode.FOLLOW)
+        self.continue_stop()
+        if self.state is RigState.READY and not all(isnan(demand) for demand in request.demands):
+            self.enter(RigState.MOVING, ValveMode.FOLLOW)
 
-    def _note_changes(self, came: int) -> None:
-        """Note demands that were changed, a law that gave up, and voltages that may not be sent."""
-        if came & DOUBTED:
+    def _note_changes(self, outcomes: int) -> None:
+        """Note demands that were limited or refused, a law that gave up, and voltages out of range."""
+        if outcomes & MODEL_REJECTED:
             self.ledger.note(Fault.MODEL_DOUBTED)
-        if came & CHANGED:
+        if outcomes & DEMAND_CHANGED:
             for j, outcome in enumerate(self.core.outcomes.tolist()):
                 if outcome:
-                    self.ledger.note(Fault.DEMAND_REFUSED if outcome == REFUSED else Fault.DEMAND_LIMITED, j)
-        if came & BAD:
-            for j, volts in enumerate(self.core.voltages_asked.tolist()):
+                    self.ledger.note(Fault.DEMAND_REFUSED if outcome == DEMAND_REFUSED else Fault.DEMAND_LIMITED, j)
+        if outcomes & VOLTAGE_REFUSED:
+            for j, volts in enumerate(self.core.law_voltages.tolist()):
                 if not self._low <= volts <= self._high:
                     self.ledger.note(Fault.BAD_COMMAND, j)
             self.react(self.demands)
             self.wake = True
 
     def _without_air(self, out: Array) -> None:
-        """Voltages of valves behind a line that is let out."""
+        """Write the voltages of the valves without air into an array, (joints,)."""
         out.fill(self._vented if self.valve_mode is ValveMode.VENT else self._centre)
         if self.valve_mode is ValveMode.VENT_JOINT:
             for j, fault in enumerate(self.ledger.joints):
@@ -185,5 +214,5 @@ class Supervisor(StateMachine):
         elif self.valve_mode is ValveMode.CENTRE and self.ledger.latched >= Fault.VALVE_UNRESPONSIVE:
             for j, fault in enumerate(self.ledger.joints):
                 if fault is Fault.VALVE_UNRESPONSIVE:
-                    # One hose may be burst: the other throws the joint into its stop, unless it is let out at once.
+                    # One hose may be burst: the other throws the joint into its stop unless it is vented at once.
                     out[j] = self._low if self.core.pressures[j] > 0.0 else self._high

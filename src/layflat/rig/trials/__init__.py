@@ -1,1 +1,1 @@
-"""Failures put on a virtual rig on purpose: how soon each is found, what is done, and how far things go meanwhile."""
+"""Trials of the safety functions: failures injected into a virtual rig, their detection, reactions and effects."""

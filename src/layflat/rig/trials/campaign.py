@@ -1,4 +1,4 @@
-"""Every row of the table at random instants of random moves, and what came of each."""
+"""Campaign of trials: every row of the table of faults at random instants of random moves, with its outcome."""
 
 from collections.abc import Iterator
 from math import inf
@@ -7,183 +7,207 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from layflat.rig.abilities import falls, payloads, resting_angles, sinks, swings_on, vent_time
-from layflat.rig.clock import SECOND
+from layflat.rig.abilities import (
+    falls_without_air,
+    find_sinking_joints,
+    may_reach_stops,
+    payload_range,
+    resting_angles,
+    vent_time,
+)
+from layflat.rig.clock import NS_PER_SECOND
 from layflat.rig.device.virtual import VirtualDevice
 from layflat.rig.driver import DeviceState
-from layflat.rig.safety.limits import plans
-from layflat.rig.safety.states import State
-from layflat.rig.trials.cases import HOST_GONE, ROWS, FaultCase
+from layflat.rig.safety.faults import RigState
+from layflat.rig.safety.limits import plans_motion
+from layflat.rig.trials.cases import FAULT_CASES, HOST_GONE, FaultCase
 from layflat.rig.trials.rig import TrialRig
 
-SPAN = 0.5  # of the working stroke in which moves end: an arm that stops at once flings its elbow by half a stroke
-PAUSE = (0.7, 2.0)  # between two demands, s
-WHEN = (0.3, 2.0)  # after the first demand, in which the failure comes, s
-ON_ITS_WAY = (0.06, 0.2)  # after the demand that sets a joint going, in which the failure comes, s
-ARRIVES = 1.0  # after that instant, in which a joint that was to be on its way has arrived, s
-GOING = 0.6  # speed that it has then at least, rad/s
-GONE = (0.5, 2.0)  # for which a loop is stopped, s
-PATIENCE = 1.0  # beyond the time in which a fault has to be found, until it counts as missed, s
-SETTLES = 3.0  # in which what is safe has to be reached, s
-HOME = 0.5  # rad: joints that are further from mid-stroke are led back after a trial
-HAND = 2.0  # torque of that hand, as a multiple of what the brake holds
+STROKE_FRACTION = (
+    0.5  # of the working stroke in which moves end: an arm that stops at once accelerates its elbow that far
+)
+PAUSE_RANGE = (0.7, 2.0)  # between two demands, s
+FAILURE_TIME_RANGE = (0.3, 2.0)  # of the failure after the first demand, s
+MOVING_TIME_RANGE = (0.06, 0.2)  # of the failure after the demand that starts a joint's motion, s
+ARRIVAL_TIME = 1.0  # after that instant, at which a joint that should be moving has arrived, s
+MIN_MOVING_SPEED = 0.6  # of a joint that is moving, rad/s
+HOST_GONE_RANGE = (0.5, 2.0)  # for which a loop is stopped, s
+MISSED_AFTER = 1.0  # after the limit of the detection time, at which a fault counts as missed, s
+SETTLING_TIME = 3.0  # within which the safe state has to be reached, s
+HOME_ANGLE = 0.5  # angle from mid-stroke beyond which joints are pushed back after a trial, rad
+HAND_TORQUE_RATIO = 2.0  # torque of that push over the holding torque of the brake
 
 
-class Outcome(NamedTuple):
-    """One trial."""
+class TrialOutcome(NamedTuple):
+    """Outcome of one trial."""
 
-    row: str
-    case: str
+    row: str  # of the table of faults
+    case: str  # name of the case
     joint: str
-    at: float  # s after the first demand
-    found_after: float  # s; infinite where it was missed
-    limit: float  # s
-    found: str  # which fault it was told as
-    safe_after: float  # s after the failure; infinite where it was not reached
-    safe: str  # what had to be reached
-    turned: float  # the furthest that a joint was from mid-stroke, as a share of where its stops may hold it
-    above_supply: float  # highest pressure in a hose less the highest that the supply line had, Pa
-    pushed: bool  # whether somebody pushed the joint, or its valve did: into its stop, which alone could hold it
-    swung: bool  # whether the arm was so fast by then, or sinks so far, that its stops alone could hold it
+    at: float  # instant of the failure after the first demand, s
+    detection_time: float  # detection time, s; infinite where it was missed
+    limit: float  # of the detection time, s
+    detected: str  # title of the fault that was detected
+    safe_after: float  # time from the failure to the safe state, s; infinite where it was not reached
+    safe: str  # name of the required safe state
+    turned: float  # greatest angle of a joint from mid-stroke over that at which its stops may hold it
+    above_supply: float  # highest pressure in a hose less the highest of the supply line, Pa
+    pushed: bool  # whether a hand or the valve pushed the joint into its stop, which alone could hold it
+    swung: bool  # whether the arm was so fast at the detection, or sinks so far, that its stops alone could hold it
 
     @property
-    def good(self) -> bool:
-        """Whether it was found in time, and what is safe was reached."""
-        return self.found_after <= self.limit + 1e-9 and self.safe_after < inf and self.kept
+    def is_good(self) -> bool:
+        """Return whether the fault was detected in time, a safe state was reached, and the joints stayed in strokes."""
+        return self.detection_time <= self.limit + 1e-9 and self.safe_after < inf and self.is_within_strokes
 
     @property
-    def kept(self) -> bool:
-        """Whether no joint passed its mechanical stroke that anything but its stop could have held."""
+    def is_within_strokes(self) -> bool:
+        """Return whether no joint passed its mechanical stroke, except those that its stop alone could have held."""
         return self.turned <= 1.0 or self.pushed or self.swung
 
 
-def campaign(rig: TrialRig, instants: int = 20, seed: int = 0) -> Iterator[Outcome]:
-    """Try each row so often, one trial after the other; the seed is that of moves, joints, ways and instants."""
-    for i, (row, ways) in enumerate(ROWS.items()):
+def run_campaign(rig: TrialRig, instants: int = 20, seed: int = 0) -> Iterator[TrialOutcome]:
+    """Yield the outcomes of trials of all rows, one after the other.
+
+    Args:
+        rig: rig of the trials.
+        instants: number of trials of each row, over its cases in turn.
+        seed: seed of moves, joints and instants.
+    """
+    for i, (row, ways) in enumerate(FAULT_CASES.items()):
         for number in range(instants):
-            yield Trial(rig, row, ways[number % len(ways)], np.random.default_rng((seed, i, number))).run()
+            yield FaultTrial(rig, row, ways[number % len(ways)], np.random.default_rng((seed, i, number))).run()
 
 
-def lead_home(device: VirtualDevice, home: float, sinking: NDArray[np.bool_]) -> bool:
-    """Turn joints that are further than `home` (rad) from mid-stroke towards it; whether there are any.
+def push_home(device: VirtualDevice, home: float, sinking: NDArray[np.bool_]) -> bool:
+    """Push joints that are far from mid-stroke towards it, and return whether there are any; called on the device.
 
-    Those that sink stay where they are: a rig leads them itself, from their stops.
+    Args:
+        device: the device.
+        home: angle from mid-stroke beyond which a joint is pushed, rad.
+        sinking: mask of joints that sink, (joints,); they stay: the rig itself moves them from their stops.
     """
     away = ~sinking & (np.abs(device.plant.angles) > home)
     for j, angle in enumerate(device.plant.angles):
-        device.plant.load[j] = -np.sign(angle) * HAND * device.brakes[j] if away[j] else 0.0
+        device.plant.load[j] = -np.sign(angle) * HAND_TORQUE_RATIO * device.brakes[j] if away[j] else 0.0
     return bool(away.any())
 
 
-def carry(device: VirtualDevice, payload: float) -> None:
-    """Give the arm a payload (kg); called on the device."""
+def set_payload(device: VirtualDevice, payload: float) -> None:
+    """Set the payload of the arm (kg); called on the device."""
     device.plant.payload = payload
 
 
-class Trial:
-    """One failure of a rig that moves at random."""
+class FaultTrial:
+    """Trial of one failure of a rig that moves at random."""
 
     def __init__(self, rig: TrialRig, row: str, case: FaultCase, random: np.random.Generator) -> None:
         self.rig, self.row, self.case, self.random = rig, row, case, random
         self.joints = list(rig.machine.joints.values())
         self.joint = int(random.integers(len(self.joints)))
-        self._reaches = [0.5 * SPAN * joint.stops.working_stroke for joint in self.joints]
+        self._reaches = [0.5 * STROKE_FRACTION * joint.stops.working_stroke for joint in self.joints]
         self._next = 0
 
-    def run(self) -> Outcome:
-        """Bring the air, move, fail, watch, mend."""
+    def run(self) -> TrialOutcome:
+        """Start, move, inject the failure, measure detection and reaction, and heal; return the outcome."""
         rig, case = self.rig, self.case
-        lightest, heaviest = payloads(rig.machine)
-        if plans(rig.machine) and lightest < heaviest:
-            rig.device.call(carry, float(self.random.uniform(lightest, heaviest)))
+        lightest, heaviest = payload_range(rig.machine)
+        if plans_motion(rig.machine) and lightest < heaviest:
+            rig.device.call(set_payload, float(self.random.uniform(lightest, heaviest)))
         rig.ready()
         rig.clear_peaks()
         begun = rig.clock.now()
         instant = self._until_failure(begun)
-        if not self._obeys():
-            found, by, limit = inf, f"stopped before it failed: {rig.supervisor.ledger.worst.title}", 0.0
+        if not self._accepts_demands():
+            delay, by, limit = inf, f"stopped before it failed: {rig.supervisor.ledger.worst.title}", 0.0
         elif self.row == HOST_GONE:
-            found, by, limit = self._host_gone()
+            delay, by, limit = self._stop_host()
         else:
-            rig.clock.at(instant, lambda: case.switch(rig, self.joint, True))
-            found, by, limit = self._found(instant)
-        swung, sinking = self._swings_on(), sinks(rig.machine)
+            rig.clock.schedule(instant, lambda: case.switch(rig, self.joint, True))
+            delay, by, limit = self._measure_detection(instant)
+        swung, sinking = self._may_reach_stops(), find_sinking_joints(rig.machine)
         safe = self._safe(instant)
         turned = np.array(rig.furthest) / resting_angles(rig.machine)
         swung = swung or bool(turned.max() > 1.0 and not (turned[~sinking] > 1.0).any())
         above_supply = rig.above_supply
         self._mend()
-        return Outcome(
-            self.row, case.name, list(rig.machine.joints)[self.joint], (instant - begun) / SECOND, found, limit, by,
-            safe, case.safe.name, float(turned.max()), above_supply, case.pushed, swung,
+        return TrialOutcome(
+            self.row, case.name, list(rig.machine.joints)[self.joint], (instant - begun) / NS_PER_SECOND, delay, limit,
+            by, safe, case.safe.name, float(turned.max()), above_supply, case.pushed, swung,
         )  # fmt: skip
 
     # Before
 
     def _until_failure(self, begun: int) -> int:
-        """Move at random up to the cycle in which it fails; the instant (ns)."""
+        """Move at random up to the cycle of the failure, and return its instant, ns."""
         random, rig = self.random, self.rig
-        when = begun + round(random.uniform(*WHEN) * SECOND)
-        while self._obeys() and (rig.clock.now() < when or (self.case.moving and not self._off())):
+        when = begun + round(random.uniform(*FAILURE_TIME_RANGE) * NS_PER_SECOND)
+        while self._accepts_demands() and (
+            rig.clock.now() < when or (self.case.moving and not self._start_long_motion())
+        ):
             self._move()
             rig.cycle()
         if not self.case.moving:
-            return rig.clock.now() + int(random.integers(1, round(rig.period * SECOND)))
-        instant = rig.clock.now() + round(random.uniform(*ON_ITS_WAY) * SECOND)
-        while self._obeys() and (rig.clock.now() + rig.period * SECOND < instant or not self._goes()):
+            return rig.clock.now() + int(random.integers(1, round(rig.period * NS_PER_SECOND)))
+        instant = rig.clock.now() + round(random.uniform(*MOVING_TIME_RANGE) * NS_PER_SECOND)
+        while self._accepts_demands() and (
+            rig.clock.now() + rig.period * NS_PER_SECOND < instant or not self._is_moving()
+        ):
             rig.cycle()
-            if rig.clock.now() > instant + ARRIVES * SECOND:  # it has arrived before: once more
-                while self._obeys() and not self._off():
+            if rig.clock.now() > instant + ARRIVAL_TIME * NS_PER_SECOND:  # it arrived too soon: try again
+                while self._accepts_demands() and not self._start_long_motion():
                     self._move()
                     rig.cycle()
-                instant = rig.clock.now() + round(random.uniform(*ON_ITS_WAY) * SECOND)
+                instant = rig.clock.now() + round(random.uniform(*MOVING_TIME_RANGE) * NS_PER_SECOND)
         return max(instant, rig.clock.now() + 1)
 
-    def _obeys(self) -> bool:
-        """Whether the rig moves as it is asked to: not where it was stopped for nothing, before anything failed."""
-        return self.rig.supervisor.state in {State.READY, State.MOVING}
+    def _accepts_demands(self) -> bool:
+        """Return whether the rig accepts demands: it does not after a false alarm before the failure."""
+        return self.rig.supervisor.state in {RigState.READY, RigState.MOVING}
 
     def _move(self) -> None:
-        """Ask for another place now and then."""
+        """Demand another configuration now and then."""
         now, rig = self.rig.clock.now(), self.rig
         if now >= self._next:
-            self._next = now + round(self.random.uniform(*PAUSE) * SECOND)
-            rig.host.demands = self._place()
+            self._next = now + round(self.random.uniform(*PAUSE_RANGE) * NS_PER_SECOND)
+            rig.host.demands = self._starting_position()
 
-    def _place(self) -> list[float]:
+    def _starting_position(self) -> list[float]:
         return [float(self.random.uniform(-reach, reach)) for reach in self._reaches]
 
-    def _off(self) -> bool:
-        """Ask the joint to go far, in this cycle; False if it did not come to that."""
-        here, demands = self.rig.truth.angles[self.joint], self._place()
+    def _start_long_motion(self) -> bool:
+        """Demand a long motion of the joint in this cycle; return False if the random demand was too near."""
+        here, demands = self.rig.truth.angles[self.joint], self._starting_position()
         side = -1.0 if here > 0.0 else 1.0
         demands[self.joint] = float(self.random.uniform(0.0, self._reaches[self.joint])) * side
-        if abs(demands[self.joint] - here) < self.case.way_to_go:
+        if abs(demands[self.joint] - here) < self.case.min_motion:
             return False
         self.rig.host.demands = demands
-        self._next = self.rig.clock.now() + round(PAUSE[1] * SECOND)
+        self._next = self.rig.clock.now() + round(PAUSE_RANGE[1] * NS_PER_SECOND)
         return True
 
-    def _goes(self) -> bool:
-        """Whether the joint is on its way, and has some of it left."""
+    def _is_moving(self) -> bool:
+        """Return whether the joint is faster than `MIN_MOVING_SPEED`, and far enough from its demand."""
         angle, velocity = self.rig.truth.angles[self.joint], self.rig.truth.velocities[self.joint]
-        left = abs(self.rig.host.demands[self.joint] - angle)
-        return abs(velocity) >= GOING and left >= self.case.way_left
+        remaining = abs(self.rig.host.demands[self.joint] - angle)
+        return abs(velocity) >= MIN_MOVING_SPEED and remaining >= self.case.min_remaining
 
     # After
 
-    def _swings_on(self) -> bool:
-        """Whether nothing but its stops may hold the arm from now on: brakes can where a rig leads it slowly."""
+    def _may_reach_stops(self) -> bool:
+        """Return whether nothing but its stops may hold the arm from now on, under a law that plans its motion."""
         core, truth = self.rig.supervisor.core, self.rig.truth
         torques = core.settings["torque_constant"] * core.memory["estimate.averaged_pressure"]
-        return plans(self.rig.machine) and swings_on(self.rig.machine, truth.angles, truth.velocities, torques)
+        return plans_motion(self.rig.machine) and may_reach_stops(
+            self.rig.machine, truth.angles, truth.velocities, torques
+        )
 
-    def _found(self, instant: int) -> tuple[float, str, float]:
-        """After how long the fault was found (s), as what, and in which time it had to be (s)."""
+    def _measure_detection(self, instant: int) -> tuple[float, str, float]:
+        """Return the detection time (s), the title of the detected fault, and the limit of the time (s)."""
         rig, case = self.rig, self.case
         limit = case.cycles * rig.period if case.cycles else case.seconds
         since: int | None = None if case.since is not None else instant
-        for _ in range(round((limit + PATIENCE) / rig.period)):
+        for _ in range(round((limit + MISSED_AFTER) / rig.period)):
             self._move()
             if rig.clock.now() < instant:
                 rig.recorder.lines.clear()
@@ -191,66 +215,71 @@ class Trial:
             now = rig.clock.now()
             if case.since is not None:
                 beyond = case.since(rig, self.joint)
-                since = (since or now - round(rig.period * SECOND)) if beyond else None
-            said = "\n".join(rig.recorder.lines)
-            by = [fault for fault in case.found if fault.title in said]
+                since = (since or now - round(rig.period * NS_PER_SECOND)) if beyond else None
+            events = "\n".join(rig.recorder.lines)
+            by = [fault for fault in case.detectable_as if fault.title in events]
             if by and now > instant:
                 if case.brief:
                     case.switch(rig, self.joint, False)
-                return (now - (since if since is not None else now)) / SECOND, by[0].title, limit
+                return (now - (since if since is not None else now)) / NS_PER_SECOND, by[0].title, limit
         return inf, "", limit
 
-    def _host_gone(self) -> tuple[float, str, float]:
-        """Stop the loop for a while: the device has to centre its valves, and to let out the air later."""
+    def _stop_host(self) -> tuple[float, str, float]:
+        """Stop the loop for a while, in which the device has to centre its valves and, later, to vent the supply line.
+
+        Returns:
+            Time from the loop's last cycle until the device centres its valves, s (inf if it does not, or dumps too
+            late); description of its reaction; limit by the watchdog, s.
+        """
         rig, interface = self.rig, self.rig.machine.interface
         last = rig.clock.now()
-        found, dumped, step = inf, inf, SECOND // 1000
-        end = last + round(self.random.uniform(*GONE) * SECOND)
+        centred, dumped, step = inf, inf, NS_PER_SECOND // 1000
+        end = last + round(self.random.uniform(*HOST_GONE_RANGE) * NS_PER_SECOND)
         while rig.clock.now() < end:
             rig.clock.wait(rig.clock.now() + step)
-            rig.look()
-            quiet = (rig.clock.now() - last) / SECOND
+            rig.update_peaks()
+            quiet = (rig.clock.now() - last) / NS_PER_SECOND
             if rig.truth.device is not DeviceState.RUNNING:
-                found = min(found, quiet)
+                centred = min(centred, quiet)
             if rig.truth.device is DeviceState.DUMPED:
                 dumped = min(dumped, quiet)
         if dumped > interface.dump_after + 1e-3 + 1e-9:
-            found = inf
+            centred = inf
         by = f"by the device: centred, dumped after {1e3 * dumped:.0f} ms"
-        return found, by, interface.watchdog_cycles * rig.period + 1e-3
+        return centred, by, interface.watchdog_cycles * rig.period + 1e-3
 
     def _safe(self, instant: int) -> float:
-        """How long after the failure what is safe was reached, s."""
+        """Run cycles until a safe state is reached; return its time since the failure, s, infinite if too late."""
         rig = self.rig
-        slowly = vent_time(rig.machine) if falls(rig.machine) else 0.0
-        until = rig.clock.now() + round((SETTLES + slowly) * SECOND)
+        slowly = vent_time(rig.machine) if falls_without_air(rig.machine) else 0.0
+        until = rig.clock.now() + round((SETTLING_TIME + slowly) * NS_PER_SECOND)
         while not self.case.safe.is_reached(rig, self.joint):
             if rig.clock.now() >= until:
                 return inf
             rig.cycle()
-        return (rig.clock.now() - instant) / SECOND
+        return (rig.clock.now() - instant) / NS_PER_SECOND
 
     def _mend(self) -> None:
-        """Heal, stop, let the air out, and reset."""
+        """Heal the failure, stop, vent, and reset."""
         rig = self.rig
         self.case.switch(rig, self.joint, False)
         rig.host.edges = {"stop"}
         for _ in range(round((rig.machine.safety.hold_time + vent_time(rig.machine)) / rig.period)):
             rig.cycle()
-        # By hand, as anyone would who finds a joint at its stop without air.
-        while rig.device.call(lead_home, HOME, sinks(rig.machine)):
+        # By hand, as an operator would move a joint from its stop without air.
+        while rig.device.call(push_home, HOME_ANGLE, find_sinking_joints(rig.machine)):
             rig.cycle()
         rig.host.edges = {"reset"}
         for _ in range(8):
             rig.cycle()
 
 
-def judged(outcomes: list[Outcome]) -> dict[str, dict[str, float | int]]:
-    """By row: trials, good ones, and the worst of what was measured."""
+def summarize_outcomes(outcomes: list[TrialOutcome]) -> dict[str, dict[str, float | int]]:
+    """Return by row the number of trials and of good ones, and the worst value of each measurement."""
     rows: dict[str, dict[str, float | int]] = {}
     for row in dict.fromkeys(outcome.row for outcome in outcomes):
-        own = [outcome for outcome in outcomes if outcome.row == row]
-        worst = ("found_after", "limit", "safe_after", "turned", "above_supply")
-        rows[row] = {"trials": len(own), "good": sum(outcome.good for outcome in own)}
-        rows[row] |= {name: max(getattr(outcome, name) for outcome in own) for name in worst}
+        of_row = [outcome for outcome in outcomes if outcome.row == row]
+        worst = ("detection_time", "limit", "safe_after", "turned", "above_supply")
+        rows[row] = {"trials": len(of_row), "good": sum(outcome.is_good for outcome in of_row)}
+        rows[row] |= {name: max(getattr(outcome, name) for outcome in of_row) for name in worst}
     return rows

@@ -1,4 +1,4 @@
-"""Many runs at once: `ensemble`. A reader's way: parallel.py, cases.py, kernel.py, watch.py, dataset.py."""
+"""Simulation of many runs at once: `ensemble`. Read in this order: parallel.py, cases.py, kernel.py, watch.py."""
 
 from layflat.sim.ensemble.parallel import ensemble
 

@@ -1,4 +1,4 @@
-"""What differs from run to run of an ensemble, turned into the arrays that the compiled loop wants, block by block."""
+"""Inputs that vary from run to run of an ensemble, as arrays of the compiled loop, block by block."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -15,22 +15,24 @@ from layflat.description.change import changed_all, paths, value_at
 from layflat.errors import InputError
 from layflat.lanes import leaves, mapped
 from layflat.machine import Machine, parameters
-from layflat.motion.scenario import SIGNALS, Scenario, varying
-from layflat.motion.signal_values import check_whole
-from layflat.sim.cycle import Acting, Around, Signals
-from layflat.sim.ensemble.results import Moves, Plan, Runs
-from layflat.sim.ensemble.seeds import CALM, Make, Seeds, noise_of
+from layflat.motion.scenario import SIGNALS, Scenario, signals_varied_by
+from layflat.motion.signal_values import check_integer
+from layflat.sim.ensemble.results import MoveArrays, Runs, ScenarioArrays
+from layflat.sim.ensemble.seeds import NO_SEED, NoiseSource, Seeds, make_noise
 from layflat.sim.ensemble.varied import check_values, read_values
-from layflat.sim.kernel import Case
+from layflat.sim.loop import Case, JointSignals, SharedSignals, Signals
 from layflat.sim.metrics import move_windows
-from layflat.sim.run import driver_of, start_angles
-from layflat.sim.signals import expand, start_pressures
+from layflat.sim.run import controlling_machine, start_angles
+from layflat.sim.signals import expand_scenario, start_pressures
 
-LEADS = ("lead", "pressure_lead", "spring", "damper")  # what may draw joints to a log, in the order of `cycle.Lead`
+INJECTION_KEYS = ("lead", "pressure_lead", "spring", "damper")
+"""Keys `scenario.KEY` of `vary` that set gains of the output injection, in the order of `loop.InjectionGains`."""
+
+START_KEYS = ("angle", "pressure_a", "pressure_b")
+"""Keys `start.KEY.JOINT` of `vary` that replace the scenario's state at the start."""
 
 MAX_RUNS = 10**9
-
-STARTS = ("angle", "pressure_a", "pressure_b")  # what every joint of a run may begin with in place of the scenario's
+MAX_CACHED_ARRAYS = 8  # arrays of scenarios that are kept, by the scenarios in them
 
 
 @dataclass(frozen=True)
@@ -38,14 +40,16 @@ class Cases:
     """An ensemble before it runs."""
 
     base: Machine  # the machine as described
-    machine: Machine  # the same; numbers that differ from run to run are arrays
-    controller: Machine  # whose controllers drive, likewise
-    scenarios: list[Scenario]  # what may happen
-    vary: Mapping[str, Array]  # arrays of `count` items by what they change
+    machine: Machine  # the same; numbers that vary are arrays over the runs
+    controller: Machine  # the machine whose controllers drive; numbers that vary are arrays
+    scenarios: list[Scenario]  # of which each run has one
+    vary: Mapping[str, Array]  # values, (count,), by the key that they change
     count: int  # of runs
-    number: type[np.floating[Any]] = np.float64  # in which the runs are computed
-    plausible: bool = True  # whether scenarios that the machine can't have are refused
-    _plans: dict[tuple[int, ...], tuple[Plan, Array, Array]] = field(default_factory=dict, init=False, repr=False)
+    number: type[np.floating[Any]] = np.float64  # type in which the runs are computed
+    plausible: bool = True  # whether scenarios that are not plausible for the machine are refused
+    _arrays: dict[tuple[int, ...], tuple[ScenarioArrays, Array, Array]] = field(
+        default_factory=dict, init=False, repr=False
+    )
 
     @cached_property
     def cycle(self) -> float:
@@ -53,21 +57,21 @@ class Cases:
         return self.controller.cycle
 
     @cached_property
-    def which(self) -> NDArray[np.int64]:
-        """Number of the scenario of each run."""
+    def scenario_index(self) -> NDArray[np.int64]:
+        """Number of each run's scenario, (runs,)."""
         return self.vary.get("scenario", np.zeros(self.count)).astype(np.int64)
 
     @cached_property
     def cycles(self) -> int:
-        """Control cycles of every run."""
+        """Number of control cycles, the same in all runs."""
         return self.scenarios[0].cycles(self.cycle)
 
     @cached_property
     def case(self) -> Case:
-        """The machine's parameters; numbers that differ from run to run are arrays."""
+        """Parameters of the machine; numbers that vary are arrays over the runs."""
         closed_loop = all(scenario.closed_loop for scenario in self.scenarios)
         settings = parameters.control(self.controller, closed_loop=closed_loop)
-        CONTROL_LAWS.of(settings).check_compiled("in ensembles and studies")
+        CONTROL_LAWS.kind_of(settings).check_compiled("in ensembles and studies")
         return Case(
             parameters.arm(self.machine),
             parameters.joints(self.machine),
@@ -77,18 +81,20 @@ class Cases:
 
     @cached_property
     def numbers(self) -> list[Any]:
-        """Every number of `case`, in order."""
+        """All numbers of `case`, in order."""
         return list(leaves(self.case))
 
     @cached_property
     def template(self) -> tuple[Any, ...]:
-        """The first run's `case`."""
-        return first_of(self.case)
+        """Parameters of the first run."""
+        return first_run(self.case)
 
     @cached_property
     def _expanded(self) -> list[Signals]:
-        """Return what happens in each scenario."""
-        return [expand(one, self.base, self.cycle, plausible=self.plausible) for one in self.scenarios]
+        """Signals of each scenario over control cycles."""
+        return [
+            expand_scenario(scenario, self.base, self.cycle, plausible=self.plausible) for scenario in self.scenarios
+        ]
 
     @cached_property
     def _demands(self) -> list[Array]:
@@ -102,60 +108,88 @@ class Cases:
         ]
 
     @cached_property
-    def most_moves(self) -> int:
-        """Greatest number of moves of any scenario."""
+    def max_moves(self) -> int:
+        """Maximum number of moves of any scenario."""
         return max(len(moves) for moves in self.moves)
 
-    def at(self, rows: NDArray[np.int64], key: str, usual: Any) -> Array:
-        """Values of some runs, from `vary` or as usual (a number or an array over all runs)."""
+    def values(self, rows: NDArray[np.int64], key: str, usual: Any) -> Array:
+        """Return the values of a key in some runs.
+
+        Args:
+            rows: numbers of the runs.
+            key: key of `vary`.
+            usual: value where the key does not vary: a number, or an array over all runs.
+        """
         return np.broadcast_to(np.asarray(self.vary.get(key, usual), dtype=float), self.count)[rows]
 
-    def runs(self, rows: NDArray[np.int64], make: Make = noise_of) -> Runs:
-        """Return inputs of these runs, with noise that is made so; their scenarios are numbered within `plan`."""
-        own = self.which[rows]
-        around = {name: value_at(self.machine, SIGNALS[name].path) for name in Around._fields}
+    def runs(self, rows: NDArray[np.int64], make: NoiseSource = make_noise) -> Runs:
+        """Return the inputs of some runs; their scenarios are numbered as in `scenario_arrays` of the same runs.
+
+        Args:
+            rows: numbers of the runs.
+            make: source of the sensors' noise.
+        """
+        scenarios = self.scenario_index[rows]
+        around = {name: value_at(self.machine, SIGNALS[name].path) for name in SharedSignals._fields}
         number = partial(np.asarray, dtype=self.number)
         return Runs(
-            number(columns(self.numbers, rows)),
-            np.searchsorted(np.unique(own), own),
-            number(self._angles(rows, own)),
-            number(self._pressures(rows, own)),
-            number(self._each(rows, Acting._fields, varying("factor"), 1.0)),
-            number(self._each(rows, Acting._fields, varying("adds"), 0.0)),
-            number(self._each(rows, LEADS, LEADS, 0.0)),
-            number(np.stack([self.at(rows, f"scenario.{name}", value) for name, value in around.items()])),
+            number(parameter_columns(self.numbers, rows)),
+            np.searchsorted(np.unique(scenarios), scenarios),
+            number(self._angles(rows, scenarios)),
+            number(self._pressures(rows, scenarios)),
+            number(self._joint_values(rows, JointSignals._fields, signals_varied_by("factor"), 1.0)),
+            number(self._joint_values(rows, JointSignals._fields, signals_varied_by("adds"), 0.0)),
+            number(self._joint_values(rows, INJECTION_KEYS, INJECTION_KEYS, 0.0)),
+            number(np.stack([self.values(rows, f"scenario.{name}", value) for name, value in around.items()])),
             make(self.seeds(rows), (self.cycles, len(self.base.joints)), self.number),
         )
 
-    def _each(self, rows: NDArray[np.int64], names: Sequence[str], vary: Sequence[str], nothing: float) -> Array:
-        """Return values of `names` in some runs, (joints, names, runs): `nothing` changes nothing, some `vary`."""
-        found = np.full((len(self.base.joints), len(names), len(rows)), nothing)
+    def _joint_values(
+        self, rows: NDArray[np.int64], names: Sequence[str], vary: Sequence[str], neutral: float
+    ) -> Array:
+        """Return factors, terms or gains of `names` in some runs, (joints, names, runs).
+
+        Those of the names in `vary` come from the ensemble's keys; the rest are `neutral`, which has no effect.
+        """
+        values = np.full((len(self.base.joints), len(names), len(rows)), neutral)
         for (j, joint), name in product(enumerate(self.base.joints), vary):
-            usual = self.vary.get(f"scenario.{name}", nothing)
-            found[j, names.index(name)] = self.at(rows, f"scenario.{name}.{joint}", usual)
-        return found
+            usual = self.vary.get(f"scenario.{name}", neutral)
+            values[j, names.index(name)] = self.values(rows, f"scenario.{name}.{joint}", usual)
+        return values
 
-    def plan(self, rows: NDArray[np.int64], band: float, tip_band: float) -> tuple[Plan, Moves]:
-        """Scenarios of some runs, and their moves."""
-        distinct = tuple(int(s) for s in np.unique(self.which[rows]))
-        if distinct not in self._plans:
-            if len(self._plans) > 8:
-                self._plans.clear()
-            self._plans[distinct] = self._planned(distinct)
-        plan, ends, goals = self._plans[distinct]
-        return plan, Moves(ends, goals, band, tip_band)
+    def scenario_arrays(
+        self, rows: NDArray[np.int64], band: float, tip_band: float
+    ) -> tuple[ScenarioArrays, MoveArrays]:
+        """Return the scenarios of some runs, each once, and their moves.
 
-    def _planned(self, distinct: Sequence[int]) -> tuple[Plan, Array, Array]:
+        Args:
+            rows: numbers of the runs.
+            band: settling band of a joint, rad.
+            tip_band: settling band of the tip, m.
+        """
+        distinct = tuple(int(s) for s in np.unique(self.scenario_index[rows]))
+        if distinct not in self._arrays:
+            if len(self._arrays) > MAX_CACHED_ARRAYS:
+                self._arrays.clear()
+            self._arrays[distinct] = self._stack_scenarios(distinct)
+        signals, ends, goals = self._arrays[distinct]
+        return signals, MoveArrays(ends, goals, band, tip_band)
+
+    def _stack_scenarios(self, distinct: Sequence[int]) -> tuple[ScenarioArrays, Array, Array]:
+        """Return the signals of distinct scenarios, stacked, first and last cycle of each move, and its goals (rad).
+
+        Moves that a scenario lacks have ends of -1.
+        """
         each = [self._expanded[s] for s in distinct]
-        by_joint, shared = (np.array(of) for of in zip(*each, strict=True))
-        plan = Plan(by_joint, shared, _changes(by_joint) | _changes(shared))
-        ends = np.full((len(each), self.most_moves, 2), -1)
-        goals = np.zeros((len(each), self.most_moves, len(self.base.joints)))
+        by_joint, shared = (np.array(arrays) for arrays in zip(*each, strict=True))
+        signals = ScenarioArrays(by_joint, shared, _changed_cycles(by_joint) | _changed_cycles(shared))
+        ends = np.full((len(each), self.max_moves, 2), -1)
+        goals = np.zeros((len(each), self.max_moves, len(self.base.joints)))
         for i, s in enumerate(distinct):
             for m, (first, last) in enumerate(self.moves[s]):
                 ends[i, m] = first, last
                 goals[i, m] = self._demands[s][min(last, self.cycles - 1)]
-        return plan, ends, goals
+        return signals, ends, goals
 
     @cached_property
     def _starts(self) -> list[Array]:
@@ -163,34 +197,38 @@ class Cases:
             start_angles(s, self.base, e.named("demand")) for s, e in zip(self.scenarios, self._expanded, strict=True)
         ]
 
-    def _angles(self, rows: NDArray[np.int64], own: NDArray[np.int64]) -> Array:
-        """Angles at the start, (joints, runs)."""
-        usual = np.array([self._starts[s] for s in own])
-        return np.array([self._begun(rows, f"angle.{name}", usual[:, j]) for j, name in enumerate(self.base.joints)])
+    def _angles(self, rows: NDArray[np.int64], scenarios: NDArray[np.int64]) -> Array:
+        """Return the angles at the start, (joints, runs), rad."""
+        usual = np.array([self._starts[s] for s in scenarios])
+        return np.array(
+            [self._start_values(rows, f"angle.{name}", usual[:, j]) for j, name in enumerate(self.base.joints)]
+        )
 
-    def _pressures(self, rows: NDArray[np.int64], own: NDArray[np.int64]) -> Array:
-        """Pressures at the start, (joints, 2, runs); nan for those that hold the arm."""
-        pairs = np.array([start_pressures(scenario, self.base) for scenario in self.scenarios])[own]
+    def _pressures(self, rows: NDArray[np.int64], scenarios: NDArray[np.int64]) -> Array:
+        """Return the pressures at the start, (joints, 2, runs), absolute, Pa; NaN for those that hold the arm."""
+        pairs = np.array([start_pressures(scenario, self.base) for scenario in self.scenarios])[scenarios]
         return np.array(
             [
-                [self._begun(rows, f"pressure_{hose}.{name}", pairs[:, j, i]) for i, hose in enumerate("ab")]
+                [self._start_values(rows, f"pressure_{hose}.{name}", pairs[:, j, i]) for i, hose in enumerate("ab")]
                 for j, name in enumerate(self.base.joints)
             ]
         )
 
-    def _begun(self, rows: NDArray[np.int64], key: str, usual: Array) -> Array:
-        """Return what some runs begin with, from `vary` or as usual in them."""
-        given = self.vary.get(f"start.{key}")
-        return usual if given is None else given[rows]
+    def _start_values(self, rows: NDArray[np.int64], key: str, usual: Array) -> Array:
+        """Return the values at the start of some runs, (runs,): from `vary`, else `usual`."""
+        varied = self.vary.get(f"start.{key}")
+        return usual if varied is None else varied[rows]
 
     def seeds(self, rows: NDArray[np.int64]) -> Seeds:
-        """Seeds of the noise of some runs."""
-        usual = np.array([scenario.seed if scenario.noise else CALM for scenario in self.scenarios])[self.which[rows]]
-        given = self.vary.get("seed")
-        return usual if given is None else np.where(usual == CALM, CALM, given[rows].astype(np.int64))
+        """Return the noise seeds of some runs, (runs,); `NO_SEED` for runs without noise."""
+        usual = np.array([scenario.seed if scenario.noise else NO_SEED for scenario in self.scenarios])[
+            self.scenario_index[rows]
+        ]
+        varied = self.vary.get("seed")
+        return usual if varied is None else np.where(usual == NO_SEED, NO_SEED, varied[rows].astype(np.int64))
 
 
-def cases(
+def prepare_cases(
     machine: Machine,
     scenarios: list[Scenario],
     vary: Mapping[str, Any],
@@ -201,20 +239,21 @@ def cases(
     number: type[np.floating[Any]] = np.float64,
     plausible: bool = True,
 ) -> Cases:
-    """Return an ensemble from what varies in it.
+    """Return an ensemble, checked.
 
     Args:
         machine: the machine.
-        scenarios: all that may happen.
-        vary: one value a run by what it changes.
-        runs: how many; only needed where nothing varies.
-        together: whether values that vary are also checked together; unless that is done elsewhere.
-        controller: the machine whose controllers drive; what varies of them is this one's. Default: each run's own.
+        scenarios: scenarios of which each run has one, by the key "scenario" of `vary`.
+        vary: values, one per run, by the key that they change.
+        runs: number of runs; only needed if nothing varies.
+        together: whether the machines that result are also checked as a whole; False if the caller does so.
+        controller: the machine whose controllers drive; keys of `vary` that begin with "controller." then change this
+            one. Default: each run's own machine.
         number: type of number in which runs are computed.
-        plausible: whether values of scenarios that the machine can't have are refused; logs may hold such.
+        plausible: whether to refuse signals that are not plausible for the machine; logs may hold such.
 
     Raises:
-        InputError: something that varies is unknown, or has another number of runs than the rest.
+        InputError: a key of `vary` is unknown, or has another number of runs than the rest.
     """
     arrays = {key: read_values(machine, key, values) for key, values in vary.items()}
     if plausible:
@@ -222,66 +261,68 @@ def cases(
             check_values(machine, key, values)
     counts = {len(values) for values in arrays.values()}
     if runs is not None:
-        counts.add(check_whole(runs, "runs", 1, MAX_RUNS))
+        counts.add(check_integer(runs, "runs", 1, MAX_RUNS))
     if len(counts) > 1:
         each = {key: len(values) for key, values in arrays.items()} | ({} if runs is None else {"runs": runs})
         lengths = ", ".join(f"{key}: {count}" for key, count in each.items())
         raise InputError(f"has different numbers of runs ({lengths})", where="vary", right="give one number a run")
-    lasting = {scenario.cycles(driver_of(machine, controller).cycle) for scenario in scenarios}
-    if len(lasting) != 1:
+    durations = {scenario.cycles(controlling_machine(machine, controller).cycle) for scenario in scenarios}
+    if len(durations) != 1:
         raise InputError("are not equally long", where="scenario", right="give all the same duration")
-    own = {key: values for key, values in arrays.items() if key not in _settings(machine)}
-    theirs = {key: own.pop(key) for key in list(own) if controller is not None and key.startswith("controller.")}
-    varied = _varied(machine, own, together=together)
-    driving = varied if controller is None else _varied(controller, theirs, together=together)
-    which = arrays.get("scenario", np.zeros(1))
-    if not np.isin(which, np.arange(len(scenarios))).all():
+    of_plant = {key: values for key, values in arrays.items() if key not in _keys_outside_machine(machine)}
+    of_controller = {
+        key: of_plant.pop(key) for key in list(of_plant) if controller is not None and key.startswith("controller.")
+    }
+    varied = _with_arrays(machine, of_plant, together=together)
+    driving = varied if controller is None else _with_arrays(controller, of_controller, together=together)
+    indices = arrays.get("scenario", np.zeros(1))
+    if not np.isin(indices, np.arange(len(scenarios))).all():
         raise InputError(
-            f"{which.max():g} is not a scenario", where="vary: scenario", right=f"0 to {len(scenarios) - 1}"
+            f"{indices.max():g} is not a scenario", where="vary: scenario", right=f"0 to {len(scenarios) - 1}"
         )
     return Cases(machine, varied, driving, scenarios, arrays, counts.pop() if counts else 1, number, plausible)
 
 
-def _changes(shaped: Array) -> NDArray[np.bool_]:
-    """Cycles with a number that the one before has not, (scenarios, cycles), of (scenarios, cycles, ...)."""
-    flat = shaped.reshape(*shaped.shape[:2], -1)
+def _changed_cycles(signals: Array) -> NDArray[np.bool_]:
+    """Return whether any number differs from the cycle before, (scenarios, cycles), in (scenarios, cycles, ...)."""
+    flat = signals.reshape(*signals.shape[:2], -1)
     changes = np.ones(flat.shape[:2], bool)
     before, after = flat[:, :-1], flat[:, 1:]
     changes[:, 1:] = ~((before == after) | np.isnan(before) & np.isnan(after)).all(axis=-1)
     return changes
 
 
-def _varied(machine: Machine, own: Mapping[str, Array], *, together: bool) -> Machine:
-    """A machine with arrays at some of its paths."""
-    known = set(paths(machine))
-    for key in own:
+def _with_arrays(machine: Machine, arrays: Mapping[str, Array], *, together: bool) -> Machine:
+    """Return a machine with arrays over the runs at some of its paths."""
+    numbers = set(paths(machine))
+    for key in arrays:
         if key == "controller.cycle":
             raise InputError("is the same in all runs", where=f"vary: {key}", right="run an ensemble for each cycle")
-        if key not in known:
+        if key not in numbers:
             value_at(machine, key)
             raise InputError("is not a single number", where=f"vary: {key}", right=f"give one of its parts, or {key}.0")
-    return changed_all(machine, own, together=together)
+    return changed_all(machine, arrays, together=together)
 
 
-def _settings(machine: Machine) -> set[str]:
-    """Keys of `vary` that are no paths of the machine."""
-    on_top = {f"scenario.{key}" for key in (*varying("factor"), *varying("adds"), *LEADS)}
+def _keys_outside_machine(machine: Machine) -> set[str]:
+    """Return the keys of `vary` that are no paths of the machine: signals, starts, scenario and seed."""
+    on_top = {f"scenario.{key}" for key in (*signals_varied_by("factor"), *signals_varied_by("adds"), *INJECTION_KEYS)}
     on_top |= {f"{key}.{name}" for key in on_top for name in machine.joints}
-    begun = {f"start.{key}.{name}" for key in STARTS for name in machine.joints}
-    return on_top | begun | {"scenario", "seed", *(f"scenario.{name}" for name in Around._fields)}
+    begun = {f"start.{key}.{name}" for key in START_KEYS for name in machine.joints}
+    return on_top | begun | {"scenario", "seed", *(f"scenario.{name}" for name in SharedSignals._fields)}
 
 
-def columns(numbers: Sequence[Any], rows: NDArray[np.int64]) -> Array:
-    """Numbers of a case in order, a column a run: (numbers, runs); those that differ are arrays over all runs."""
-    same = [0.0 if isinstance(number, np.ndarray) else number for number in numbers]
-    found = np.repeat(np.array(same, float)[:, None], len(rows), axis=1)
-    for place, number in zip(found, numbers, strict=True):
+def parameter_columns(numbers: Sequence[Any], rows: NDArray[np.int64]) -> Array:
+    """Return the numbers of a case in some runs, (numbers, runs); numbers that vary are arrays over all runs."""
+    constants = [0.0 if isinstance(number, np.ndarray) else number for number in numbers]
+    columns = np.repeat(np.array(constants, float)[:, None], len(rows), axis=1)
+    for row, number in zip(columns, numbers, strict=True):
         if isinstance(number, np.ndarray):
-            place[:] = number[rows]
-    return found
+            row[:] = number[rows]
+    return columns
 
 
-def first_of(case: tuple[Any, ...]) -> tuple[Any, ...]:
-    """A nested tuple with the numbers of the first run."""
+def first_run(case: tuple[Any, ...]) -> tuple[Any, ...]:
+    """Return a case with the numbers of the first run."""
     first: tuple[Any, ...] = mapped(case, lambda leaf: float(np.ravel(leaf)[0]))
     return first

@@ -1,6 +1,6 @@
-"""Many runs at once on a CUDA device: a thread a run, with the loop and the laws that the processor has.
+"""Simulation of many runs on a CUDA device: a thread per run, with the same loop and laws as on the processor.
 
-Runs go to the device in chunks: while it works on one, the next is prepared here. Their noise is made there.
+Runs go to the device in chunks: while it works on one, the host prepares the next. The device makes their noise.
 """
 
 import warnings
@@ -22,35 +22,51 @@ from layflat.errors import InputError
 from layflat.jit import cache_folder
 from layflat.jit.cache import included_sources
 from layflat.jit.compiler import config
-from layflat.jit.device import device_kernel, on_device
+from layflat.jit.device import device_kernel, device_law
 from layflat.lanes import interpreted, mapped
-from layflat.sim.ensemble.block import Block, block_of, keep
+from layflat.sim.ensemble.block import RunBlock, make_block, store_results
 from layflat.sim.ensemble.cases import Cases
 from layflat.sim.ensemble.kernel import run_lanes
-from layflat.sim.ensemble.noise import begin, fill_cycle
+from layflat.sim.ensemble.noise import fill_cycle, seed_stream
 from layflat.sim.ensemble.results import Results
-from layflat.sim.ensemble.seeds import CALM, Seeds, noise_of, streams, ziggurat
-from layflat.sim.ensemble.watch import new_watch, some_lanes
-from layflat.sim.kernel import Timing
+from layflat.sim.ensemble.seeds import NO_SEED, Seeds, make_noise, seed_streams, ziggurat_tables
+from layflat.sim.ensemble.watch import new_watch, slice_watch
+from layflat.sim.loop import Timing
 
 cuda: Any = _cuda
 
-THREADS = 64  # threads of a block on the device: few, since a run takes as many registers as a thread can have
-CHUNK = 512 * 2**20  # bytes that a chunk of runs may bring along and leave behind, at most
-SHARE = 4  # of the device's free memory a chunk takes this part at most: another is under way, and threads have stacks
+BLOCK_THREADS = 64  # threads per block of the device: few, since a run takes as many registers as a thread can have
+MAX_CHUNK = 512 * 2**20  # inputs and results of a chunk of runs, bytes
+MEMORY_PARTS = 4  # free memory of the device over a chunk: another chunk is in progress, and threads have stacks
 
-run_one, begin_one, fill_one = on_device(run_lanes), on_device(begin), on_device(fill_cycle)
+run_one, begin_one, fill_one = device_law(run_lanes), device_law(seed_stream), device_law(fill_cycle)
 
 
-def run_each(case: Any, runs: Any, plan: Any, moves: Any, timing: Any, results: Any, watch: Any) -> None:
-    """Put every run, in the thread of its number, through its scenario."""
+def run_each(case: Any, runs: Any, scenarios: Any, moves: Any, timing: Any, results: Any, watch: Any) -> None:
+    """Simulate each run in the thread of its number.
+
+    Args:
+        case: parameters of one run, for their order.
+        runs: inputs that differ from run to run.
+        scenarios: signals over control cycles.
+        moves: moves of every scenario.
+        timing: time grid of the runs.
+        results: results of all runs, which are filled.
+        watch: over all runs.
+    """
     i = cuda.grid(1)
     if i < runs.scenario.shape[0]:
-        run_one(case, i, runs, plan, moves, timing, results, some_lanes(watch, i, 1))
+        run_one(case, i, runs, scenarios, moves, timing, results, slice_watch(watch, i, 1))
 
 
 def fill_each(streams: Any, ziggurat: Any, noise: Any) -> None:
-    """Fill in the noise of every run, in the thread of its number."""
+    """Fill in the noise of each run, in the thread of its number.
+
+    Args:
+        streams: initial generators, (5, runs).
+        ziggurat: tables of the normal distribution.
+        noise: (cycles, joints, 2, runs), which is filled.
+    """
     i = cuda.grid(1)
     if i < noise.shape[3]:
         begin_one(streams, i)
@@ -60,30 +76,37 @@ def fill_each(streams: Any, ziggurat: Any, noise: Any) -> None:
 
 @cache
 def _kernel(function: Callable[..., None], law: Any, included: tuple[str, ...]) -> Any:
-    # What does a law in every thread; laws from outside may be added between two calls.
+    """Return the kernel that applies a law in every thread; users' laws may be added between two calls."""
     del included
     return device_kernel(function, cache_folder(Path(law.py_func.__code__.co_filename)))
 
 
 def run_on_device(prepared: Cases, timing: Timing, bands: tuple[float, float], results: Results) -> Iterator[int]:
-    """Run all runs and fill in their results; yields how many are done each time that some are.
+    """Simulate all runs and fill in their results; yield the number of runs of each chunk that is done.
+
+    Args:
+        prepared: the ensemble.
+        timing: time grid of the runs.
+        bands: bands of settling of a joint (rad) and of the tip (m).
+        results: results of all runs, which are filled.
 
     Raises:
-        InputError: not even one run has room there, or the device fails.
+        InputError: the device's memory can't hold a single run, or the device fails.
     """
-    under_way: list[tuple[Results, int]] = []
-    with _failing_in_a_line():
+    pending: list[tuple[Results, int]] = []
+    with _translate_device_errors():
         for rows in _chunks(prepared, results):
-            block = block_of(prepared, rows, bands, results, _noise_there)
-            under_way.append((_launched(prepared, block, timing), int(rows[0])))
-            if len(under_way) > 1:
-                yield _collected(results, *under_way.pop(0))
-        for launched in under_way:
-            yield _collected(results, *launched)
+            block = make_block(prepared, rows, bands, results, _device_noise)
+            pending.append((_launch(prepared, block, timing), int(rows[0])))
+            if len(pending) > 1:
+                yield _collect(results, *pending.pop(0))
+        for chunk in pending:
+            yield _collect(results, *chunk)
 
 
 @contextmanager
-def _failing_in_a_line() -> Iterator[None]:
+def _translate_device_errors() -> Iterator[None]:
+    """Raise InputError in place of an error of the CUDA device."""
     try:
         yield
     except cuda.cudadrv.driver.CudaAPIError as error:
@@ -93,7 +116,7 @@ def _failing_in_a_line() -> Iterator[None]:
 
 @cache
 def check_device() -> None:
-    """Try the device with a kernel of one line; a device that works is tried once.
+    """Test the CUDA device with a kernel of one line; a device that works is tested once per process.
 
     Raises:
         InputError: the packages it needs are missing, there is no device, or its driver is too old for them.
@@ -106,17 +129,17 @@ def check_device() -> None:
     else:
         extras.require("gpu", where="device")
     try:
-        tried = cuda.to_device(np.zeros(1))
-        _start(cuda.jit(_try), 1, tried)
-        works = tried.copy_to_host()[0] == 1.0
-    except Exception as error:  # the compiler's and the driver's have no class in common
-        raise _no_device(error) from error
+        number = cuda.to_device(np.zeros(1))
+        _start_threads(cuda.jit(_write_one), 1, number)
+        works = number.copy_to_host()[0] == 1.0
+    except Exception as error:  # errors of the compiler and of the driver have no class in common
+        raise _explain_device_error(error) from error
     if not works:
         raise InputError("the CUDA device computes nothing", where="device", right='use "cpu"')
 
 
-def _no_device(error: Exception) -> InputError:
-    """Return what to say of an error: packages that do not fit together are no fault of the device."""
+def _explain_device_error(error: Exception) -> InputError:
+    """Return an error of the device as one line, which tells incompatible packages from a device that fails."""
     reason = str(error).strip().partition("\n")[0]
     missing_library = type(error).__module__.startswith("cuda.pathfinder")
     of_packages = isinstance(error, (AttributeError, TypeError, ImportError)) or missing_library
@@ -124,70 +147,77 @@ def _no_device(error: Exception) -> InputError:
         return InputError(
             f"no CUDA device can be used ({reason})", where="device", right='see nvidia-smi, or use "cpu"'
         )
-    there = [
+    installed = [
         f"{name} {version(name)}" for name in ("numba-cuda", "numba", "numpy") if find_spec(name.replace("-", "_"))
     ]
-    what = f"the packages for CUDA devices are not whole, or do not fit together ({', '.join(there)}: {reason})"
+    what = f"the packages for CUDA devices are not whole, or do not fit together ({', '.join(installed)}: {reason})"
     return InputError(what, where="device", right="install those that do: pip install 'layflat[gpu]'; or use \"cpu\"")
 
 
-def _try(number: Any) -> None:
-    """Write a number; all threads write the same."""
+def _write_one(number: Any) -> None:
+    """Write 1 into a number; all threads write the same."""
     number[0] = 1.0
 
 
 def _chunks(prepared: Cases, results: Results) -> Iterator[NDArray[np.int64]]:
-    """Numbers of the runs of every chunk."""
+    """Yield the numbers of the runs of each chunk that fits into the device's memory; raise InputError if none does."""
     noisy = any(scenario.noise for scenario in prepared.scenarios)
-    brought = len(prepared.numbers) + 2 * noisy * prepared.cycles * len(prepared.base.joints)
-    left = (results.tallies.size + results.totals.size + results.traces.size) // prepared.count
-    each = np.dtype(prepared.number).itemsize * brought + results.tallies.itemsize * left
-    free = cuda.current_context().get_memory_info().free / SHARE
-    if each > free:
-        what = f"a run takes {each / 2**20:.0f} MiB, and only {free / 2**20:.0f} MiB of the CUDA device are left for it"
+    inputs = len(prepared.numbers) + 2 * noisy * prepared.cycles * len(prepared.base.joints)
+    outputs = (results.tallies.size + results.totals.size + results.traces.size) // prepared.count
+    run_size = np.dtype(prepared.number).itemsize * inputs + results.tallies.itemsize * outputs
+    free = cuda.current_context().get_memory_info().free / MEMORY_PARTS
+    if run_size > free:
+        left = f"only {free / 2**20:.0f} MiB of the CUDA device are left for it"
+        what = f"a run takes {run_size / 2**20:.0f} MiB, and {left}"
         raise InputError(what, where="device", right='ask for shorter runs or fewer traces, or use "cpu"')
-    fitting = int(min(CHUNK, free) // each)
-    size = THREADS * (fitting // THREADS) or max(1, fitting)
+    fitting = int(min(MAX_CHUNK, free) // run_size)
+    size = BLOCK_THREADS * (fitting // BLOCK_THREADS) or max(1, fitting)
     for first in range(0, prepared.count, size):
         yield np.arange(first, min(first + size, prepared.count))
 
 
-def kernel_arguments(prepared: Cases, block: Block, timing: Timing) -> tuple[Any, ...]:
-    """Return what `run_each` takes to run a block."""
+def kernel_arguments(prepared: Cases, block: RunBlock, timing: Timing) -> tuple[Any, ...]:
+    """Return the arguments of `run_each` for a block.
+
+    Args:
+        prepared: the ensemble.
+        block: block of its runs.
+        timing: time grid of the runs.
+    """
     watch = new_watch(block.runs)
-    return prepared.template, block.runs, block.plan, block.moves, timing, block.results, watch
+    return prepared.template, block.runs, block.scenarios, block.moves, timing, block.results, watch
 
 
-def _noise_there(seeds: Seeds, shape: tuple[int, int], number: type[np.floating[Any]]) -> Any:
-    """Make noise as `noise_of` does, on the device, where it stays."""
-    if interpreted() or (seeds == CALM).all():
-        return noise_of(seeds, shape, number)
+def _device_noise(seeds: Seeds, shape: tuple[int, int], number: type[np.floating[Any]]) -> Any:
+    """Return noise as `make_noise` does, made and kept on the device."""
+    if interpreted() or (seeds == NO_SEED).all():
+        return make_noise(seeds, shape, number)
     noise = cuda.device_array((*shape, 2, len(seeds)), number)
-    begun = mapped((streams(seeds), ziggurat()), _moved)
-    _start(_kernel(fill_each, fill_cycle, included_sources()), len(seeds), *begun, noise)
+    generators = mapped((seed_streams(seeds), ziggurat_tables()), _to_device)
+    _start_threads(_kernel(fill_each, fill_cycle, included_sources()), len(seeds), *generators, noise)
     return noise
 
 
-def _launched(prepared: Cases, block: Block, timing: Timing) -> Results:
-    """Set a block of runs going; returns its results on the device."""
-    there = mapped(kernel_arguments(prepared, block, timing), _moved)
-    _start(_kernel(run_each, run_lanes, included_sources()), len(block.runs.scenario), *there)
-    *_, results, _ = there
+def _launch(prepared: Cases, block: RunBlock, timing: Timing) -> Results:
+    """Start the kernel of a block of runs, and return its results on the device."""
+    arguments = mapped(kernel_arguments(prepared, block, timing), _to_device)
+    _start_threads(_kernel(run_each, run_lanes, included_sources()), len(block.runs.scenario), *arguments)
+    *_, results, _ = arguments
     return cast(Results, results)
 
 
-def _start(kernel: Any, count: int, *args: Any) -> None:
-    """Start so many threads, and no wait for them."""
+def _start_threads(kernel: Any, count: int, *args: Any) -> None:
+    """Start `count` threads of a kernel, without a wait for them."""
     with warnings.catch_warnings():
-        warnings.filterwarnings("ignore", message=".*Grid size")  # few runs use a device badly: no mistake
-        kernel[ceil(count / THREADS), THREADS](*args)
+        warnings.filterwarnings("ignore", message=".*Grid size")  # a small ensemble uses a device poorly: no mistake
+        kernel[ceil(count / BLOCK_THREADS), BLOCK_THREADS](*args)
 
 
-def _moved(leaf: Any) -> Any:
+def _to_device(leaf: Any) -> Any:
     return cuda.to_device(np.ascontiguousarray(leaf)) if isinstance(leaf, np.ndarray) else leaf
 
 
-def _collected(results: Results, there: Any, first: int) -> int:
-    """Wait for the runs from number `first` on and keep their results; returns how many they are."""
-    tallies, totals, traces = (array.copy_to_host() for array in (there.tallies, there.totals, there.traces))
-    return keep(results, there._replace(tallies=tallies, totals=totals, traces=traces), first)
+def _collect(results: Results, chunk: Any, first: int) -> int:
+    """Wait for the runs from number `first` on, copy their results from the device, and return their number."""
+    tallies, totals, traces = (array.copy_to_host() for array in (chunk.tallies, chunk.totals, chunk.traces))
+    return store_results(results, chunk._replace(tallies=tallies, totals=totals, traces=traces), first)

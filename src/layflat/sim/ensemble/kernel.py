@@ -1,157 +1,198 @@
-"""The compiled time loop of many runs side by side: the laws of `kernel.py`, a run per lane, and metrics as it goes."""
+"""The compiled run of many machines: the time loop with a run per SIMD lane, and metrics accumulated on the way."""
 
-from layflat.control import wake
+from typing import Any, NamedTuple
+
 from layflat.jit import composition, kernel, law
 from layflat.lanes import each, gather, in_lanes, read_lanes, select, slots, width
-from layflat.physics.adjustable import FULL
-from layflat.physics.delay import NOTHING_ASKED
-from layflat.physics.joint import AirTaken, Drive, JointState
-from layflat.physics.plant import advance, at_rest, together
-from layflat.physics.valves import start_wave
-from layflat.sim.cycle import (
-    NOT_LED,
-    NOTHING,
-    NOTHING_AROUND,
-    Acting,
-    Around,
-    Loop,
-    Noise,
-    control_cycle,
+from layflat.physics.adjustable import FULL_FRACTIONS
+from layflat.physics.driver import ZERO_COMMANDS
+from layflat.physics.joint import AirLedger, JointState
+from layflat.physics.plant import states_at_rest
+from layflat.sim.ensemble.results import MoveArrays, Results, Runs, ScenarioArrays
+from layflat.sim.ensemble.watch import (
+    NO_JOINT_MOVE,
+    NO_PROGRESS,
+    Watch,
+    begin_moves,
+    record_divergence,
+    record_metrics,
+    record_trace,
+    slice_watch,
+    write_totals,
+)
+from layflat.sim.loop import (
+    NO_INJECTION,
+    ZERO_JOINT_SIGNALS,
+    ZERO_NOISE,
+    ZERO_SHARED_SIGNALS,
+    CycleSpan,
+    JointSignals,
+    LoopPorts,
+    MachineState,
+    SharedSignals,
+    initial_memory,
     is_number,
-    sense_all,
+    run_span,
     surroundings,
 )
-from layflat.sim.ensemble.watch import (
-    NO_COURSE,
-    NO_TRACK,
-    begin_moves,
-    note,
-    note_divergence,
-    note_totals,
-    some_lanes,
-    trace,
-)
 
-ITEMS: tuple[float, ...] = tuple(NOTHING)  # `each` takes items of plain tuples alone
-ITEMS_AROUND: tuple[float, ...] = tuple(NOTHING_AROUND)
-CALM = Noise(0.0, 0.0)
+JOINT_ITEMS: tuple[float, ...] = tuple(ZERO_JOINT_SIGNALS)  # plain tuples, since `each` takes items of these alone
+SHARED_ITEMS: tuple[float, ...] = tuple(ZERO_SHARED_SIGNALS)
+
+
+class LaneGroup(NamedTuple):
+    """Runs simulated in parallel lanes, from number `first` on, with the arrays of their results."""
+
+    first: int
+    runs: Runs
+    scenarios: ScenarioArrays
+    moves: MoveArrays
+    results: Results
+    watch: Watch
+    progress: Any  # `ArmProgress` in a slot
+    joint_moves: Any  # slots of `JointMove`
 
 
 @composition
-def _changes(runs, plan, first, k, zero):
-    # Whether a cycle asks for something new in any lane: mostly it doesn't, and to gather it costs more than the law.
-    found = 0
+def _has_changes(group, k, zero):
+    """Return whether any lane's signals change in control cycle k.
+
+    They seldom do, and gathering them costs more than the control law.
+    """
+    # Signals seldom change in any lane, and gathering them costs more than the control law.
+    count = 0
     for lane in range(width(zero)):
-        found += plan.changes[runs.scenario[first + lane], k]
-    return found > 0
+        count += group.scenarios.changes[group.runs.scenario[group.first + lane], k]
+    return count > 0
 
 
 @law
-def _on_top(given, factor, added):
-    return given * factor + added
+def _vary_signal(signal, factor, added):
+    return signal * factor + added
 
 
 @composition
-def _acting(scratch, runs, plan, first, j, k, zero):
+def _joint_signals(group, k, j, zero):
+    """Return the signals on joint j in control cycle k, with a lane a run, varied by each run's factors and terms.
+
+    They are gathered number by number: views of arrays would cost more than all the rest.
+    """
     # Gathered number by number: views of arrays would cost more than all the rest.
+    runs, first, scratch = group.runs, group.first, group.watch.scratch
     for lane in range(width(zero)):
-        for i in range(plan.by_joint.shape[3]):
-            scratch[i, lane] = plan.by_joint[runs.scenario[first + lane], k, j, i]
-    given = read_lanes(ITEMS, scratch, zero)
-    factors = read_lanes(ITEMS, runs.factors[j, :, first:], zero)
-    return Acting(*each(_on_top, given, factors, read_lanes(ITEMS, runs.added[j, :, first:], zero)))
-
-
-@composition
-def _noise(runs, first, j, k, zero):
-    return read_lanes(CALM, runs.noise[k % len(runs.noise), j, :, first:], zero)
+        for i in range(group.scenarios.by_joint.shape[3]):
+            scratch[i, lane] = group.scenarios.by_joint[runs.scenario[first + lane], k, j, i]
+    signals = read_lanes(JOINT_ITEMS, scratch, zero)
+    factors = read_lanes(JOINT_ITEMS, runs.factors[j, :, first:], zero)
+    return JointSignals(*each(_vary_signal, signals, factors, read_lanes(JOINT_ITEMS, runs.added[j, :, first:], zero)))
 
 
 @law
-def _given_or_usual(given, usual):
-    return select(is_number(given), given, usual)
+def _signal_or_default(signal, default):
+    return select(is_number(signal), signal, default)
 
 
 @composition
-def _surroundings(scratch, air, runs, plan, first, k):
-    zero = 0.0 * air.ambient_pressure
+def _surroundings(group, air, k):
+    """Return the surroundings in control cycle k, with a lane a run; a signal that is absent has the run's default."""
+    runs, first, scratch, zero = group.runs, group.first, group.watch.scratch, 0.0 * air.ambient_pressure
     for lane in range(width(zero)):
-        for i in range(plan.shared.shape[2]):
-            scratch[i, lane] = plan.shared[runs.scenario[first + lane], k, i]
-    given, usual = read_lanes(ITEMS_AROUND, scratch, zero), read_lanes(ITEMS_AROUND, runs.shared[:, first:], zero)
-    return surroundings(air, Around(*each(_given_or_usual, given, usual)))
+        for i in range(group.scenarios.shared.shape[2]):
+            scratch[i, lane] = group.scenarios.shared[runs.scenario[first + lane], k, i]
+    signals, defaults = read_lanes(SHARED_ITEMS, scratch, zero), read_lanes(SHARED_ITEMS, runs.shared[:, first:], zero)
+    return surroundings(air, SharedSignals(*each(_signal_or_default, signals, defaults)))
+
+
+@composition
+def _update_metrics(group, arm, states, k, cycle):
+    """Update the metrics after control cycle k, and return whether it was the last one; `cycle` is its duration, s."""
+    watch, results, moves, scenarios = group.watch, group.results, group.moves, group.runs.scenario
+    progress, joint_moves = group.progress, group.joint_moves
+    record_metrics(watch, results, moves, scenarios, arm, states, progress, joint_moves, group.first, k, cycle)
+    return k == group.scenarios.by_joint.shape[1]
+
+
+@composition
+def _load_inputs(group, air, around, acting, noise, k):
+    """Load the noise of control cycle k, and signals and surroundings where they change, into their slots."""
+    zero, samples = 0.0 * air.ambient_pressure, group.runs.noise
+    if _has_changes(group, k, zero):
+        around[0] = _surroundings(group, air, k)
+        for j in range(group.scenarios.by_joint.shape[2]):
+            acting[j] = _joint_signals(group, k, j, zero)
+    for j in range(group.scenarios.by_joint.shape[2]):
+        noise[j] = read_lanes(ZERO_NOISE, samples[k % len(samples), j, :, group.first :], zero)
+
+
+@composition
+def _record(group, joints, states, around, sensed, voltages, report, k, i):  # noqa: ARG001  (a port)
+    for j in range(group.scenarios.by_joint.shape[2]):
+        record_trace(group.watch, group.results, joints[j], states[j], voltages[j], group.first, j, k)
+
+
+@composition
+def _check(group, states, k, i):  # noqa: ARG001
+    for j in range(group.scenarios.by_joint.shape[2]):
+        record_divergence(states[j], group.progress, k)
+    return False
 
 
 @law
 def _with_air_alone(state):
-    return JointState(state.motion, state.valve, state.hose_a, state.hose_b, AirTaken(0.0))
+    return JointState(state.motion, state.valve, state.hose_a, state.hose_b, AirLedger(0.0))
 
 
 @composition
-def _at_rest(arm, like, runs, first, around):
+def _initial_states(arm, like, runs, first, around):
+    """Return the initial states of the joints, in lanes: at rest at each run's angles (rad) and pressures (Pa)."""
     zero = 0.0 * around.ambient_pressure
     angles, firsts, seconds = slots(like, zero), slots(like, zero), slots(like, zero)
     for j in range(len(like)):
         angles[j] = read_lanes(0.0, runs.angles[j : j + 1, first:], zero)
         firsts[j], seconds[j] = read_lanes((0.0, 0.0), runs.pressures[j, :, first:], zero)
-    states = at_rest(arm, like, gather(like, angles), gather(like, firsts), gather(like, seconds), around)
+    states = states_at_rest(arm, like, gather(like, angles), gather(like, firsts), gather(like, seconds), around)
     return in_lanes(each(_with_air_alone, states), zero)
 
 
 @composition
-def run_lanes(case, first, runs, plan, moves, timing, results, watch):
-    """Run runs side by side, as many as there are lanes, from number `first` on, through their scenarios from rest.
+def run_lanes(case, first, runs, scenarios, moves, timing, results, watch):
+    """Simulate as many runs as there are lanes, from number `first` on, through their scenarios from rest.
 
-    `case` is any `Case`, or a `Like`: it gives the order of the runs' parameters. `watch` is over these runs, and new.
+    Args: any `Case`, or its `Like`, for the order of the runs' parameters; number of the first run; `Runs`;
+    `ScenarioArrays`; `MoveArrays`; `Timing`; `Results`, which are filled; a new `Watch` over these runs.
     """
-    arm, like, settings, air = read_lanes(case, runs.parameters[:, first:])
-    joints = slots(like)
-    joined = together(arm, joints)
-    cycles, n = plan.by_joint.shape[1], plan.by_joint.shape[2]
-    h, zero = timing.cycle / timing.steps, 0.0 * air.ambient_pressure
-    around = _surroundings(watch.scratch, air, runs, plan, first, 0)
-    states = slots(_at_rest(arm, like, runs, first, around))
-    acting, leads = slots(like, in_lanes(NOTHING, zero)), slots(like, in_lanes(NOT_LED, zero))
-    noise = slots(like, in_lanes(CALM, zero))
-    loop = Loop(
-        acting,
-        leads,
-        noise,
-        slots(like, Drive(zero, zero, zero, zero)),
-        slots(like, in_lanes(NOTHING_ASKED, zero)),
-        slots(like, start_wave(joints[0].valve, 0.0, h)),
-        slots(like, zero),
-        slots(like, in_lanes(FULL, zero)),
+    case = read_lanes(case, runs.parameters[:, first:])
+    like, zero = case.joints, 0.0 * case.air.ambient_pressure
+    progress, joint_moves = slots((in_lanes(NO_PROGRESS, zero),)), slots(like, in_lanes(NO_JOINT_MOVE, zero))
+    group = LaneGroup(first, runs, scenarios, moves, results, watch, progress, joint_moves)
+    begin_moves(watch, moves, runs.scenario, case.arm, progress, joint_moves, first)
+    injections = slots(like, in_lanes(NO_INJECTION, zero))
+    for j in range(len(like)):
+        injections[j] = read_lanes(NO_INJECTION, runs.injections[j, :, first:], zero)
+    instants = CycleSpan(0, scenarios.by_joint.shape[1] + 1)
+    around = _surroundings(group, case.air, instants.first)
+    rest = _initial_states(case.arm, like, runs, first, around)
+    joints, states = slots(like), slots(rest)
+    machine = MachineState(
+        case.arm,
+        case.settings,
+        case.air,
+        slots((around,)),
+        slots(like, in_lanes(ZERO_JOINT_SIGNALS, zero)),
+        joints,
+        states,
+        slots(like, in_lanes(ZERO_COMMANDS, zero)),
+        slots(like, in_lanes(FULL_FRACTIONS, zero)),
+        injections,
+        slots((initial_memory(case.settings, joints, states),)),
     )
-    course, tracks = slots((in_lanes(NO_COURSE, zero),)), slots(like, in_lanes(NO_TRACK, zero))
-    begin_moves(watch, moves, runs.scenario, arm, like, course, tracks, first)
-    for j in range(n):
-        leads[j] = read_lanes(NOT_LED, runs.leads[j, :, first:], zero)
-    memory = in_lanes(wake(settings, sense_all(joints, like, states, noise)), zero)
-    for k in range(cycles + 1):
-        note(watch, results, moves, runs.scenario, arm, like, states, course, tracks, first, k, timing.cycle)
-        if k == cycles:
-            break
-        if _changes(runs, plan, first, k, zero):
-            around = _surroundings(watch.scratch, air, runs, plan, first, k)
-            for j in range(n):
-                acting[j] = _acting(watch.scratch, runs, plan, first, j, k, zero)
-        for j in range(n):
-            noise[j] = _noise(runs, first, j, k, zero)
-        _, memory, _ = control_cycle(
-            joints, like, settings, memory, states, loop, around, timing.cycle * k, timing.cycle, h
-        )
-        for j in range(n):
-            trace(watch, results, joints[j], states[j], loop.voltages[j], first, j, k)
-        advance(arm, joined, states, loop.drives, loop.waves, around, h, timing.steps)
-        for j in range(n):
-            note_divergence(states[j], course, k)
-    note_totals(watch, results, states, course, first, n)
+    run_span(machine, instants, timing, LoopPorts(_update_metrics, _load_inputs, _record, _check), group)
+    write_totals(watch, results, states, progress, first, len(like))
 
 
 @kernel
-def run_block(case, runs, plan, moves, timing, results, watch):
-    """Run all runs of a block, as many at a time as there are lanes; the watch is as wide as the block."""
+def run_block(case, runs, scenarios, moves, timing, results, watch):
+    """Simulate all runs of a block, as many at a time as there are lanes; the watch is as wide as the block."""
     lanes = width(case, runs.parameters)
     for first in range(0, len(runs.scenario), lanes):
-        run_lanes(case, first, runs, plan, moves, timing, results, some_lanes(watch, first, lanes))
+        run_lanes(case, first, runs, scenarios, moves, timing, results, slice_watch(watch, first, lanes))

@@ -1,4 +1,4 @@
-"""Hysteresis of many machines: the slow sweeps of `sim/sweep.py`, a machine in each lane."""
+"""Hysteresis of many machines: the slow sweeps of `sim/sweep.py`, with a machine per SIMD lane."""
 
 from collections import deque
 from concurrent.futures import ThreadPoolExecutor
@@ -10,44 +10,50 @@ import numpy as np
 
 from layflat.arrays import Array
 from layflat.lanes import Like, host_width, leaves
-from layflat.sim.ensemble.cases import columns
+from layflat.sim.ensemble.cases import parameter_columns
 from layflat.sim.slow import sweep_many
 
 if TYPE_CHECKING:
     from layflat.sim.ensemble.cases import Cases
 
-POINTS = 201  # of a way; more change the height by less than a thousandth
-AT_A_TIME = 4096  # machines whose numbers are there at once
+SWEEP_POINTS = 201  # in each direction; more change the height by less than a thousandth
+MAX_BATCH = 4096  # machines whose numbers are in memory at once
 
 
 def hysteresis(prepared: "Cases", workers: int = 1) -> Array:
-    """Loop height over greatest torque at supply pressure, of every joint with its brake on: (runs, joints)."""
-    height, torque = heights(prepared, workers=workers)
+    """Return loop height over maximum torque at supply pressure, of every joint with its brake on: (runs, joints)."""
+    height, torque = loop_heights(prepared, workers=workers)
     return height / torque
 
 
-def heights(prepared: "Cases", share: float = 1.0, workers: int = 1) -> tuple[Array, Array]:
-    """Loop height and greatest torque at supply pressure, N m, of every joint with its brake on: (runs, joints).
+def loop_heights(prepared: "Cases", share: float = 1.0, workers: int = 1) -> tuple[Array, Array]:
+    """Return loop height and maximum torque at supply pressure of every joint with its brake on.
 
-    The sweep takes a share of the working stroke, in its middle.
+    Args:
+        prepared: the ensemble.
+        share: fraction of the working stroke, about its centre, that is swept.
+        workers: threads.
+
+    Returns:
+        Two arrays, (runs, joints), N m.
     """
     machine, count = prepared.machine, prepared.count
-    found = np.empty((2, count, len(prepared.base.joints)))
+    heights = np.empty((2, count, len(prepared.base.joints)))
     lanes = host_width()
-    size = lanes * ceil(min(AT_A_TIME, count / workers) / lanes)
+    size = lanes * ceil(min(MAX_BATCH, count / workers) / lanes)
     cases = []
     for joint, described in zip(prepared.case.joints, machine.joints.values(), strict=True):
         swept = (joint.hose_a, joint.hose_b, joint.friction, joint.brake_torque)
         cases.append((*swept, machine.supply.pressure_gauge, share * described.stops.working_stroke))
 
-    def sweep(some: tuple[int, int]) -> None:
-        j, first = some
+    def sweep(batch: tuple[int, int]) -> None:
+        j, first = batch
         rows = np.minimum(np.arange(first, first + size), count - 1)
-        room, own = np.empty((POINTS, lanes)), np.empty((2, size))
-        sweep_many(Like.of(cases[j]), columns(list(leaves(cases[j])), rows), room, own)
-        part = found[:, first : first + size, j]
-        part[:] = own[:, : part.shape[1]]
+        forward, results = np.empty((SWEEP_POINTS, lanes)), np.empty((2, size))
+        sweep_many(Like.from_tuple(cases[j]), parameter_columns(list(leaves(cases[j])), rows), forward, results)
+        part = heights[:, first : first + size, j]
+        part[:] = results[:, : part.shape[1]]
 
     with ThreadPoolExecutor(workers) as pool:
         deque(pool.map(sweep, product(range(len(cases)), range(0, count, size))), maxlen=0)
-    return found[0], found[1]
+    return heights[0], heights[1]

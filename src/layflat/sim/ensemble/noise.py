@@ -1,11 +1,11 @@
-"""Noise of many runs at once: the bits of `sensor_noise`, from numpy's generator written for compiled loops.
+"""Noise of many runs at once: NumPy's generator written for compiled loops, bit for bit equal to `sensor_noise`.
 
-Threads can't make generators side by side, and CUDA devices have none of numpy's. So what
-`np.random.default_rng(seed).standard_normal()` does stands here: a PCG64 (oneill2014) begins with a hashed seed (see
-seeds.py), and what it yields becomes normal by the ziggurat (marsaglia2000), with the tables that the compiler has.
+Threads can't make NumPy generators in parallel, and CUDA devices have none. So this module implements
+`np.random.default_rng(seed).standard_normal()`: a PCG64 (oneill2014) starts from a hashed seed (see seeds.py), and the
+ziggurat (marsaglia2000) turns its output into normal samples, with the compiler's tables.
 
-A number of 128 bits is two of 64, its high and its low half. The generator's `state` is such a number, and so is the
-`step` that is added to it each time.
+A 128-bit number is two of 64 bits, its high and low half. The generator's `state` is such a number, and so is the
+`step` that is added to it in each draw.
 """
 
 from math import exp, log1p
@@ -20,93 +20,96 @@ from layflat.lanes import select
 class Ziggurat(NamedTuple):
     """Layers under the normal density; the tail beyond them begins at `tail`."""
 
-    inside: np.ndarray  # below this a layer's number is under the density in any case, (256,)
-    widths: np.ndarray  # of layers, over 2^52
-    edges: np.ndarray  # density at the layers' ends
+    inside: np.ndarray  # mantissa below which a layer's sample is accepted at once, (256,)
+    widths: np.ndarray  # of layers, over 2^52, (256,)
+    edges: np.ndarray  # density at the layers' ends, (256,)
     tail: float
     tail_scale: float
 
 
 U = np.uint64
-HALF, LOW_HALF = U(32), U(0xFFFFFFFF)
+HALF_BITS, LOW_HALF = U(32), U(0xFFFFFFFF)
 FACTOR_HIGH, FACTOR_LOW = U(0x2360ED051FC65DA4), U(0x4385DF649FCCF645)
-ZERO, ONE, EIGHT, NINE, ELEVEN, TURN, ALL, LAYER, MANTISSA = map(U, (0, 1, 8, 9, 11, 58, 63, 0xFF, 0xFFFFFFFFFFFFF))
-UNIT = 2.0**-53
+ZERO_U64, ONE_U64 = U(0), U(1)
+SIGN_SHIFT, MANTISSA_SHIFT, UNIFORM_SHIFT, ROTATION_SHIFT, LAST_BIT = U(8), U(9), U(11), U(58), U(63)
+LAYER_MASK, MANTISSA_MASK = U(0xFF), U(0xFFFFFFFFFFFFF)
+UNIFORM_SCALE = 2.0**-53
 
 
 @composition
-def _times_factor(high, low):
-    # 64 times 64 bits are 128, by halves.
-    a, b, c, d = low >> HALF, low & LOW_HALF, FACTOR_LOW >> HALF, FACTOR_LOW & LOW_HALF
+def _multiply_by_factor(high, low):
+    """Return the lower 128 bits of a 128-bit number times the generator's factor, by halves."""
+    a, b, c, d = low >> HALF_BITS, low & LOW_HALF, FACTOR_LOW >> HALF_BITS, FACTOR_LOW & LOW_HALF
     lowest = b * d
-    middle = a * d + (lowest >> HALF)
+    middle = a * d + (lowest >> HALF_BITS)
     other = b * c + (middle & LOW_HALF)
-    carried = a * c + (middle >> HALF) + (other >> HALF)
+    carried = a * c + (middle >> HALF_BITS) + (other >> HALF_BITS)
     return carried + high * FACTOR_LOW + low * FACTOR_HIGH, low * FACTOR_LOW
 
 
 @composition
-def _plus(high, low, other_high, other_low):
+def _add_128(high, low, other_high, other_low):
     total = low + other_low
-    return high + other_high + (ONE if total < low else ZERO), total
+    return high + other_high + (ONE_U64 if total < low else ZERO_U64), total
 
 
 @composition
-def _stepped(high, low, step_high, step_low):
-    high, low = _times_factor(high, low)
-    return _plus(high, low, step_high, step_low)
+def _next_state(high, low, step_high, step_low):
+    high, low = _multiply_by_factor(high, low)
+    return _add_128(high, low, step_high, step_low)
 
 
 @composition
-def _begun(high, low, step_high, step_low):
-    # State and step of a generator from what a seed was hashed to.
-    step_high, step_low = step_high << ONE | step_low >> ALL, step_low << ONE | ONE
-    high, low = _plus(high, low, step_high, step_low)
-    high, low = _stepped(high, low, step_high, step_low)
+def _seed_state(high, low, step_high, step_low):
+    """Return the initial state and the step of a generator, both in halves, from a hashed seed."""
+    step_high, step_low = step_high << ONE_U64 | step_low >> LAST_BIT, step_low << ONE_U64 | ONE_U64
+    high, low = _add_128(high, low, step_high, step_low)
+    high, low = _next_state(high, low, step_high, step_low)
     return high, low, step_high, step_low
 
 
 @composition
-def _shown(high, low):
-    # What a state yields: its halves laid over each other and turned.
-    turn, mixed = high >> TURN, high ^ low
-    return mixed >> turn | mixed << (-turn & ALL)
+def _output_bits(high, low):
+    """Return the output of a state, 64 bits: exclusive or of its halves, rotated right."""
+    rotation, mixed = high >> ROTATION_SHIFT, high ^ low
+    return mixed >> rotation | mixed << (-rotation & LAST_BIT)
 
 
 @composition
-def _share(high, low):
-    # What a state yields as a number from 0 to 1.
-    return np.int64(_shown(high, low) >> ELEVEN) * UNIT
+def _uniform(high, low):
+    """Return the output of a state as a uniform sample, 0 to 1."""
+    return np.int64(_output_bits(high, low) >> UNIFORM_SHIFT) * UNIFORM_SCALE
 
 
 @composition
-def _normal(high, low, step_high, step_low, ziggurat):
-    # A number of the normal distribution, and the state then.
+def _draw_normal(high, low, step_high, step_low, ziggurat):
+    """Return a standard normal sample, and the generator's state after it."""
     while True:
-        high, low = _stepped(high, low, step_high, step_low)
-        bits = _shown(high, low)
-        layer, size = bits & LAYER, bits >> NINE & MANTISSA
-        # A sign that is chosen may become a branch, taken at random, which costs more than all the rest.
-        sign = 1 - 2 * np.int64(bits >> EIGHT & ONE)
+        high, low = _next_state(high, low, step_high, step_low)
+        bits = _output_bits(high, low)
+        layer, size = bits & LAYER_MASK, bits >> MANTISSA_SHIFT & MANTISSA_MASK
+        # A selected sign may become a branch, taken at random, which costs more than all the rest.
+        sign = 1 - 2 * np.int64(bits >> SIGN_SHIFT & ONE_U64)
         number = sign * (np.int64(size) * ziggurat.widths[layer])
         if size < ziggurat.inside[layer]:
             return number, high, low
-        if layer == ZERO:
-            return _tail(high, low, step_high, step_low, ziggurat, size >> EIGHT & ONE == ONE)
-        high, low = _stepped(high, low, step_high, step_low)
+        if layer == ZERO_U64:
+            return _draw_tail(high, low, step_high, step_low, ziggurat, size >> SIGN_SHIFT & ONE_U64 == ONE_U64)
+        high, low = _next_state(high, low, step_high, step_low)
         edge = ziggurat.edges[layer]
-        height = (ziggurat.edges[layer - ONE] - edge) * _share(high, low) + edge
+        height = (ziggurat.edges[layer - ONE_U64] - edge) * _uniform(high, low) + edge
         if height < exp(-0.5 * number * number):
             return number, high, low
 
 
 @composition
-def _tail(high, low, step_high, step_low, ziggurat, negative):
+def _draw_tail(high, low, step_high, step_low, ziggurat, negative):
+    """Return a sample from the normal density's tail, beyond `ziggurat.tail`, and the generator's state after it."""
     while True:
-        high, low = _stepped(high, low, step_high, step_low)
-        beyond = -ziggurat.tail_scale * log1p(-_share(high, low))
-        high, low = _stepped(high, low, step_high, step_low)
-        height = -log1p(-_share(high, low))
+        high, low = _next_state(high, low, step_high, step_low)
+        beyond = -ziggurat.tail_scale * log1p(-_uniform(high, low))
+        high, low = _next_state(high, low, step_high, step_low)
+        height = -log1p(-_uniform(high, low))
         if height + height > beyond * beyond:
             number = ziggurat.tail + beyond
             return select(negative, -number, number), high, low
@@ -114,29 +117,29 @@ def _tail(high, low, step_high, step_low, ziggurat, negative):
 
 @composition
 def fill_cycle(streams, ziggurat, noise, k, run):
-    """Draw what comes next of a run's noise, in cycle k; its generator goes on from there."""
+    """Draw a run's noise of cycle k, and advance its generator."""
     high, low, step_high, step_low = streams[0, run], streams[1, run], streams[2, run], streams[3, run]
     for j in range(noise.shape[1]):
         for sensor in range(2):
             number = 0.0
-            if streams[4, run] == ONE:
-                number, high, low = _normal(high, low, step_high, step_low, ziggurat)
+            if streams[4, run] == ONE_U64:
+                number, high, low = _draw_normal(high, low, step_high, step_low, ziggurat)
             noise[k, j, sensor, run] = number
     streams[0, run], streams[1, run] = high, low
 
 
 @composition
-def begin(streams, run):
-    """Make a run's generator of what its seed was hashed to."""
-    begun = _begun(streams[0, run], streams[1, run], streams[2, run], streams[3, run])
-    streams[0, run], streams[1, run], streams[2, run], streams[3, run] = begun
+def seed_stream(streams, run):
+    """Start a run's generator from its hashed seed, in place."""
+    state = _seed_state(streams[0, run], streams[1, run], streams[2, run], streams[3, run])
+    streams[0, run], streams[1, run], streams[2, run], streams[3, run] = state
 
 
 @kernel
-def fill(streams, ziggurat, noise):
-    """Fill in the noise of runs, cycle by cycle, so that what lies side by side is written one after the other."""
+def fill_noise(streams, ziggurat, noise):
+    """Fill in the noise of runs, cycle by cycle: in the order of memory."""
     for run in range(noise.shape[3]):
-        begin(streams, run)
+        seed_stream(streams, run)
     for k in range(noise.shape[0]):
         for run in range(noise.shape[3]):
             fill_cycle(streams, ziggurat, noise, k, run)

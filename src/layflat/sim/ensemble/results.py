@@ -1,57 +1,57 @@
-"""What runs side by side are asked for, and what becomes of them: arrays that the compiled loop reads and fills."""
+"""Inputs and results of runs in SIMD lanes: arrays that the compiled loop reads and fills."""
 
 from typing import NamedTuple
 
 import numpy as np
 
 
-class Plan(NamedTuple):
-    """Scenarios over control cycles; not a number: as usual in the run."""
+class ScenarioArrays(NamedTuple):
+    """Signals of scenarios over control cycles; NaN where the run's own value holds."""
 
-    by_joint: np.ndarray  # items of `Acting`: (scenarios, cycles, joints, signals)
-    shared: np.ndarray  # items of `Around`: (scenarios, cycles, signals)
-    changes: np.ndarray  # whether any of these is other than in the cycle before: (scenarios, cycles)
+    by_joint: np.ndarray  # items of `JointSignals`: (scenarios, cycles, joints, signals)
+    shared: np.ndarray  # items of `SharedSignals`: (scenarios, cycles, signals)
+    changes: np.ndarray  # whether any signal differs from the cycle before: (scenarios, cycles)
 
 
 class Runs(NamedTuple):
-    """Inputs that differ from run to run; runs lie side by side in memory where they are the last axis."""
+    """Inputs that differ from run to run; the last axis is contiguous in memory."""
 
-    parameters: np.ndarray  # every number of the machine in order, a column a run: (numbers, runs)
-    scenario: np.ndarray  # which scenario, (runs,)
+    parameters: np.ndarray  # every number of the machine in order: (numbers, runs)
+    scenario: np.ndarray  # number of the run's scenario, (runs,)
     angles: np.ndarray  # at the start, rad, (joints, runs)
-    pressures: np.ndarray  # at the start, Pa, (joints, 2, runs)
-    factors: np.ndarray  # of the items of `Acting`: (joints, signals, runs)
-    added: np.ndarray  # to these products: (joints, signals, runs)
-    leads: np.ndarray  # the numbers of `Lead`: (joints, 4, runs)
-    shared: np.ndarray  # items of `Around` where the scenario gives none: (signals, runs)
+    pressures: np.ndarray  # at the start, absolute, Pa, (joints, 2, runs)
+    factors: np.ndarray  # that multiply the items of `JointSignals`: (joints, signals, runs)
+    added: np.ndarray  # terms that are then added: (joints, signals, runs)
+    injections: np.ndarray  # items of `InjectionGains`: (joints, 4, runs)
+    shared: np.ndarray  # items of `SharedSignals` where the scenario sets none: (signals, runs)
     noise: np.ndarray  # standard normal samples, (cycles, joints, 2, runs); one cycle of zeros for none
 
 
-class Moves(NamedTuple):
-    """The moves of every scenario; a scenario of fewer moves than another ends in moves from and to record -1."""
+class MoveArrays(NamedTuple):
+    """Moves of every scenario; scenarios with fewer moves than others are padded with moves from and to record -1."""
 
     ends: np.ndarray  # first and last record: (scenarios, moves, 2)
-    goals: np.ndarray  # what the joints are asked for at the end, rad: (scenarios, moves, joints)
-    band: float  # within this of its goal a joint has settled, rad
-    tip_band: float  # the same of the tip, m
+    goals: np.ndarray  # demands of the joints at the move's end, rad: (scenarios, moves, joints)
+    band: float  # settling band of a joint, rad
+    tip_band: float  # settling band of the tip, m
 
 
 class Results(NamedTuple):
-    """Filled in by the kernel."""
+    """Results of runs, filled by the kernel."""
 
     tallies: np.ndarray  # (runs, moves, joints and the tip, columns of a tally)
     totals: np.ndarray  # (runs, columns of `Totals`)
     traces: np.ndarray  # (runs, records, joints, columns)
-    traced: np.ndarray  # which columns of `Traced` are kept
+    traced: np.ndarray  # numbers of the columns of `Traced` that are kept
     every: int  # control cycles from one record of a trace to the next
 
 
 class Totals(NamedTuple):
-    """Numbers of a whole run."""
+    """Metrics of a whole run."""
 
     air_taken: float  # kg
     peak_acceleration: float  # of the tip, m/s2
-    diverged: float  # cycle in which the run diverged; not a number where it did not
+    diverged: float  # control cycle in which the run diverged; NaN where it did not
 
 
 class Traced(NamedTuple):
@@ -65,4 +65,4 @@ class Traced(NamedTuple):
     voltage: float
 
 
-AIR, ACCELERATION, DIVERGED = range(3)
+AIR_TAKEN, PEAK_ACCELERATION, DIVERGENCE_CYCLE = range(3)

@@ -1,4 +1,4 @@
-"""Values that vary from run to run of an ensemble, as people give them: numbers in SI units, or texts with units."""
+"""Values that vary from run to run of an ensemble, as users write them: numbers in SI units, or texts with units."""
 
 from contextlib import suppress
 from typing import Any
@@ -11,13 +11,12 @@ from layflat.description.change import annotation_at, quantity_of
 from layflat.description.wrong import shown
 from layflat.errors import InputError
 from layflat.machine import Machine, parameters
-from layflat.motion.plausible import HOSE_PRESSURE
-from layflat.motion.scenario import SIGNALS, SignalRow
+from layflat.motion.scenario import HOSE_PRESSURE, SIGNALS, SignalRow
 from layflat.motion.signal_values import read_number
 
 MAX_SEED = 2**53  # up to here floating-point numbers are all whole numbers
 
-BESIDE: dict[str, u.Quantity | None] = {
+EXTRA_QUANTITIES: dict[str, u.Quantity | None] = {
     "scenario.lead": u.ERROR_GAIN,
     "scenario.pressure_lead": u.PRESSURE_GAIN,
     "scenario.spring": u.STIFFNESS,
@@ -26,19 +25,19 @@ BESIDE: dict[str, u.Quantity | None] = {
     "start.pressure_a": u.PRESSURE,
     "start.pressure_b": u.PRESSURE,
 }
-"""Kinds of values that are neither signals nor numbers of a machine."""
+"""Quantities of the keys of `vary` that are neither signals nor numbers of a machine."""
 
 
 def read_values(machine: Machine, key: str, values: Any) -> Array:
-    """Return the values of what varies, one a run, in SI units.
+    """Return the values of a key of `vary` in SI units, (runs,).
 
     Args:
         machine: the machine whose numbers vary.
-        key: of `vary`.
-        values: numbers in SI units or texts with units, one a run.
+        key: key of `vary`.
+        values: numbers in SI units or texts with units, one per run.
 
     Raises:
-        InputError: they are not one real, finite number a run.
+        InputError: they are not one real, finite number per run.
     """
     where, right = f"vary: {key}", "give one number a run"
     if isinstance(values, (str, bytes)) or not hasattr(values, "__len__") or isinstance(values, (dict, set)):
@@ -62,7 +61,16 @@ def read_values(machine: Machine, key: str, values: Any) -> Array:
 
 
 def check_values(machine: Machine, key: str, values: Array) -> None:
-    """Raise InputError if values (SI) that are no numbers of a machine are not plausible for it."""
+    """Check that values of signals and starts, which are no numbers of the machine, are plausible for it.
+
+    Args:
+        machine: the machine that they act on.
+        key: key of `vary`.
+        values: one per run, SI.
+
+    Raises:
+        InputError: a value is out of range.
+    """
     where, joint = f"vary: {key}", key.rpartition(".")[2]
     row = _signal(key)
     if row is not None and row.varies != "factor":
@@ -76,16 +84,16 @@ def check_values(machine: Machine, key: str, values: Array) -> None:
 
 
 def _signal(key: str) -> SignalRow | None:
-    """Return the row of a signal that varies, of all joints or of one; None of anything else."""
+    """Return the signal that a key of `vary` names, for all joints or for one; None if it names no signal."""
     start, _, rest = key.partition(".")
     return SIGNALS.get(rest.partition(".")[0]) if start == "scenario" else None
 
 
 def _quantity(machine: Machine, key: str) -> u.Quantity | None:
-    """Return the kind of what varies; None of numbers without unit, and of what there is not."""
+    """Return the quantity of a key of `vary`; None for numbers without unit and unknown keys."""
     if (row := _signal(key)) is not None:
         return row.quantity
-    for start, quantity in BESIDE.items():
+    for start, quantity in EXTRA_QUANTITIES.items():
         if key == start or key.startswith(f"{start}."):
             return quantity
     with suppress(InputError, KeyError, AttributeError, IndexError, ValueError):

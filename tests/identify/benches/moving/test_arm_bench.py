@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 from layflat.description.change import value_at
 from layflat.errors import InputError
 from layflat.identify import fit
-from layflat.identify.benches.moving.blocks import BLOCKS, unknowns
-from layflat.identify.benches.moving.model import ArmModel
-from layflat.identify.unknown import Shares
+from layflat.identify.benches.moving import ArmModel
+from layflat.identify.benches.moving.blocks import MACHINE_BLOCKS, machine_unknowns
+from layflat.identify.model import Scaling
 from layflat.machine import Machine, changed, load
 from layflat.machine.parameters import arm
 from layflat.physics.arms.planar import OneLink
@@ -55,7 +55,7 @@ def test_a_valve_a_hose_and_a_brake_are_found() -> None:
     found = fit(ArmModel(SMALL, {"log": log}, blocks=["valve", "hose", "friction"]), starts=0)
     assert found.converged
     for path, value in TRUTH.items():
-        estimate = found.of(path)
+        estimate = found.estimate(path)
         assert estimate.identified, path
         assert estimate.low <= value <= estimate.high, path
         assert estimate.value == pytest.approx(value, rel=0.03), path
@@ -88,7 +88,7 @@ GROW = (
 def test_the_way_to_a_larger_joint_that_moves_the_same_is_straight() -> None:
     """Only known masses tell how large a joint is: differences along a bent valley would take its sides for that."""
     model = ArmModel(SMALL, {"log": log_of(SMALL, 2.0)}, blocks=["valve", "hose", "friction", "inertia"])
-    paths, scaled = [unknown.path for unknown in model.unknowns], Shares(model.unknowns)
+    paths, scaled = [unknown.path for unknown in model.unknowns], Scaling(model.unknowns)
     inertia = paths.index("joint.small.link.inertia")
     masses = arm(SMALL)
     assert isinstance(masses, OneLink)
@@ -97,7 +97,7 @@ def test_the_way_to_a_larger_joint_that_moves_the_same_is_straight() -> None:
     values = np.tile(model.guess, (3, 1))
     values[1, [paths.index(path) for path in GROW]] *= factor
     values[1, inertia] += (factor - 1.0) * known
-    values[2] = scaled.values(scaled.of(values[:2]).mean(axis=0))
+    values[2] = scaled.unscale(scaled.scale(values[:2]).mean(axis=0))
     small, large, between = model.simulate(values) / np.repeat(
         [o.scale for o in model.outputs], len(model.measured) // 2
     )
@@ -134,7 +134,7 @@ def test_each_pressure_by_itself_tells_more_than_their_difference() -> None:
     model = ArmModel(SMALL, {"log": pressures}, blocks=["valve"])
     assert [output.name for output in model.outputs] == ["angle", "pressure_a", "pressure_b"]
     found = fit(model, starts=0)
-    assert found.of("valve.conductance").value == pytest.approx(1.99e-8, rel=0.01)
+    assert found.estimate("valve.conductance").value == pytest.approx(1.99e-8, rel=0.01)
 
 
 def test_another_log_judges_and_all_of_the_first_is_fitted() -> None:
@@ -185,7 +185,7 @@ def test_a_log_ends_where_a_joint_is_thrown_to_its_stop() -> None:
     angle = log["angle"].sel(time=slice(0.0, met)).to_numpy()
     assert angle[-1] > 0.5 * SMALL.joints["small"].stops.mechanical_stroke > angle[-2]
     found = fit(model, starts=0)
-    assert found.of("joint.small.brake.torque").value == pytest.approx(2.2, rel=0.03)
+    assert found.estimate("joint.small.brake.torque").value == pytest.approx(2.2, rel=0.03)
     assert found.remarks == model.remarks
     with pytest.raises(InputError, match=r"log: is of use only up to 1\.0\d s, where joint 'small' .* log it again"):
         ArmModel(SMALL, {"log": thrown(2.0, 1.0)}, blocks=["friction"])
@@ -204,7 +204,7 @@ def test_gaps_in_what_was_measured_do_no_harm() -> None:
     angle = log["angle"].to_numpy().copy()
     angle[100:140] = np.nan
     found = fit(ArmModel(SMALL, {"log": without_true_angle(log, "angle", angle)}, blocks=["friction"]), starts=0)
-    assert found.of("joint.small.brake.torque").value == pytest.approx(2.2, rel=0.03)
+    assert found.estimate("joint.small.brake.torque").value == pytest.approx(2.2, rel=0.03)
 
 
 def test_a_joint_without_a_pressure_sensor_is_fitted_with_the_others() -> None:
@@ -220,7 +220,7 @@ def test_a_joint_without_a_pressure_sensor_is_fitted_with_the_others() -> None:
 def test_every_block_has_a_range_around_the_description_in_every_machine() -> None:
     for name in ("paper-arm-fast", "paper-small-joint-fast", "paper-arm-switching"):
         machine = load(name)
-        for unknown in unknowns(machine, [block for block in BLOCKS if block != "line"]):
+        for unknown in machine_unknowns(machine, [block for block in MACHINE_BLOCKS if block != "line"]):
             assert unknown.low <= unknown.guess <= unknown.high, unknown.path
             assert unknown.low < unknown.high, unknown.path
             assert unknown.guess == value_at(machine, unknown.path)
@@ -230,7 +230,7 @@ def test_every_block_has_a_range_around_the_description_in_every_machine() -> No
 @pytest.mark.parametrize(("blocks", "told"), [(["wings"], "unknown block 'wings'"), ([], "names no block")])
 def test_unknown_blocks_are_refused(blocks: list[str], told: str) -> None:
     with pytest.raises(InputError, match=told):
-        unknowns(SMALL, blocks)
+        machine_unknowns(SMALL, blocks)
 
 
 @pytest.mark.parametrize("missing", ["voltage", "angle"])

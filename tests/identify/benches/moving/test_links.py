@@ -13,12 +13,12 @@ from hypothesis import strategies as st
 from layflat.arrays import Array
 from layflat.description.change import changed, changed_all, value_at
 from layflat.identify import fit
-from layflat.identify.benches.moving.blocks import BLOCKS, SCALES, links, unknowns
-from layflat.identify.benches.moving.model import ArmModel
-from layflat.identify.benches.moving.spread import possible
+from layflat.identify.benches.moving import ArmModel
+from layflat.identify.benches.moving.blocks import LINK_WEIGHING, MACHINE_BLOCKS, link_parameters, machine_unknowns
+from layflat.identify.benches.moving.bodies import feasible_columns
 from layflat.identify.model import Model
 from layflat.machine import Machine, load
-from layflat.physics.arms.chain.description import impossible
+from layflat.physics.arms.chain.description import describe_inertia_defect
 from layflat.sim import rollout
 
 ARM = load("picking-arm")
@@ -28,17 +28,17 @@ ELBOW = [f"arm.link.elbow.inertia.{i}" for i in range(3)]
 def test_a_link_that_only_turns_about_an_upright_axis_shows_nothing_of_its_height() -> None:
     def of(name: str, path: str) -> set[str]:
         start = f"arm.link.{name}."
-        return {spec.path.removeprefix(start) for spec in links(load(path)) if spec.path.startswith(start)}
+        return {spec.path.removeprefix(start) for spec in link_parameters(load(path)) if spec.path.startswith(start)}
 
     every = {"mass", *(f"{what}.{i}" for what in ("centre", "inertia") for i in range(3)), "rotor_inertia"}
     assert of("base", "picking-arm") == every - {"centre.2", "inertia.0", "inertia.1"}
     assert of("elbow", "picking-arm") == every
     assert of("small", "single-joint-lift") == every - {"centre.1", "inertia.0", "inertia.2"}
-    assert links(load("paper-arm")) == []
+    assert link_parameters(load("paper-arm")) == []
 
 
 def test_every_value_has_a_range_around_the_description() -> None:
-    sought = unknowns(ARM, [block for block in BLOCKS if block != "line"])
+    sought = machine_unknowns(ARM, [block for block in MACHINE_BLOCKS if block != "line"])
     assert len({unknown.path for unknown in sought}) == len(sought)
     for unknown in sought:
         assert unknown.low <= unknown.guess <= unknown.high, unknown.path
@@ -54,24 +54,24 @@ MOMENTS = st.floats(1e-5, 1e-2)
 @given(st.lists(st.tuples(MOMENTS, MOMENTS, MOMENTS), min_size=1, max_size=4))
 def test_what_no_body_can_have_becomes_the_nearest_that_one_can(given: list[tuple[float, float, float]]) -> None:
     columns = dict(zip(ELBOW, np.array(given).T, strict=True)) | {"valve.delay": np.zeros(len(given))}
-    found = possible(ARM, columns)
+    found = feasible_columns(ARM, columns)
     assert list(found) == list(columns)
     for asked, moments in zip(given, np.array([found[path] for path in ELBOW]).T, strict=True):
-        assert impossible(tuple(moments)) == ""
-        if impossible(asked) == "" and max(asked) < 0.99 * (sum(asked) - max(asked)):
+        assert describe_inertia_defect(tuple(moments)) == ""
+        if describe_inertia_defect(asked) == "" and max(asked) < 0.99 * (sum(asked) - max(asked)):
             assert tuple(moments) == asked
-    again = possible(ARM, found)
+    again = feasible_columns(ARM, found)
     assert all(again[path] == pytest.approx(found[path], rel=1e-9) for path in ELBOW)
 
 
 def test_what_acts_on_no_joint_gives_way_to_what_is_sought() -> None:
     path = "arm.link.small.inertia.1"
     asked = np.array([0.001, 0.029, 0.09])
-    found = possible(load("single-joint-lift"), {path: asked})
+    found = feasible_columns(load("single-joint-lift"), {path: asked})
     assert np.array_equal(found[path], asked)
     others = [found[f"arm.link.small.inertia.{i}"] for i in (0, 2)]
     for xx, yy, zz in zip(others[0], asked, others[1], strict=True):
-        assert impossible((xx, yy, zz)) == ""
+        assert describe_inertia_defect((xx, yy, zz)) == ""
     assert (others[0][1], others[1][1]) == (0.0005, 0.029)
 
 
@@ -108,11 +108,11 @@ def test_link_payload_and_friction_are_found_from_motion_against_gravity() -> No
     assert "joint.small.brake.torque" in {one.unknown.path for one in told}
     # A single joint feels mass times distance, and the payload may weigh what the link does.
     for path in ("arm.link.small.mass", "arm.link.small.centre.0", "arm.payload"):
-        assert not found.of(path).identified
-    assert found.of("arm.link.small.mass").unknown.excitation == SCALES
-    kept = changed_all(LIFT, model.written(found.values))
-    assert kept.arm.payload == found.of("arm.payload").value
-    assert max(quality.share for quality in found.predictions) < 0.01
+        assert not found.estimate(path).identified
+    assert found.estimate("arm.link.small.mass").unknown.excitation == LINK_WEIGHING
+    kept = changed_all(LIFT, model.described_values(found.values))
+    assert kept.arm.payload == found.estimate("arm.payload").value
+    assert max(quality.relative_rms for quality in found.predictions) < 0.01
 
 
 @pytest.fixture(scope="module")
@@ -160,13 +160,13 @@ def test_in_the_end_links_may_be_what_no_body_can_be(picked: xarray.Dataset) -> 
     values = model.guess.copy()
     values[[unknown.path for unknown in model.unknowns].index(ELBOW[1])] *= 5.0
     assert np.isfinite(last.simulate(values[None])[:, last.used]).all()
-    bodies = np.array(list(possible(ARM, model.columns(values[None])).values()))[:, 0]
+    bodies = np.array(list(feasible_columns(ARM, model.columns(values[None])).values()))[:, 0]
     assert np.array_equal(held.simulate(values[None]), held.simulate(bodies[None]), equal_nan=True)
     assert not np.array_equal(last.simulate(values[None]), last.simulate(bodies[None]), equal_nan=True)
-    shares, triangle = model.shares.of(values), np.eye(len(values))
+    shares, triangle = model.scaling.scale(values), np.eye(len(values))
     for settled in (held, last):
-        found = model.shares.values(settled.settled(shares, triangle))
-        assert np.array(list(possible(ARM, model.columns(found[None])).values()))[:, 0] == pytest.approx(found)
+        found = model.scaling.unscale(settled.project(shares, triangle))
+        assert np.array(list(feasible_columns(ARM, model.columns(found[None])).values()))[:, 0] == pytest.approx(found)
 
 
 @pytest.mark.compiled

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from layflat.identify import Fit, fit
+from layflat.identify.benches.moving import ArmModel
 from layflat.identify.benches.moving.blocks import mirrored_losses
-from layflat.identify.benches.moving.model import ArmModel
 from layflat.machine import Machine, changed, load
 from layflat.sim import rollout
 
@@ -58,13 +58,13 @@ def test_a_search_that_begins_in_the_mirror_leaves_it() -> None:
     degrees = 0.27, 0.42
     found = fitted(degrees, rich)
     for path, value in zip(PATHS, np.radians(degrees), strict=False):
-        assert found.of(path).identified
-        assert found.of(path).low <= value <= found.of(path).high, path
+        assert found.estimate(path).identified
+        assert found.estimate(path).low <= value <= found.estimate(path).high, path
 
 
 def test_where_logs_can_not_tell_the_two_apart_intervals_hold_both() -> None:
     degrees = 0.27, 0.42
     found = fitted(degrees, poor)
     for path, value in zip(PATHS, np.radians(degrees), strict=False):
-        assert not found.of(path).identified
-        assert found.of(path).low <= value <= found.of(path).high, path
+        assert not found.estimate(path).identified
+        assert found.estimate(path).low <= value <= found.estimate(path).high, path

@@ -9,12 +9,12 @@ import xarray
 
 from layflat.errors import InputError
 from layflat.identify import fit
-from layflat.identify.benches.contract import simulated, with_columns
+from layflat.identify.benches import insert_columns, simulate_candidates
 from layflat.identify.benches.loader import load_bench
+from layflat.identify.benches.regulated import RegulatedLog, RegulatedModel, parameters
 from layflat.identify.benches.regulated.description import RegulatedJointBench
-from layflat.identify.benches.regulated.model import Log, RegulatedModel, parameters
-from layflat.identify.benches.regulated.run import NOTHING, STEP, Course, run_regulated
-from layflat.identify.identification import begin
+from layflat.identify.benches.regulated.laws import MAX_STEP_TIME, NOTHING_IMPOSED, RegulatedSignals, run_regulated
+from layflat.identify.identification import prepare_identification
 
 TRUTH = {
     "load.inertia": 0.004,
@@ -45,10 +45,10 @@ def commands(seconds: float, seed: int) -> tuple[np.ndarray, np.ndarray, np.ndar
     return time, 5e5 + swing, 5e5 - swing
 
 
-def free_run(described: RegulatedJointBench, log: Log, step: float = STEP) -> np.ndarray:
+def free_run(described: RegulatedJointBench, log: RegulatedLog, step: float = MAX_STEP_TIME) -> np.ndarray:
     """Angle and pressures of the joint of `TRUTH` from the set-points of a log, (samples, 3)."""
-    case = parameters(with_columns(described, TRUTH), log), log.course, NOTHING, step
-    runs = simulated(run_regulated, 1, [case], [(len(log.course.time), 3)])[0]
+    case = parameters(insert_columns(described, TRUTH), log), log.signals, NOTHING_IMPOSED, step
+    runs = simulate_candidates(run_regulated, 1, [case], [(len(log.signals.time), 3)])[0]
     return np.asarray(runs[0])
 
 
@@ -56,8 +56,8 @@ def log(described: RegulatedJointBench, seconds: float = 8.0, seed: int = 0, *, 
     """What the joint of `TRUTH` does, with the noise of usual sensors."""
     time, a, b = commands(seconds, seed)
     start = np.full_like(time, np.nan)
-    course = Course(time, a, b, start, np.full_like(time, 1.2e5), np.full_like(time, 6.5e5))
-    run = free_run(described, Log("one", course, "lower_stop"))
+    course = RegulatedSignals(time, a, b, start, np.full_like(time, 1.2e5), np.full_like(time, 6.5e5))
+    run = free_run(described, RegulatedLog("one", course, "lower_stop"))
     rng, half = np.random.default_rng(seed + 100), 0.5 * described.stroke.reading
     angle = np.clip(run[:, 0] + noise * 2e-3 * rng.standard_normal(len(time)), -half, half)
     angle[0] = -half
@@ -72,7 +72,7 @@ def test_the_values_behind_a_log_are_found_and_predict_another() -> None:
     model = RegulatedModel(described, logs, others, blocks=["motion"])
     found = fit(model, starts=0)
     for path in ("load.inertia", "load.damping", "load.torque", "friction.lower_end"):
-        assert found.of(path).value == pytest.approx(TRUTH[path], rel=0.25), path
+        assert found.estimate(path).value == pytest.approx(TRUTH[path], rel=0.25), path
     validation = {quality.output: quality for quality in found.qualities() if quality.validation}
     assert validation["angle"].rms < 0.02 * described.stroke.reading
     assert validation["pressure_a"].rms < 3e3
@@ -125,10 +125,10 @@ def test_files_go_in_and_a_description_comes_out(tmp_path: Path) -> None:
     table = {"time": made["time"].values} | {f"{key}.elbow": made[key].values for key in made.data_vars}
     path = tmp_path / "bench.csv"
     np.savetxt(path, np.column_stack(list(table.values())), delimiter=",", header=",".join(table), comments="")
-    session = begin([path], "regulated-elbow", tmp_path / "out")
+    session = prepare_identification([path], "regulated-elbow", tmp_path / "out")
     assert set(session.blocks) == {"valve", "gas", "motion"}
-    session = begin([path], "regulated-elbow", tmp_path / "out", blocks="motion")
-    kept = session.keep(session.fit(starts=0))
+    session = prepare_identification([path], "regulated-elbow", tmp_path / "out", blocks="motion")
+    kept = session.write_results(session.fit(starts=0))
     assert isinstance(kept, RegulatedJointBench)
     assert kept.load.damping == pytest.approx(TRUTH["load.damping"], rel=0.5)
     assert kept.valve == described.valve
@@ -137,26 +137,26 @@ def test_files_go_in_and_a_description_comes_out(tmp_path: Path) -> None:
 def test_simpler_frictions_have_fewer_unknowns_and_say_all_that_they_are() -> None:
     described = rig()
     model = RegulatedModel(described, {"one": log(described, 3.0)})
-    coulomb, sticking = model.simpler().values()
+    coulomb, sticking = model.simpler_models().values()
     assert [len(model.unknowns) - len(one.unknowns) for one in (coulomb, sticking)] == [5, 4]
     for one, ratio in ((coulomb, 1.0), (sticking, TRUTH["friction.static_ratio"])):
         values = np.array([TRUTH.get(unknown.path, unknown.guess) for unknown in one.unknowns])
-        found = one.written(values)
+        found = one.described_values(values)
         assert found["friction.upper_end"] == found["friction.lower_end"] == TRUTH["friction.lower_end"]
         assert found["friction.static_ratio"] == ratio
         full = {unknown.path: found.get(unknown.path, unknown.guess) for unknown in model.unknowns}
         alike = model.simulate(np.array([list(full.values())]))
         assert np.array_equal(one.simulate(values[None]), alike, equal_nan=True)
-    assert RegulatedModel(described, {"one": log(described, 3.0)}, blocks=["valve"]).simpler() == {}
+    assert RegulatedModel(described, {"one": log(described, 3.0)}, blocks=["valve"]).simpler_models() == {}
 
 
 def test_held_unknowns_keep_what_is_described() -> None:
     described = rig()
     model = RegulatedModel(described, {"one": log(described, 3.0)})
-    held = model.held(["chamber.wall_conductance", "valve.lag"])
+    held = model.hold(["chamber.wall_conductance", "valve.lag"])
     assert len(held.unknowns) == len(model.unknowns) - 2
     assert np.array_equal(held.simulate(held.guess[None]), model.simulate(model.guess[None]), equal_nan=True)
-    assert not {"chamber.wall_conductance", "valve.lag"} & held.written(held.guess).keys()
+    assert not {"chamber.wall_conductance", "valve.lag"} & held.described_values(held.guess).keys()
 
 
 def test_a_log_of_several_joints_is_refused() -> None:
@@ -211,15 +211,15 @@ def test_unknown_blocks_are_refused() -> None:
 
 @pytest.mark.slow
 def test_the_elbow_of_an_android_is_predicted_from_its_commands(measured_data: Path, tmp_path: Path) -> None:
-    """The example, fitted on the first 6 s of two runs and validated by another; the rig repeats itself within 1 %."""
-    script = Path(__file__).parents[4] / "examples" / "identify_affetto.py"
+    """The program, fitted on the first 6 s of two runs and validated by another; the rig repeats itself within 1 %."""
+    script = Path(__file__).parents[4] / "research" / "measured_logs" / "affetto.py"
     for name in ("motion_data_000.csv", "motion_data_003.csv", "motion_data_006.csv"):
         lines = (measured_data / "affetto" / name).read_text(encoding="utf-8").splitlines(keepends=True)
         (tmp_path / name).write_text("".join(lines[:181]), encoding="utf-8")
     command = [sys.executable, str(script), str(tmp_path), "--validate", "006", "--out", str(tmp_path)]
     subprocess.run(command, check=True, timeout=600)
-    found = json.loads((tmp_path / "identify_affetto.json").read_text(encoding="utf-8"))
-    assert (tmp_path / "identify_affetto.png").exists()
+    found = json.loads((tmp_path / "affetto.json").read_text(encoding="utf-8"))
+    assert (tmp_path / "affetto.png").exists()
     assert found["converged"]
     validation = [own for own in found["logs"].values() if own["validation"]]
     assert len(validation) == 1
@@ -228,8 +228,8 @@ def test_the_elbow_of_an_android_is_predicted_from_its_commands(measured_data: P
     assert validation[0]["pressure_b_kpa"] <= 10.0
 
 
-def test_the_example_tells_in_one_line_what_is_missing(tmp_path: Path) -> None:
-    script = Path(__file__).parents[4] / "examples" / "identify_affetto.py"
+def test_the_program_reports_in_one_line_what_is_missing(tmp_path: Path) -> None:
+    script = Path(__file__).parents[4] / "research" / "measured_logs" / "affetto.py"
     (tmp_path / "motion_data_000.csv").write_text("t,rq5\n0,1\n1,2\n", encoding="utf-8")
     for folder, told in ((tmp_path / "nowhere", "nowhere"), (tmp_path, "rpa5")):
         command = [sys.executable, str(script), str(folder)]

@@ -3,12 +3,12 @@ from pathlib import Path
 
 import pytest
 
-from layflat.description.provenance import split
+from layflat.description.tables import split_provenance
 from layflat.errors import MachineError
 from layflat.identify.benches.loader import load_bench
-from layflat.machine.loader import BENCHES
+from layflat.machine.loader import BENCH_LIBRARY
 
-TEXT = BENCHES.text("regulated-elbow")
+TEXT = BENCH_LIBRARY.text("regulated-elbow")
 
 
 def changed(folder: Path, before: str, after: str) -> Path:
@@ -19,7 +19,7 @@ def changed(folder: Path, before: str, after: str) -> Path:
 
 
 def test_every_value_of_the_built_in_elbow_says_where_it_comes_from() -> None:
-    plain, sources = split(tomllib.loads(TEXT), "elbow")
+    plain, sources = split_provenance(tomllib.loads(TEXT), "elbow")
     keys = {f"{part}.{key}" for part, table in plain.items() if isinstance(table, dict) for key in table}
     assert {path for path, source in sources.items() if source.source == "assumed" and source.note} == keys
 

@@ -8,33 +8,33 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 from layflat.identify.benches.regulated.laws import (
-    Air,
+    AirConditions,
     ChamberState,
-    JointState,
     LaggingFriction,
+    PressureRegulator,
     RegulatedJoint,
-    Regulator,
-    asked_set_point,
-    at_rest,
-    chamber_at_rest,
-    exchange_gas,
+    RegulatedJointState,
     friction_level,
-    lag_shares,
-    move,
+    lag_fraction,
+    lag_fractions,
     regulator_conductances,
     regulator_opening,
-    share_in,
+    resting_chamber,
+    resting_joint,
+    step_chamber,
+    step_regulated_joint,
+    target_setpoint,
 )
 from layflat.physics.air import GAMMA
 from layflat.physics.chamber import Chamber
 from layflat.physics.flow import laminar_slope
 
-AIR = Air(7e5, 101325.0, 293.15)
+AIR = AirConditions(7e5, 101325.0, 293.15)
 K = 6e-6
 
 
 def joint(*, conductance: float = 2e-10, friction: float = 0.1, damping: float = 0.1) -> RegulatedJoint:
-    valve = Regulator(1.0, 0.0, 0.0, 0.03, conductance, conductance, 5e4, 5e4, 0.3, laminar_slope(0.3))
+    valve = PressureRegulator(1.0, 0.0, 0.0, 0.03, conductance, conductance, 5e4, 5e4, 0.3, laminar_slope(0.3))
     chamber = Chamber(2e-5, 0.0, 0.0)
     rubs = LaggingFriction(friction, friction, 0.0, 0.2, 2.0, 1.0)
     return RegulatedJoint(valve, chamber, K, 0.005, damping, 0.0, 0.0, rubs, -1.0, 1.0)
@@ -42,14 +42,14 @@ def joint(*, conductance: float = 2e-10, friction: float = 0.1, damping: float =
 
 def run(
     made: RegulatedJoint, q: float, p: tuple[float, float], asked: tuple[float, float], h: float, seconds: float
-) -> Iterator[tuple[JointState, ChamberState, ChamberState]]:
-    shares = lag_shares(made, h)
-    motion, a, b = at_rest(q), chamber_at_rest(made, q, p[0], AIR), chamber_at_rest(made, -q, p[1], AIR)
+) -> Iterator[tuple[RegulatedJointState, ChamberState, ChamberState]]:
+    shares = lag_fractions(made, h)
+    motion, a, b = resting_joint(q), resting_chamber(made, q, p[0], AIR), resting_chamber(made, -q, p[1], AIR)
     yield motion, a, b
     for _ in range(round(seconds / h)):
-        motion = move(made, motion, a.pressure, b.pressure, shares, h)
-        a = exchange_gas(made, a, motion.angle, asked[0], AIR, shares, h)
-        b = exchange_gas(made, b, -motion.angle, asked[1], AIR, shares, h)
+        motion = step_regulated_joint(made, motion, a.pressure, b.pressure, shares, h)
+        a = step_chamber(made, a, motion.angle, asked[0], AIR, shares, h)
+        b = step_chamber(made, b, -motion.angle, asked[1], AIR, shares, h)
         yield motion, a, b
 
 
@@ -107,7 +107,7 @@ def test_motion_between_shut_chambers_is_that_of_an_adiabatic_spring() -> None:
     assert errors[0] > 1.6 * errors[1] > 1.6**2 * errors[2]
 
 
-VALVE = Regulator(1.05, -2e4, -2e4, 0.04, 2e-10, 3e-10, 5e4, 8e4, 0.3, laminar_slope(0.3))
+VALVE = PressureRegulator(1.05, -2e4, -2e4, 0.04, 2e-10, 3e-10, 5e4, 8e4, 0.3, laminar_slope(0.3))
 pressures = st.floats(1e5, 8e5)
 
 
@@ -127,14 +127,14 @@ def test_it_opens_in_proportion_to_the_error_up_to_its_bands(error: float, openi
 
 
 def test_its_gain_and_offset_count_from_ambient_pressure() -> None:
-    assert asked_set_point(VALVE, -2e4, 1e5, 1e5) == pytest.approx(1e5 - 2e4)
-    assert asked_set_point(VALVE, 3e4, 5e5, 1e5) == pytest.approx(1e5 + 1.05 * 4e5 + 3e4)
+    assert target_setpoint(VALVE, -2e4, 1e5, 1e5) == pytest.approx(1e5 - 2e4)
+    assert target_setpoint(VALVE, 3e4, 5e5, 1e5) == pytest.approx(1e5 + 1.05 * 4e5 + 3e4)
 
 
 @given(st.floats(1e-5, 0.1), st.floats(1e-3, 1.0))
 def test_two_half_steps_of_a_lag_make_a_whole_one(h: float, lag: float) -> None:
-    half = share_in(0.5 * h, lag)
-    assert 1.0 - (1.0 - half) ** 2 == pytest.approx(share_in(h, lag), rel=1e-9)
+    half = lag_fraction(0.5 * h, lag)
+    assert 1.0 - (1.0 - half) ** 2 == pytest.approx(lag_fraction(h, lag), rel=1e-9)
 
 
 RUBS = LaggingFriction(0.3, 0.1, -0.6, 0.15, 3.0, 1.3)
@@ -155,17 +155,17 @@ def test_levels_that_are_alike_make_coulomb_friction(Q: float, v: float, width: 
 
 def test_a_joint_that_is_held_elsewhere_is_remembered_exponentially() -> None:
     made, h = joint(friction=10.0), 1e-2
-    shares, state = lag_shares(made, h), at_rest(0.5)._replace(angle=-0.2)
+    shares, state = lag_fractions(made, h), resting_joint(0.5)._replace(angle=-0.2)
     for _ in range(200):
-        state = move(made, state, 4e5, 4e5, shares, h)
+        state = step_regulated_joint(made, state, 4e5, 4e5, shares, h)
     assert state.angle == -0.2
-    assert state.remembered == pytest.approx(-0.2 + 0.7 * exp(-2.0 / made.friction.lag), rel=1e-9)
+    assert state.lagged_angle == pytest.approx(-0.2 + 0.7 * exp(-2.0 / made.friction.lag), rel=1e-9)
 
 
 def test_a_joint_at_rest_takes_more_to_slip_than_to_slide_on() -> None:
     made = joint()._replace(friction=LaggingFriction(0.1, 0.1, 0.0, 0.2, 2.0, 1.3))
-    shares, p = lag_shares(made, 1e-3), 4e5 + 0.12 / K
-    rest = at_rest(0.0)
-    assert move(made, rest, p, 4e5, shares, 1e-3) == rest
-    assert move(made, rest._replace(velocity=0.1), p, 4e5, shares, 1e-3).velocity > 0.0
-    assert move(made, rest, p + 0.02 / K, 4e5, shares, 1e-3).velocity > 0.0
+    shares, p = lag_fractions(made, 1e-3), 4e5 + 0.12 / K
+    rest = resting_joint(0.0)
+    assert step_regulated_joint(made, rest, p, 4e5, shares, 1e-3) == rest
+    assert step_regulated_joint(made, rest._replace(velocity=0.1), p, 4e5, shares, 1e-3).velocity > 0.0
+    assert step_regulated_joint(made, rest, p + 0.02 / K, 4e5, shares, 1e-3).velocity > 0.0

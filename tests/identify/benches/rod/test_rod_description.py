@@ -5,9 +5,9 @@ import pytest
 from layflat.errors import MachineError
 from layflat.identify.benches.loader import load_bench
 from layflat.identify.benches.rod.description import RodBench
-from layflat.machine.loader import BENCHES
+from layflat.machine.loader import BENCH_LIBRARY
 
-TEXT = BENCHES.text("friction-rig")
+TEXT = BENCH_LIBRARY.text("friction-rig")
 
 
 def broken(tmp_path: Path, old: str, new: str) -> str:
@@ -40,7 +40,7 @@ def test_every_value_says_where_it_comes_from() -> None:
         ("[0.4, 0.3, 0.3]", "[0.4, 0.3, 0.2]", "add up to 1"),
         ("value = [0, 0, 0,", "value = [-1.5, 0, 0,", "friction.profile"),
         ('profile_to = { value = "40 mm"', 'profile_to = { value = "-40 mm"', "lie beyond profile_from"),
-        ("film_share = { value = 0.5", "film_share = { value = 1.5", "film_share"),
+        ("film_fraction = { value = 0.5", "film_fraction = { value = 1.5", "film_fraction"),
         ('kind = "friction rig"', 'kind = "fiction rig"', 'did you mean "friction rig"?'),
         ('slope = { value = "0.5', 'slop = { value = "0.5', "unknown key"),
     ],

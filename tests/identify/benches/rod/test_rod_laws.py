@@ -4,7 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from layflat.identify.benches.contract import simulated
+from layflat.identify.benches import simulate_candidates
 from layflat.identify.benches.rod.laws import Rod, RodLog, film_force, profile_at, rod_force, slip_force, smooth_force
 
 VISCOUS = Rod(
@@ -17,7 +17,7 @@ VISCOUS = Rod(
     viscous=80.0,
     area_growth=0.0,
     area_slope_growth=0.0,
-    film_share=0.0,
+    film_fraction=0.0,
     film_speed=0.004,
     weights=(1.0,),
     stiffness=(1e5,),
@@ -51,7 +51,7 @@ def test_a_seal_keeps_the_shape_of_the_pressure_at_which_it_is_held() -> None:
 
 @given(st.floats(-0.5, 0.5), st.floats(0.0, 20.0), st.floats(0.0, 1.0))
 def test_a_film_never_pushes_and_takes_no_more_than_its_share(v: float, level: float, share: float) -> None:
-    film = VISCOUS._replace(film_share=share)
+    film = VISCOUS._replace(film_fraction=share)
     force = film_force(film, v, level)
     assert force * v >= 0.0
     assert abs(force) <= share * level
@@ -72,7 +72,7 @@ def test_friction_is_never_negative() -> None:
 
 ROD = Rod(
     area=5e-4, area_slope=1e-3, area_growth=0.0, area_slope_growth=0.0, spring=20.0, offset=3.0, base=6.0, slope=1e-5,
-    viscous=0.0, film_share=0.0, film_speed=0.004,
+    viscous=0.0, film_fraction=0.0, film_speed=0.004,
     weights=(0.5, 0.3, 0.2), stiffness=(5e4, 6e3, 1e3),
 )  # fmt: skip
 X = 0.02 * np.sin(np.linspace(0.0, 4 * np.pi, 2000))
@@ -83,7 +83,7 @@ def rod_log(first: float = 206.0) -> RodLog:
 
 
 def forces(rod: Rod, log: RodLog, count: int = 1) -> NDArray[np.float64]:
-    return simulated(rod_force, count, [(rod, log)], [X.shape])[0]
+    return simulate_candidates(rod_force, count, [(rod, log)], [X.shape])[0]
 
 
 def test_a_rod_that_slips_asks_for_gas_spring_and_all_of_the_friction() -> None:

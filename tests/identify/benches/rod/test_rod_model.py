@@ -7,11 +7,16 @@ import xarray
 
 from layflat.errors import InputError
 from layflat.identify import fit
-from layflat.identify.benches.hysteresis.logs import loop_errors, noise
-from layflat.identify.benches.hysteresis.model import rounded, shares_of, split_of
+from layflat.identify.benches.hysteresis import (
+    curve_errors,
+    noise_level,
+    round_weights,
+    split_from_weights,
+    weights_from_split,
+)
 from layflat.identify.benches.loader import load_bench
+from layflat.identify.benches.rod import RodModel
 from layflat.identify.benches.rod.description import RodBench
-from layflat.identify.benches.rod.model import RodModel
 from layflat.identify.fit.search import search_near
 
 RIG = cast(RodBench, load_bench("friction-rig"))
@@ -48,7 +53,7 @@ def test_what_a_rig_shows_is_found_again() -> None:
     logs = {f"{bar} bar": pushed(REAL, bar * 1e5, noisy=0.2, seed=bar, cycles=3, rate=50) for bar in (1, 3, 6)}
     model = RodModel(RIG, logs, {"5 bar": pushed(REAL, 5e5, cycles=3, rate=50)})
     found = fit(model, starts=0)
-    described = model.described(found.values)
+    described = model.describe(found.values)
     assert described.piston.area == pytest.approx(1.2e-3, rel=1e-3)
     assert described.piston.area_slope == pytest.approx(-2e-3, rel=0.05)
     assert described.friction.base == pytest.approx(11.0, rel=0.02)
@@ -57,13 +62,13 @@ def test_what_a_rig_shows_is_found_again() -> None:
     deflections, weights = zip(*found_elements, strict=True)
     assert deflections == pytest.approx(REAL.friction.deflections, rel=0.15)
     assert weights == pytest.approx(REAL.friction.weights, abs=0.03)
-    assert model.written(found.values)["friction.weights.2"] == described.friction.weights[2]
-    assert described.friction.film_share == pytest.approx(REAL.friction.film_share, abs=0.02)
+    assert model.described_values(found.values)["friction.weights.2"] == described.friction.weights[2]
+    assert described.friction.film_fraction == pytest.approx(REAL.friction.film_fraction, abs=0.02)
     assert described.friction.film_speed == pytest.approx(REAL.friction.film_speed, rel=0.05)
     assert np.abs(described.friction.profile).max() < 0.01
     assert "do not show" in model.remarks[0]
     assert found.trusted
-    assert loop_errors(model, found.simulated)[-1].raw < 0.005
+    assert curve_errors(model, found.simulated)[-1].raw < 0.005
 
 
 SHAPED = REAL.model_copy(
@@ -104,7 +109,7 @@ def test_a_change_of_shape_is_found_and_predicts_another_pressure() -> None:
     for blocks in (("piston", "friction"), ("piston", "friction", "shape")):
         model = RodModel(REAL, logs, validation, blocks=blocks)
         start = model.starts()[0]
-        errors.append(loop_errors(model, model.simulate(start[None])[0])[-1].raw)
+        errors.append(curve_errors(model, model.simulate(start[None])[0])[-1].raw)
     assert errors[1] < 0.03
     assert errors[0] > 1.5 * errors[1]
 
@@ -123,10 +128,10 @@ def test_friction_that_bends_with_pressure_is_told_from_one_that_differs_by_chan
         model = RodModel(RIG, logs, validation)
         assert "friction.exponent" in [one.path for one in model.unknowns]
         assert any(said.startswith("The logs show that friction grows otherwise") for said in model.remarks)
-        straight = model.held(["friction.exponent"])
+        straight = model.hold(["friction.exponent"])
         for i, one in enumerate((model, straight)):
             values = search_near(one, one.starts()[0])
-            errors[seed, i] = loop_errors(one, one.simulate(values[None])[0])[-1].friction
+            errors[seed, i] = curve_errors(one, one.simulate(values[None])[0])[-1].friction
         steady = RodModel(RIG, of_their_own(REAL, (1, 3, 7), seed))
         assert "friction.exponent" not in [one.path for one in steady.unknowns]
     bent, straight_errors = errors.mean(axis=0)
@@ -144,12 +149,12 @@ def test_a_flat_profile_is_spread_over_the_logs_and_one_that_is_not_stays() -> N
     log = {"log": pushed(REAL, 3e5)}
     spread = RodModel(RIG, log)
     assert spread.origin.friction.profile_to == pytest.approx(0.04, abs=1e-4)
-    assert spread.written(spread.guess)["friction.profile_to"] == spread.origin.friction.profile_to
+    assert spread.described_values(spread.guess)["friction.profile_to"] == spread.origin.friction.profile_to
     uneven = {"profile": (0.1, 0.0, -0.1), "profile_from": 0.005, "profile_to": 0.03}
     known = RIG.model_copy(update={"friction": RIG.friction.model_copy(update=uneven)})
     kept = RodModel(known, log)
     assert kept.origin.friction.profile_to == 0.03
-    assert "friction.profile_to" not in kept.written(kept.guess)
+    assert "friction.profile_to" not in kept.described_values(kept.guess)
 
 
 def test_what_one_log_has_of_its_own_is_not_taken_for_a_law_of_pressure() -> None:
@@ -185,7 +190,7 @@ def test_viscous_friction_is_found_where_it_is_asked_for() -> None:
     real = REAL.model_copy(update={"friction": REAL.friction.model_copy(update={"viscous": 150.0})})
     logs = {"slow": pushed(real, 2e5), "fast": _hurried(real, 2e5)}
     model = RodModel(REAL, logs, blocks=("viscous",))
-    assert fit(model, starts=0).of("friction.viscous").value == pytest.approx(150.0, rel=0.05)
+    assert fit(model, starts=0).estimate("friction.viscous").value == pytest.approx(150.0, rel=0.05)
 
 
 def _hurried(rig: RodBench, gauge: float) -> xarray.Dataset:
@@ -204,22 +209,22 @@ def test_weights_and_how_they_are_split() -> None:
     rng = np.random.default_rng(0)
     for count in (1, 2, 5):
         weights = rng.dirichlet(np.ones(count))
-        assert shares_of(split_of(weights)) == pytest.approx(weights)
-    assert shares_of(split_of(np.array([1.0, 0.0, 0.0]))) == pytest.approx([1.0, 0.0, 0.0])
+        assert weights_from_split(split_from_weights(weights)) == pytest.approx(weights)
+    assert weights_from_split(split_from_weights(np.array([1.0, 0.0, 0.0]))) == pytest.approx([1.0, 0.0, 0.0])
 
 
 def test_rounded_weights_add_up_to_one() -> None:
     rng = np.random.default_rng(0)
     for count in (1, 2, 3, 7):
         for _ in range(50):
-            weights = rounded(rng.dirichlet(np.ones(count)))
+            weights = round_weights(rng.dirichlet(np.ones(count)))
             assert abs(sum(weights) - 1.0) < 1e-12
             assert [float(f"{weight:.7g}") for weight in weights] == list(weights)
 
 
 def test_noise_of_a_smooth_motion() -> None:
     rng = np.random.default_rng(0)
-    assert noise(np.sin(np.linspace(0, 9, 3000)) + rng.normal(0.0, 0.01, 3000)) == pytest.approx(0.01, rel=0.1)
+    assert noise_level(np.sin(np.linspace(0, 9, 3000)) + rng.normal(0.0, 0.01, 3000)) == pytest.approx(0.01, rel=0.1)
 
 
 @pytest.mark.skipif(not DATA.exists(), reason="measured loops are not here: ../shared/data/zillen")
@@ -239,7 +244,7 @@ def test_measured_loops_are_predicted_at_a_pressure_that_was_not_fitted(seal: st
 
     fitted = {f"{bar} bar": read(bar) for bar in (1, 3, 5, 7) if bar != left}
     model = RodModel(RIG, fitted, {f"{left} bar": read(left)})
-    error = loop_errors(model, fit(model, starts=0).simulated)[-1]
+    error = curve_errors(model, fit(model, starts=0).simulated)[-1]
     assert error.validation
     assert error.raw <= most
     assert error.friction <= error.raw

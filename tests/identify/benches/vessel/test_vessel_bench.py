@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 from layflat.errors import InputError
 from layflat.identify import Fit, fit
 from layflat.identify.benches.loader import build_bench, load_bench
-from layflat.identify.benches.vessel.description import Gas, Place, VesselBench
-from layflat.identify.benches.vessel.model import VesselModel
+from layflat.identify.benches.vessel import Gas, GasConditions, VesselBench, VesselModel
 from layflat.identify.logs import read_log
 
 pytestmark = pytest.mark.compiled
@@ -70,7 +69,7 @@ def test_two_volumes_tell_everything_within_the_intervals() -> None:
     found = fit(VesselModel(guessed(), logs, volume=True, added_volumes={"joined": ADDED}), starts=4)
     assert found.trusted
     for path, truth in TRUTH.items():
-        estimate = found.of(path)
+        estimate = found.estimate(path)
         assert estimate.low < truth < estimate.high, path
         assert estimate.identified, path
     for quality in found.qualities():
@@ -79,15 +78,15 @@ def test_two_volumes_tell_everything_within_the_intervals() -> None:
 
 def test_one_volume_does_not_tell_volume_and_conductance() -> None:
     found = fit(VesselModel(guessed(), {"alone": simulated(1)}, volume=True), starts=4)
-    C, V = found.of("path.conductance"), found.of("space.volume")
+    C, V = found.estimate("path.conductance"), found.estimate("space.volume")
     assert not C.identified
     assert not V.identified
     assert {C.partner, V.partner} <= {"path.conductance", "space.volume", "wall.conductance"}
     assert C.partner is not None
     assert C.value / V.value == pytest.approx(TRUTH["path.conductance"] / TRUTH["space.volume"], rel=0.01)
     held = fit(VesselModel(guessed(), {"alone": simulated(1)}), starts=4)
-    assert held.of("path.conductance").identified
-    ratio = held.of("path.conductance").value / guessed().space.volume
+    assert held.estimate("path.conductance").identified
+    ratio = held.estimate("path.conductance").value / guessed().space.volume
     assert ratio == pytest.approx(TRUTH["path.conductance"] / TRUTH["space.volume"], rel=0.01)
 
 
@@ -109,7 +108,7 @@ def test_a_blow_down_tells_natural_convection_and_predicts_the_temperature() -> 
     rig, log = blow_down()
     off = rig.model_copy(update={"wall": rig.wall.model_copy(update={"natural": 0.3})})
     found = fit(VesselModel(off, {"log": log}), starts=4)
-    natural, C = found.of("wall.natural"), found.of("path.conductance")
+    natural, C = found.estimate("wall.natural"), found.estimate("path.conductance")
     assert natural.low < rig.wall.natural < natural.high
     assert C.low < rig.path.conductance < C.high
     temperature = next(quality for quality in found.qualities() if quality.output == "temperature")
@@ -118,8 +117,8 @@ def test_a_blow_down_tells_natural_convection_and_predicts_the_temperature() -> 
 
 
 def test_a_fill_from_vacuum_is_fitted_with_its_jet() -> None:
-    beyond = Place.model_construct(pressure=1e5, temperature=295.0)
-    empty = Place.model_construct(pressure=4e3, temperature=295.0)
+    beyond = GasConditions.model_construct(pressure=1e5, temperature=295.0)
+    empty = GasConditions.model_construct(pressure=4e3, temperature=295.0)
     rig, log = blow_down(outside=beyond, start=empty)
     model = VesselModel(rig, {"log": log})
     assert {"wall.forced", "outside.pressure"} <= {unknown.path for unknown in model.unknowns}
@@ -167,13 +166,16 @@ def test_a_log_without_pressure_or_with_gaps_in_its_supply_is_one_line() -> None
 def test_a_gas_that_condenses_is_one_line() -> None:
     rig, log = blow_down()
     liquid = rig.model_copy(
-        update={"gas": Gas(name="carbon dioxide"), "start": Place.model_construct(pressure=80e5, temperature=280.0)}
+        update={
+            "gas": Gas(name="carbon dioxide"),
+            "start": GasConditions.model_construct(pressure=80e5, temperature=280.0),
+        }
     )
     with pytest.raises(InputError, match=r"start: carbon dioxide is not a gas at 80 bar and 280 K"):
         VesselModel(liquid, {"log": log})
 
 
-MAPPING = Path(__file__).parents[4] / "examples" / "logs" / "vessel.toml"
+MAPPING = Path(__file__).parents[4] / "research" / "measured_logs" / "vessel.toml"
 
 
 def measured(folder: Path, name: str, share: float = 1.0) -> Fit:
@@ -186,7 +188,7 @@ def test_measured_blow_down_of_air(measured_data: Path) -> None:
     found = measured(measured_data, "Air_790kPa_21mm")
     assert found.trusted
     assert found.qualities()[0].rms < 1.6e3
-    assert 0.02 < found.of("wall.natural").value < 0.4
+    assert 0.02 < found.estimate("wall.natural").value < 0.4
     early = measured(measured_data, "Air_790kPa_21mm", 2 / 3)
     validation = next(quality for quality in early.qualities() if quality.validation)
     assert validation.output == "pressure"
@@ -196,6 +198,6 @@ def test_measured_blow_down_of_air(measured_data: Path) -> None:
 def test_measured_blow_down_of_nitrogen(measured_data: Path) -> None:
     found = measured(measured_data, "N2_Exp_I1")
     assert found.qualities()[0].rms < 0.01 * 150e5
-    assert 0.6 < found.of("path.conductance").value / 6.3e-8 < 0.95
+    assert 0.6 < found.estimate("path.conductance").value / 6.3e-8 < 0.95
     early = measured(measured_data, "N2_Exp_I1", 2 / 3)
     assert next(quality for quality in early.qualities() if quality.validation).rms < 0.01 * 150e5

@@ -2,10 +2,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from layflat.identify.benches.vessel.gas import GASES
-from layflat.identify.benches.vessel.laws import film, forced_convection, jet_diameter, natural_convection
+from layflat.identify.benches.vessel.gas import GASES_BY_NAME
+from layflat.identify.benches.vessel.laws import film_properties, forced_convection, jet_diameter, natural_convection
 
-AIR, CP_AIR = GASES["air"], 1005.0
+AIR, CP_AIR = GASES_BY_NAME["air"], 1005.0
 densities = st.floats(0.05, 200.0)
 temperatures = st.floats(200.0, 400.0)
 
@@ -13,7 +13,7 @@ temperatures = st.floats(200.0, 400.0)
 def test_natural_convection_is_that_of_the_nusselt_number() -> None:
     # By hand, for a vessel 0.3 m across: Ra = g beta dT L^3 rho^2 c_p/(mu k) and h = 0.13 k/L Ra^(1/3).
     T, T_w, rho, L = 280.0, 300.0, 2.0, 0.3
-    T_f, mu, k = film(AIR, T, T_w)
+    T_f, mu, k = film_properties(AIR, T, T_w)
     assert T_f == 290.0
     assert (mu, k) == pytest.approx((1.81e-5, 0.0256), rel=0.01)
     Ra = 9.81 / T_f * 20.0 * L**3 * (rho * T / T_f) ** 2 * CP_AIR / (mu * k)

@@ -8,19 +8,19 @@ import pytest
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
-from layflat.identify.benches.contract import simulated
-from layflat.identify.benches.vessel.gas import GASES, IDEAL_AIR, IdealAir, RealGas, contents, state_of
+from layflat.identify.benches import simulate_candidates
+from layflat.identify.benches.vessel.gas import GASES_BY_NAME, IDEAL_AIR, IdealAir, RealGas, gas_contents, gas_state
 from layflat.identify.benches.vessel.laws import (
-    Course,
     Filling,
     Outside,
-    Path,
-    Setup,
     Vessel,
+    VesselInputs,
+    VesselPath,
+    VesselSetup,
     Wall,
-    exchange,
-    rates,
+    compute_exchange,
     run_vessel,
+    state_rates,
 )
 from layflat.physics.air import GAMMA, GAS_CONSTANT, REFERENCE_DENSITY, REFERENCE_TEMPERATURE
 from layflat.physics.chamber import Chamber
@@ -38,43 +38,45 @@ USUAL: dict[str, Any] = {
 WARM = {"natural": 0.13, "forced": 0.56, "heat_capacity": 3000.0, "outer_conductance": 1.5}
 
 
-def setup(**changed: Any) -> Setup:
+def setup(**changed: Any) -> VesselSetup:
     given = iter({**USUAL, **changed}.values())
-    kinds: tuple[Any, ...] = (Chamber, Wall, Path, Outside)
+    kinds: tuple[Any, ...] = (Chamber, Wall, VesselPath, Outside)
     chamber, wall, path, outside = (kind(*islice(given, len(kind._fields))) for kind in kinds)
-    return Setup(Vessel(chamber, wall, path), outside, *given)
+    return VesselSetup(Vessel(chamber, wall, path), outside, *given)
 
 
-def simulate(gas: IdealAir | RealGas, given: Setup, course: Course, count: int = 1, refined: float = 1.0) -> Array:
+def simulate(
+    gas: IdealAir | RealGas, given: VesselSetup, course: VesselInputs, count: int = 1, refined: float = 1.0
+) -> Array:
     """Pressure and temperatures, (candidates, samples, 3)."""
-    return simulated(run_vessel, count, [(given, gas, course, refined)], [(len(course.time), 3)])[0]
+    return simulate_candidates(run_vessel, count, [(given, gas, course, refined)], [(len(course.time), 3)])[0]
 
 
-def course(time: Array, supply: float | Array = np.nan, opening: float | Array = 1.0) -> Course:
-    return Course(time, np.full(len(time), supply), np.full(len(time), opening))
+def course(time: Array, supply: float | Array = np.nan, opening: float | Array = 1.0) -> VesselInputs:
+    return VesselInputs(time, np.full(len(time), supply), np.full(len(time), opening))
 
 
-def by_scipy(gas: IdealAir | RealGas, given: Setup, time: Array) -> Array:
+def by_scipy(gas: IdealAir | RealGas, given: VesselSetup, time: Array) -> Array:
     """Pressure, temperature and wall temperature, open all the time, (samples, 3)."""
     vessel, outside, p, T = given
-    E, m = contents(gas, vessel.chamber, p, T, outside.ambient_pressure)
+    E, m = gas_contents(gas, vessel.chamber, p, T, outside.ambient_pressure)
 
     def change(_t: float, y: Array) -> list[float]:
         state = Filling(*map(float, y))
-        return list(rates(vessel, state, outside, exchange(gas, vessel, state, outside, 1.0)))
+        return list(state_rates(vessel, state, outside, compute_exchange(gas, vessel, state, outside, 1.0)))
 
     found = solve_ivp(
         change, (0.0, time[-1]), [E, m, T], "LSODA", time, rtol=1e-9, atol=[1e-6, 1e-12, 1e-9], max_step=0.5
     )
-    states = [state_of(gas, vessel.chamber, E, m, outside.ambient_pressure) for E, m, _ in found.y.T]
+    states = [gas_state(gas, vessel.chamber, E, m, outside.ambient_pressure) for E, m, _ in found.y.T]
     return np.column_stack([np.array(states), found.y[2]])
 
 
 @pytest.mark.parametrize(
     ("gas", "changed"),
     [
-        (GASES["nitrogen"], {**WARM, "start_pressure": 150e5, "conductance": 2e-8}),
-        (GASES["hydrogen"], {**WARM, "start_pressure": 10e5, "outside_pressure": 60e5, "conductance": 3e-9}),
+        (GASES_BY_NAME["nitrogen"], {**WARM, "start_pressure": 150e5, "conductance": 2e-8}),
+        (GASES_BY_NAME["hydrogen"], {**WARM, "start_pressure": 10e5, "outside_pressure": 60e5, "conductance": 3e-9}),
         (IDEAL_AIR, {**WARM, "start_pressure": 5e3}),
         (IDEAL_AIR, {"wall_conductance": 0.8, "compliance": 2e-9}),
     ],
@@ -122,7 +124,7 @@ def test_a_fill_without_heat_ends_as_hot_as_thermodynamics_says() -> None:
 def test_a_shut_vessel_keeps_its_gas_and_comes_to_the_walls_temperature() -> None:
     time = np.array([0.0, 500.0, 5000.0])
     shut = course(time, opening=0.0)
-    still = simulate(GASES["nitrogen"], setup(), shut)[0]
+    still = simulate(GASES_BY_NAME["nitrogen"], setup(), shut)[0]
     assert np.ptp(still[:, 0]) < 1e-6 * still[0, 0]
     warm = setup(wall_conductance=1.0, heat_capacity=100.0, outer_conductance=1.0, ambient_temperature=320.0)
     end = simulate(IDEAL_AIR, warm, shut)[0, -1]

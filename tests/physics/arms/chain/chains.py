@@ -34,8 +34,8 @@ def as_chain(name: str = "paper-arm-fast", shapes: Mapping[str, Any] | None = No
         link = part.planar_link
         links[joint] = {
             "axis": [0.0, 0.0, 1.0],
-            "place": metres(at, 0.0, 0.0),
-            "turn": ["0 rad", "0 rad", f"{turn!r} rad"],
+            "position": metres(at, 0.0, 0.0),
+            "rotation": ["0 rad", "0 rad", f"{turn!r} rad"],
             "mass": f"{link.mass!r} kg",
             "centre": metres(link.centre, 0.0, 0.0),
             "inertia": inertia(THIN, link.inertia, link.inertia),
@@ -62,8 +62,8 @@ def random_arm(n: int, seed: int, gravity: float = 9.81, reach: float = 0.1, sin
         a, b = draw.uniform(1e-3, 2e-3, 2).tolist()
         links[name] = {
             "axis": draw.normal(size=3).tolist(),
-            "place": metres(*(reach * draw.normal(size=3)).tolist()),
-            "turn": [f"{angle!r} rad" for angle in draw.uniform(-3.0, 3.0, 3).tolist()],
+            "position": metres(*(reach * draw.normal(size=3)).tolist()),
+            "rotation": [f"{angle!r} rad" for angle in draw.uniform(-3.0, 3.0, 3).tolist()],
             "mass": f"{draw.uniform(0.1, 0.3)!r} kg",
             "centre": metres(*(0.3 * reach * draw.normal(size=3)).tolist()),
             "inertia": inertia(a, b, max(a, b), 2e-4, 1e-4, -1e-4),

@@ -16,7 +16,7 @@ from layflat.machine import Machine, load
 from layflat.machine.model import build
 from layflat.machine.parameters import arm, mass_and_pull
 from layflat.motion.kinematics import tip_position
-from layflat.physics.arms.chain.parameters import rotation, towards
+from layflat.physics.arms.chain import axes_along, axes_from_angles
 from layflat.physics.arms.chain.space import Axes
 from tests.physics.arms.chain.chains import as_chain, described, metres, random_arm
 
@@ -43,12 +43,12 @@ def columns(axes: Axes) -> np.ndarray:
 
 @given(st.tuples(angles, angles, angles))
 def test_turns_are_about_the_axes_of_the_frame_around_one_after_the_other(turn: tuple[float, float, float]) -> None:
-    assert columns(rotation(turn)) == pytest.approx(Rotation.from_euler("xyz", turn).as_matrix(), abs=1e-12)
+    assert columns(axes_from_angles(turn)) == pytest.approx(Rotation.from_euler("xyz", turn).as_matrix(), abs=1e-12)
 
 
 @given(st.tuples(angles, angles, angles).filter(lambda axis: np.linalg.norm(axis) > 1e-3))
 def test_z_is_turned_towards_an_axis(axis: tuple[float, float, float]) -> None:
-    found = columns(towards(axis))
+    found = columns(axes_along(axis))
     assert found.T @ found == pytest.approx(np.eye(3), abs=1e-12)
     assert np.linalg.det(found) == pytest.approx(1.0)
     assert found[:, 2] == pytest.approx(np.array(axis) / np.linalg.norm(axis), abs=1e-12)
@@ -63,7 +63,7 @@ def test_one_frame_for_a_link_is_as_good_as_another(turn: tuple[float, float, fl
     part, after = told.link["large"], told.link["small"]
     J = S.inv().as_matrix() @ np.diag(part.inertia) @ S.as_matrix()
     first |= {
-        "turn": radians_of(S),
+        "rotation": radians_of(S),
         "axis": S.inv().apply(part.axis).tolist(),
         "centre": metres(*S.inv().apply(part.centre).round(9).tolist()),
         "inertia": [
@@ -71,8 +71,8 @@ def test_one_frame_for_a_link_is_as_good_as_another(turn: tuple[float, float, fl
         ],
     }
     second |= {
-        "place": metres(*S.inv().apply(after.place).round(9).tolist()),
-        "turn": radians_of(S.inv() * Rotation.from_euler("xyz", after.turn)),
+        "position": metres(*S.inv().apply(after.position).round(9).tolist()),
+        "rotation": radians_of(S.inv() * Rotation.from_euler("xyz", after.rotation)),
     }
     text, sources = described("paper-arm-fast", arm=chained)
     other = build(text, sources, "turned")
@@ -92,8 +92,8 @@ def chain_of(machine: Machine) -> dict[str, Any]:
     found = {
         name: {
             "axis": list(link.axis),
-            "place": metres(*link.place),
-            "turn": [f"{angle!r} rad" for angle in link.turn],
+            "position": metres(*link.position),
+            "rotation": [f"{angle!r} rad" for angle in link.rotation],
             "mass": f"{link.mass!r} kg",
             "centre": metres(*link.centre),
             "inertia": [f"{moment!r} kg m^2" for moment in link.inertia],

@@ -13,10 +13,10 @@ from scipy.spatial.transform import Rotation
 
 from layflat.jit import kernel
 from layflat.lanes import gather, join, slots
-from layflat.physics.arms.chain.laws import Chain, dynamics, points
-from layflat.physics.arms.chain.parameters import Jointed
-from layflat.physics.arms.chain.parameters import chain as chain_of
-from layflat.physics.arms.chain.space import Axes, Mass, Symmetric, Vector, scaled, with_point
+from layflat.physics.arms.chain import AlignedLink
+from layflat.physics.arms.chain import build_chain as chain_of
+from layflat.physics.arms.chain.laws import ChainParameters, dynamics, points
+from layflat.physics.arms.chain.space import Axes, RigidBody, Symmetric, Vector, add_point_mass, scale_vector
 
 mujoco: Any = pytest.importorskip("mujoco")
 
@@ -28,25 +28,25 @@ def vector(x: np.ndarray) -> Vector:
 
 
 @cache
-def jointed(n: int, seed: int) -> tuple[list[Jointed], tuple[float, ...], Vector, Vector]:
+def jointed(n: int, seed: int) -> tuple[list[AlignedLink], tuple[float, ...], Vector, Vector]:
     """A random arm: every link a few points of mass; armatures, tool and gravity."""
     draw = np.random.default_rng(seed)
     links = []
     for _ in range(n):
         axes = Axes(*(vector(column) for column in Rotation.random(random_state=draw).as_matrix().T))
-        body = Mass(0.0, Vector(0.0, 0.0, 0.0), Symmetric(0.0, 0.0, 0.0, 0.0, 0.0, 0.0))
+        body = RigidBody(0.0, Vector(0.0, 0.0, 0.0), Symmetric(0.0, 0.0, 0.0, 0.0, 0.0, 0.0))
         for _ in range(5):
-            body = with_point(body, draw.uniform(0.05, 0.6), vector(draw.normal(0.0, 0.15, 3)))
-        links.append(Jointed(axes, vector(draw.normal(0.0, 0.3, 3)), body))
+            body = add_point_mass(body, draw.uniform(0.05, 0.6), vector(draw.normal(0.0, 0.15, 3)))
+        links.append(AlignedLink(axes, vector(draw.normal(0.0, 0.3, 3)), body))
     armatures = np.diag(draw.uniform(0.0, 0.05, n))[np.triu_indices(n)]
     return links, tuple(armatures.tolist()), vector(draw.normal(0.0, 0.2, 3)), vector(draw.normal(0.0, 6.0, 3))
 
 
-def chain(n: int, seed: int) -> Chain:
+def chain(n: int, seed: int) -> ChainParameters:
     return chain_of(*jointed(n, seed))
 
 
-def about_centre(body: Mass) -> tuple[np.ndarray, np.ndarray]:
+def about_centre(body: RigidBody) -> tuple[np.ndarray, np.ndarray]:
     """Centre of mass, and inertia about it."""
     J, c = body.J, np.array(body.h) / body.m
     about_origin = np.array([[J.xx, J.xy, J.xz], [J.xy, J.yy, J.yz], [J.xz, J.yz, J.zz]])
@@ -60,7 +60,7 @@ def in_mujoco(n: int, seed: int, payload: float) -> Any:
     spec.compiler.balanceinertia = False
     parent, at = spec.worldbody, 0
     for i, link in enumerate(links):
-        body = link.body if i < n - 1 else with_point(link.body, payload, tool)
+        body = link.body if i < n - 1 else add_point_mass(link.body, payload, tool)
         centre, J = about_centre(body)
         quat = Rotation.from_matrix(np.array(link.axes).T).as_quat(scalar_first=True)
         parent = parent.add_body(pos=list(link.place), quat=quat, mass=body.m, ipos=centre, explicitinertial=True)
@@ -168,7 +168,7 @@ def accelerations(arm, payload, q, v, like):  # type: ignore[no-untyped-def]
 def test_an_arm_that_is_let_go_falls_as_in_mujoco(n: int) -> None:
     # On a small planet: motions that are wilder than any arm's are chaotic.
     arm, model = chain(n, 2), copy(in_mujoco(n, 2, 0.7))
-    arm, model.opt.gravity = arm._replace(gravity=scaled(0.1, arm.gravity)), 0.1 * model.opt.gravity
+    arm, model.opt.gravity = arm._replace(gravity=scale_vector(0.1, arm.gravity)), 0.1 * model.opt.gravity
     model.opt.integrator, model.opt.timestep = mujoco.mjtIntegrator.mjINT_RK4, 1e-4
     data, like = mujoco.MjData(model), (0.0,) * n
     start = np.concatenate([np.zeros(n), np.linspace(-0.5, 0.5, n)])

@@ -23,7 +23,7 @@ def arm_of(n: int) -> Machine:
 
 
 def test_the_papers_arm_as_a_chain_moves_as_it_does_in_its_plane() -> None:
-    runs = [rollout(m, 0.0, opening=SWING, brake=0.0, duration="4 s") for m in (load("paper-arm-fast"), as_chain())]
+    runs = [rollout(m, opening=SWING, brake=0.0, duration="4 s") for m in (load("paper-arm-fast"), as_chain())]
     planar, chained = (np.degrees(run["angle"].to_numpy()) for run in runs)
     assert np.ptp(planar, axis=0).min() > 30.0
     assert np.abs(planar - chained).max() < 1e-9
@@ -43,7 +43,7 @@ def test_brakes_hold_any_number_of_joints_where_they_are(n: int) -> None:
 
 def test_arms_begin_at_rest_against_gravity_and_springs() -> None:
     """Without brakes the air alone holds the arm until hoses lose some; else it would turn by a tenth of a degree."""
-    run = rollout(arm_of(3), 0.0, opening=0.0, brake=0.0, noise=False, duration="5 ms")
+    run = rollout(arm_of(3), opening=0.0, brake=0.0, noise=False, duration="5 ms")
     assert np.abs(run["angle"].to_numpy()).max() < np.radians(1e-3)
     held = run["pressure_a"] - run["pressure_b"]
     assert np.abs(held.to_numpy()[0]).min() > 100.0
@@ -61,7 +61,7 @@ def test_the_books_of_a_chain_are_closed() -> None:
     """Kinetic energy is what air, gravity and losses leave of their works: to a millionth, and by second order."""
     misses = []
     for step in ("0.25 ms", "0.125 ms"):
-        run = rollout(arm_of(4), 0.0, opening=0.02, brake=0.0, duration="0.5 s", step=step)
+        run = rollout(arm_of(4), opening=0.02, brake=0.0, duration="0.5 s", step=step)
         gained = run["gas_work"] + run["load_work"] - run["hose_work"] - run["brake_heat"] - run["damping_heat"]
         moves = [energy(arm_of(4), q, v) for q, v in zip(run["angle"].values, run["velocity"].values, strict=True)]
         assert max(moves) > 1e-3
@@ -73,7 +73,7 @@ def test_the_books_of_a_chain_are_closed() -> None:
 def test_order_of_convergence() -> None:
     steps = [1.0, 0.5, 0.25]
     runs = [
-        rollout(arm_of(4), 0.0, opening=0.02, brake=0.0, duration="0.4 s", step=f"{step / 4} ms")["angle"].to_numpy()
+        rollout(arm_of(4), opening=0.02, brake=0.0, duration="0.4 s", step=f"{step / 4} ms")["angle"].to_numpy()
         for step in (*steps, 1 / 16)
     ]
     errors = [np.sqrt(np.mean((run - runs[-1]) ** 2)) for run in runs[:-1]]

@@ -1,4 +1,4 @@
-"""A linear friction rig: the rod of a small cylinder is pushed and pulled while its chamber is held at a pressure."""
+"""Linear friction rig: a cylinder's rod is pushed and pulled while its chamber is held at a pressure."""
 
 from typing import Annotated, Literal, Self
 
@@ -7,11 +7,11 @@ from pydantic import Field, model_validator
 
 from layflat.description import Part
 from layflat.description import units as u
-from layflat.identify.benches.contract import BenchDescription
+from layflat.identify.benches import BenchDescription
 
 
 class Piston(Part):
-    """What pressure and position do to the force; position is zero where the log says so."""
+    """Force of the piston by pressure and position; position is zero where the log's is."""
 
     area: u.Area = Field(description="force per gauge pressure at position zero")
     area_slope: u.AreaPerLength = Field(default=0.0, description="growth of the area with position")
@@ -26,15 +26,16 @@ class Piston(Part):
 
 
 class Friction(Part):
-    """Elasto-slip elements side by side, as in the losses of a joint, and a film of lubricant that follows speed."""
+    """Friction of parallel elasto-slip elements, as in the losses of a joint, and of a film of lubricant."""
 
     base: u.ForceOrZero = Field(description="friction without pressure")
     slope: u.ForcePerPressure = Field(description="friction added per gauge pressure")
     exponent: Annotated[u.Ratio, Ge(0.2), Le(5.0)] = Field(
-        default=1.0, description="of the pressure in what it adds: above 1 the friction grows faster and faster"
+        default=1.0,
+        description="power of the pressure in the added friction: above 1 the growth increases with pressure",
     )
     reference_pressure_gauge: u.PositivePressure = Field(
-        description="where the deflections hold, and what is added is the slope times it whatever the exponent"
+        description="pressure of the deflections, at which the added friction is slope times pressure for any exponent"
     )
     deflections: Annotated[tuple[u.Length, ...], Field(min_length=1)] = Field(
         description="travel after which each element slips, at reference pressure"
@@ -42,7 +43,7 @@ class Friction(Part):
     weights: Annotated[tuple[u.Share, ...], Field(min_length=1)] = Field(
         description="share of each element in the friction without the film"
     )
-    film_share: u.Share = Field(default=0.0, description="share of the friction that follows the speed")
+    film_fraction: u.Share = Field(default=0.0, description="share of the friction that follows the speed")
     film_speed: u.LinearSpeed = Field(default=0.005, description="speed at which the film has 76 % of its friction")
     profile: tuple[Annotated[float, Ge(-0.9), Le(9.0)], ...] = Field(
         default=(), description="friction added along the stroke, as a share of it, at positions evenly apart"
@@ -52,7 +53,8 @@ class Friction(Part):
     viscous: u.LinearDamping = Field(default=0.0, description="force per speed")
 
     @model_validator(mode="after")
-    def _adds_up(self) -> Self:
+    def _check_weights_and_profile(self) -> Self:
+        """Raise ValueError unless weights fit deflections and add up to 1, and the profile has an extent."""
         if len(self.weights) != len(self.deflections):
             raise ValueError("weights must be as many as deflections")
         if abs(sum(self.weights) - 1.0) > 1e-9:
@@ -63,12 +65,9 @@ class Friction(Part):
 
 
 class RodBench(BenchDescription):
-    """A friction rig: motion is imposed, force and chamber pressure are measured."""
+    """Bench of a friction rig: motion is imposed, force and chamber pressure are measured."""
 
     kind: Literal["friction rig"]
     ambient_pressure: u.PositivePressure = Field(description="absolute")
     piston: Piston
     friction: Friction
-
-
-DESCRIPTION = RodBench

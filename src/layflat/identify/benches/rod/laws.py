@@ -1,4 +1,4 @@
-"""The rod of a cylinder that is pushed and pulled: what gas, spring and seals ask of the one who moves it.
+"""Force that moves the rod of a cylinder against gas, spring and seals.
 
 | symbol | meaning | unit |
 |---|---|---|
@@ -10,13 +10,13 @@
 | c, F_0 | spring, and force at x = 0 without pressure | N/m, N |
 | Y | friction of a rod that slips, Y = (Y_0 + Y_1 p_r (p_g/p_r)^n) (1 + b(x)) | N |
 | n, p_r | exponent of the pressure, and reference pressure (gauge) | 1, Pa |
-| b | profile along the stroke, linear between its places | 1 |
-| s, v_s | share of the film, and its speed | 1, m/s |
+| b | profile along the stroke, linear between its positions | 1 |
+| s, v_s | fraction of the film in the friction, and its speed | 1, m/s |
 
 F = (A + A' x) p_g + (A_p + A'_p x) p_m^2 + F_0 + c x + viscous v + friction. A seal takes the shape of the pressure at
-which it is held, and not of what a regulator lets through while the rod moves. The friction is s Y tanh(v / v_s), of
-the film of lubricant (andersson2007), and a sum of elasto-slip elements (physics/hysteresis), each of which carries its
-share of the rest of Y. No log shows how they begin (see `share_carried`).
+which it is held, and not of a regulator's error while the rod moves. The friction is s Y tanh(v / v_s), of the film of
+lubricant (andersson2007), and a sum of elasto-slip elements (physics/hysteresis), each of which carries its fraction of
+the rest of Y. No log shows their initial state (see `carried_fraction`).
 """
 
 from math import tanh
@@ -26,14 +26,14 @@ import numpy as np
 
 from layflat.arrays import Array
 from layflat.jit import kernel, law
-from layflat.physics.hysteresis.elasto_slip import share_carried, slip
+from layflat.physics.hysteresis.elasto_slip import carried_fraction, slip_element
 
 
 class Rod(NamedTuple):
     """Constants of a rod in its cylinder, in the order of the table.
 
-    Of each element there are its share of all friction and its N/m; of the profile its items, the position of the
-    first (m) and how far they lie apart (m).
+    An element has a fraction of all friction and a stiffness (N/m); the profile has items, the first one's position (m)
+    and their distance (m).
     """
 
     area: float
@@ -45,7 +45,7 @@ class Rod(NamedTuple):
     base: float
     slope: float
     viscous: float
-    film_share: float
+    film_fraction: float
     film_speed: float
     weights: tuple[float, ...]
     stiffness: tuple[float, ...]
@@ -57,34 +57,34 @@ class Rod(NamedTuple):
 
 
 class RodLog(NamedTuple):
-    """Signals of a log: position (m), speed (m/s), gauge pressure (Pa), the first force (N), and p_m (Pa)."""
+    """Signals of a log, (samples,) each, and two numbers."""
 
-    position: Array
-    speed: Array
-    pressure: Array
-    first: float
-    held: float
+    position: Array  # m
+    speed: Array  # m/s
+    pressure: Array  # gauge, Pa
+    first: float  # first measured force, N
+    mean_pressure: float  # p_m, Pa
 
 
 @law
 def smooth_force(rod, x, v, p_g, p_m):
-    """Force on the rod without its friction, but for the viscous one, N."""
+    """Return the force on the rod without its friction, but for the viscous one, N."""
     shape = (rod.area_growth + rod.area_slope_growth * x) * p_m * p_m
     return (rod.area + rod.area_slope * x) * p_g + shape + rod.offset + rod.spring * x + rod.viscous * v
 
 
 @law
 def profile_at(rod, x):
-    """b(x); beyond the profile's ends it is that at the end."""
+    """Return b(x), constant beyond the profile's ends."""
     last = len(rod.profile) - 1
-    place = min(max((x - rod.profile_from) / rod.profile_step, 0.0), 1.0 * last)
-    i = min(int(place), last - 1)
-    return rod.profile[i] + (place - i) * (rod.profile[i + 1] - rod.profile[i])
+    position = min(max((x - rod.profile_from) / rod.profile_step, 0.0), 1.0 * last)
+    i = min(int(position), last - 1)
+    return rod.profile[i] + (position - i) * (rod.profile[i + 1] - rod.profile[i])
 
 
 @law
-def added_by_pressure(rod, p_g):
-    """Friction that the pressure adds where there is no profile, N."""
+def pressure_friction(rod, p_g):
+    """Return the friction that the pressure adds where there is no profile, N."""
     p = max(p_g, 0.0)
     if rod.exponent == 1.0:
         return rod.slope * p
@@ -93,24 +93,24 @@ def added_by_pressure(rod, p_g):
 
 @law
 def slip_force(rod, x, p_g):
-    """Y, N."""
-    return max((rod.base + added_by_pressure(rod, p_g)) * (1.0 + profile_at(rod, x)), 0.0)
+    """Return Y, the friction of a rod that slips, N."""
+    return max((rod.base + pressure_friction(rod, p_g)) * (1.0 + profile_at(rod, x)), 0.0)
 
 
 @law
 def film_force(rod, v, level):
-    """Force of the film, of a friction `level` (N), at speed v: smooth through rest, and never along the motion."""
-    return rod.film_share * level * tanh(v / rod.film_speed)
+    """Return the force of the film at a friction `level` (N) and speed v: smooth through rest, against the motion."""
+    return rod.film_fraction * level * tanh(v / rod.film_speed)
 
 
 @kernel
 def rod_force(rod, log, force):
-    """Force on a rod through a log, N, into `force`, (samples,)."""
-    x, v, p, p_m = log.position, log.speed, log.pressure, log.held
+    """Write the force on a rod through a log, N, to `force`, (samples,)."""
+    x, v, p, p_m = log.position, log.speed, log.pressure, log.mean_pressure
     f = np.empty(len(rod.weights))
     level = slip_force(rod, x[0], p[0])
-    begun = smooth_force(rod, x[0], v[0], p[0], p_m) + film_force(rod, v[0], level)
-    share = share_carried(log.first - begun, level * (1.0 - rod.film_share))
+    smooth = smooth_force(rod, x[0], v[0], p[0], p_m) + film_force(rod, v[0], level)
+    share = carried_fraction(log.first - smooth, level * (1.0 - rod.film_fraction))
     for j in range(len(f)):
         f[j] = share * rod.weights[j] * level
     for i in range(len(x)):
@@ -118,6 +118,6 @@ def rod_force(rod, log, force):
         level = slip_force(rod, x[i], p[i])
         total = smooth_force(rod, x[i], v[i], p[i], p_m) + film_force(rod, v[i], level)
         for j in range(len(f)):
-            f[j] = slip(f[j], rod.stiffness[j], rod.weights[j] * level, move)
+            f[j] = slip_element(f[j], rod.stiffness[j], rod.weights[j] * level, move)
             total += f[j]
         force[i] = total

@@ -1,4 +1,4 @@
-"""Vessels in the YAML input files of HydDown, which calculates how they empty and fill (andreasen2021).
+"""Vessels in the YAML input files of HydDown, which calculates their discharge and filling (andreasen2021).
 
 Its fields are those of its manual.
 """
@@ -14,42 +14,45 @@ from layflat.description.text import read_text
 from layflat.errors import InputError
 from layflat.physics.flow import sonic_conductance
 
-FLUIDS = {
+FLUID_NAMES = {
     "air": "air", "n2": "nitrogen", "o2": "oxygen", "h2": "hydrogen", "he": "helium", "ar": "argon", "ch4": "methane",
     "co2": "carbon dioxide", "carbondioxide": "carbon dioxide",
 }  # fmt: skip
-"""Names of gases there."""
+"""Names of gases by those of the files."""
 
-HEADS = {
+HEAD_SHAPES = {
     "flat-end": (0.0, pi / 4),
     "asme f&d": (0.0809, 0.929),
     "din": (0.1, 0.99),
     "semi-elliptical": (pi / 24, 1.084),
     "hemispherical": (pi / 12, pi / 2),
 }
-"""Volume and area of an end of the vessel, over the third and second power of the diameter."""
+"""Volume and area of a head of the vessel, over the third and second power of the diameter."""
 
 CONDUCTANCE_PER_CV = 3.9e-8  # C of a control valve with Cv = 1, m3/(s Pa): IEC 60534-2-1, choked air with x_T = 0.7
 
-NOZZLE, VALVE = 0.45, 0.3  # critical pressure ratio to begin with: of a hole, nozzle or sharp edge; of a control valve
-PARTS = ("vessel", "initial", "valve")
+NOZZLE_CRITICAL_RATIO, VALVE_CRITICAL_RATIO = (
+    0.45,
+    0.3,
+)  # guesses: of a hole, nozzle or sharp edge; of a control valve
+REQUIRED_TABLES = ("vessel", "initial", "valve")
 
-Number = Callable[..., float]  # gives the number at a place of the file
+Number = Callable[..., float]  # returns the number at a path of the file, such as "vessel.length", or a default
 
 
 def hyddown_tables(path: str | Path) -> dict[str, Any]:
-    """Plain tables of a vessel's description from HydDown's input file; raise InputError if a field can't be used."""
-    where, tables = str(path), _tables(Path(path))
-    vessel, start, valve = (tables[key] for key in PARTS)
+    """Return plain tables of a vessel's description from HydDown's file; raise InputError if a field can't be used."""
+    where, tables = str(path), _read_tables(Path(path))
+    vessel, start, valve = (tables[key] for key in REQUIRED_TABLES)
     number = partial(_number, tables, where)
     fluid = str(start.get("fluid", "")).lower().replace(" ", "")
-    name = FLUIDS.get(fluid, fluid)
-    if name not in FLUIDS.values():
-        right = f"use {', '.join(sorted(set(FLUIDS.values())))}"
+    name = FLUID_NAMES.get(fluid, fluid)
+    if name not in FLUID_NAMES.values():
+        right = f"use {', '.join(sorted(set(FLUID_NAMES.values())))}"
         raise InputError(f"{start.get('fluid')!r} is an unknown gas", where=f"{where}: initial.fluid", right=right)
     T = number("initial.temperature")
-    around = number("heat_transfer.temp_ambient", T)
-    space, capacity, outer = _sizes(vessel, number, where)
+    ambient = number("heat_transfer.temp_ambient", T)
+    space, capacity, outer = _vessel_sizes(vessel, number, where)
     wall = {"outer_conductance": f"{number('heat_transfer.h_outer', 0.0) * outer!r} W/K"} | capacity
     return {
         "kind": "vessel",
@@ -58,14 +61,15 @@ def hyddown_tables(path: str | Path) -> dict[str, Any]:
         "gas": {"name": name, "law": "real"},
         "space": space,
         "wall": wall,
-        "path": _path(valve, number, where),
-        "outside": _place(number("valve.back_pressure"), around),
-        "ambient": _place(101325.0, around),
-        "start": _place(number("initial.pressure"), T),
+        "path": _read_valve(valve, number, where),
+        "outside": _conditions(number("valve.back_pressure"), ambient),
+        "ambient": _conditions(101325.0, ambient),
+        "start": _conditions(number("initial.pressure"), T),
     }
 
 
-def _tables(path: Path) -> dict[str, Any]:
+def _read_tables(path: Path) -> dict[str, Any]:
+    """Return the tables of a HydDown input file; raise InputError if it is none."""
     extras.require("hyddown", "yaml", where=str(path))
     import yaml  # noqa: PLC0415
 
@@ -76,30 +80,30 @@ def _tables(path: Path) -> dict[str, Any]:
         raise InputError(f"can't be read ({str(error).splitlines()[0]})", where=str(path), right=right) from None
     if not isinstance(tables, dict):
         raise InputError("is not a table", where=str(path), right=right)
-    for part in PARTS:
+    for part in REQUIRED_TABLES:
         if not isinstance(tables.get(part), dict):
             raise InputError(f"has no {part}", where=str(path), right="vessel, initial and valve are needed")
     return tables
 
 
-def _number(tables: dict[str, Any], where: str, place: str, usual: float | None = None) -> float:
-    """A number at a place such as "vessel.length", or what is usual where there is none."""
-    part, _, key = place.partition(".")
-    found = (tables.get(part) or {}).get(key)
-    value: Any = usual if found is None else found
+def _number(tables: dict[str, Any], where: str, path: str, default: float | None = None) -> float:
+    """Return the number at a path such as "vessel.length", or the default where there is none."""
+    table, _, key = path.partition(".")
+    entry = (tables.get(table) or {}).get(key)
+    value: Any = default if entry is None else entry
     try:
         return float(value)
     except (TypeError, ValueError):
-        raise InputError(f"{value!r} is not a number", where=f"{where}: {place}", right="give it in SI") from None
+        raise InputError(f"{value!r} is not a number", where=f"{where}: {path}", right="give it in SI") from None
 
 
-def _sizes(vessel: dict[str, Any], number: Number, where: str) -> tuple[dict[str, str], dict[str, str], float]:
-    """Space, the wall's heat capacity where its thickness is given, and outer area (m2)."""
+def _vessel_sizes(vessel: dict[str, Any], number: Number, where: str) -> tuple[dict[str, str], dict[str, str], float]:
+    """Return the space, the wall's heat capacity where its thickness is known, and the outer area (m2)."""
     D, L, t = number("vessel.diameter"), number("vessel.length"), number("vessel.thickness", 0.0)
     kind = str(vessel.get("type", "flat-end")).lower()
-    if kind not in HEADS:
-        raise InputError(f"{kind!r} is not known", where=f"{where}: vessel.type", right=f"use {', '.join(HEADS)}")
-    by_cube, by_square = HEADS[kind]
+    if kind not in HEAD_SHAPES:
+        raise InputError(f"{kind!r} is not known", where=f"{where}: vessel.type", right=f"use {', '.join(HEAD_SHAPES)}")
+    by_cube, by_square = HEAD_SHAPES[kind]
     ends = t if kind == "flat-end" else 0.0
 
     def volume(d: float, length: float) -> float:
@@ -117,18 +121,19 @@ def _sizes(vessel: dict[str, Any], number: Number, where: str) -> tuple[dict[str
     return space, capacity, area(*outer)
 
 
-def _path(valve: dict[str, Any], number: Number, where: str) -> dict[str, Any]:
+def _read_valve(valve: dict[str, Any], number: Number, where: str) -> dict[str, Any]:
+    """Return conductance and critical ratio of a HydDown valve; raise InputError for a kind without conductance."""
     kind = valve.get("type", "orifice")
     if kind in {"orifice", "psv"}:
         d = number("valve.diameter")
         C = float(sonic_conductance(pi / 4 * d**2, number("valve.discharge_coef", 0.8)))
-        return {"conductance": f"{C!r} m^3/s/Pa", "critical_ratio": NOZZLE, "hole": f"{d!r} m"}
+        return {"conductance": f"{C!r} m^3/s/Pa", "critical_ratio": NOZZLE_CRITICAL_RATIO, "hole": f"{d!r} m"}
     if kind == "controlvalve":
         C = CONDUCTANCE_PER_CV * number("valve.Cv")
-        return {"conductance": f"{C!r} m^3/s/Pa", "critical_ratio": VALVE}
+        return {"conductance": f"{C!r} m^3/s/Pa", "critical_ratio": VALVE_CRITICAL_RATIO}
     right = "use orifice, psv or controlvalve"
     raise InputError(f"{kind!r} has no conductance", where=f"{where}: valve.type", right=right)
 
 
-def _place(pressure: float, temperature: float) -> dict[str, str]:
+def _conditions(pressure: float, temperature: float) -> dict[str, str]:
     return {"pressure": f"{pressure!r} Pa", "temperature": f"{temperature!r} K"}

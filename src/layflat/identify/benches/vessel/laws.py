@@ -1,4 +1,4 @@
-"""A vessel that fills or empties through one path: rates of its energy, its mass and its wall's temperature.
+"""Vessel that fills or empties through one path: rates of its energy, its mass and its wall's temperature.
 
 | symbol | meaning | unit |
 |---|---|---|
@@ -22,7 +22,7 @@ from math import isfinite, pi, sqrt
 from typing import NamedTuple
 
 from layflat.arrays import Array
-from layflat.identify.benches.vessel.gas import contents, state_of, stream
+from layflat.identify.benches.vessel.gas import gas_contents, gas_outflow, gas_state
 from layflat.jit import composition, kernel, law
 from layflat.physics.air import GAMMA, REFERENCE_DENSITY, REFERENCE_TEMPERATURE
 from layflat.physics.chamber import Chamber
@@ -42,10 +42,10 @@ class Wall(NamedTuple):
     outer_conductance: float  # from the wall to the surroundings, W/K
 
 
-class Path(NamedTuple):
-    """Path from the vessel to the place beyond."""
+class VesselPath(NamedTuple):
+    """Flow path between the vessel and the space outside."""
 
-    conductance: float
+    conductance: float  # m3/(s Pa)
     critical_ratio: float
 
 
@@ -54,31 +54,31 @@ class Vessel(NamedTuple):
 
     chamber: Chamber
     wall: Wall
-    path: Path
+    path: VesselPath
 
 
 class Outside(NamedTuple):
-    """Beyond the path, and around the vessel."""
+    """Gas on the other side of the path, and surroundings of the vessel."""
 
-    pressure: float
-    temperature: float
-    ambient_pressure: float
-    ambient_temperature: float
+    pressure: float  # absolute, Pa
+    temperature: float  # K
+    ambient_pressure: float  # absolute, Pa
+    ambient_temperature: float  # K
 
 
 class Filling(NamedTuple):
-    """State of a vessel, or its rates."""
+    """State of a vessel, or its rates (per second)."""
 
-    energy: float
-    mass: float
-    wall_temperature: float
+    energy: float  # J
+    mass: float  # kg
+    wall_temperature: float  # K
 
 
 class Exchange(NamedTuple):
-    """Flows between a vessel, the place beyond and the wall."""
+    """Flows between a vessel, the space outside and the wall."""
 
     flow: float  # mass flow in, kg/s
-    enthalpy: float  # that it carries, J/kg
+    enthalpy: float  # of this flow, J/kg
     temperature: float  # of the gas, K
     heat: float  # heat flow from the wall per kelvin, W/K
     steepest: float  # greatest change of the mass flow by the pressure inside, kg/(s Pa)
@@ -86,8 +86,8 @@ class Exchange(NamedTuple):
 
 
 @law
-def film(gas, T, T_w):
-    """Temperature of the film at the wall (K), and the gas's viscosity and conductivity there."""
+def film_properties(gas, T, T_w):
+    """Return the temperature of the film at the wall (K), and the gas's viscosity and conductivity there."""
     T_f = 0.5 * (T + T_w)
     warm = T_f * (1.0 / REFERENCE_TEMPERATURE)
     return T_f, gas.viscosity * warm**0.7, gas.conductivity * warm**0.8
@@ -95,34 +95,34 @@ def film(gas, T, T_w):
 
 @law
 def natural_convection(c, gas, rho, c_p, T, T_w):
-    """H of turbulent natural convection, W/(m2 K)."""
-    T_f, mu, k = film(gas, T, T_w)
+    """Return h of turbulent natural convection, W/(m2 K)."""
+    T_f, mu, k = film_properties(gas, T, T_w)
     rho_f = rho * T / T_f
     return c * k * (GRAVITY * rho_f * rho_f * c_p * abs(T_w - T) / (T_f * mu * k)) ** (1.0 / 3.0)
 
 
 @law
 def forced_convection(c_f, gas, w, d, D, T, T_w):
-    """H of a jet of mass flow w that enters through a hole of diameter d, W/(m2 K)."""
-    _, mu, k = film(gas, T, T_w)
+    """Return h of a jet of mass flow w that enters through a hole of diameter d, W/(m2 K)."""
+    _, mu, k = film_properties(gas, T, T_w)
     return c_f * k / D * (4.0 * max(w, 0.0) / (pi * mu * d)) ** 0.67
 
 
 @law
 def jet_diameter(area):
-    """Diameter of a round jet of this area, m."""
+    """Return the diameter of a round jet of an area, m."""
     return sqrt(4.0 / pi * area)
 
 
 @law
-def exchange(gas, vessel, state, outside, opening):
-    """Return what passes while the path is open by `opening`, 0..1 of its conductance."""
+def compute_exchange(gas, vessel, state, outside, opening):
+    """Return the flows while the path is open by `opening`, 0..1 of its conductance."""
     chamber, wall, path = vessel.chamber, vessel.wall, vessel.path
-    p, T = state_of(gas, chamber, state.energy, state.mass, outside.ambient_pressure)
-    factor, h, rho, c_p = stream(gas, p, T)
+    p, T = gas_state(gas, chamber, state.energy, state.mass, outside.ambient_pressure)
+    factor, h, rho, c_p = gas_outflow(gas, p, T)
     fills = outside.pressure > p
     if fills:
-        factor, h, _, _ = stream(gas, outside.pressure, outside.temperature)
+        factor, h, _, _ = gas_outflow(gas, outside.pressure, outside.temperature)
     upper, lower = max(p, outside.pressure), min(p, outside.pressure)
     slope = laminar_slope(path.critical_ratio)
     reach = effective_pressure(upper, lower, path.critical_ratio, slope)
@@ -137,34 +137,32 @@ def exchange(gas, vessel, state, outside, opening):
 
 
 @law
-def rates(vessel, state, outside, passes):
-    """Rates of change of a state, given what passes."""
+def state_rates(vessel, state, outside, flows):
+    """Return the rates of change of a state, from its flows."""
     wall = vessel.wall
-    inward = passes.heat * (state.wall_temperature - passes.temperature)
+    inward = flows.heat * (state.wall_temperature - flows.temperature)
     outer = wall.outer_conductance * (outside.ambient_temperature - state.wall_temperature)
-    return Filling(passes.flow * passes.enthalpy + inward, passes.flow, (outer - inward) / wall.heat_capacity)
+    return Filling(flows.flow * flows.enthalpy + inward, flows.flow, (outer - inward) / wall.heat_capacity)
 
 
 @law
-def fastest_rates(vessel, state, passes):
-    """Bounds, 1/s, of the rates at which flow would end a difference of pressure, and of the rest.
+def rate_bounds(vessel, state, flows):
+    """Return bounds, 1/s, of the rates of pressure equalisation, and of all else.
 
-    The first is that next to equal pressures. The second is that at which gas is renewed, and at which heat would end
-    differences of temperature.
+    The first is that next to equal pressures. The second is that of the gas's renewal and of the decay of temperature
+    differences.
     """
-    flow = (GAMMA - 1.0) * passes.specific_heat * passes.temperature * passes.steepest / vessel.chamber.dead_volume
-    renewed = GAMMA * (abs(passes.flow) + passes.heat / passes.specific_heat) / state.mass
-    return flow, renewed + (passes.heat + vessel.wall.outer_conductance) / vessel.wall.heat_capacity
+    flow = (GAMMA - 1.0) * flows.specific_heat * flows.temperature * flows.steepest / vessel.chamber.dead_volume
+    renewed = GAMMA * (abs(flows.flow) + flows.heat / flows.specific_heat) / state.mass
+    return flow, renewed + (flows.heat + vessel.wall.outer_conductance) / vessel.wall.heat_capacity
 
 
-FLOW_STEP, STEP = 1.0, 0.3
-"""Longest steps over the shortest times in which flow next to equal pressures, and all else, would end a difference."""
-
-MOST_STEPS = 100_000  # between two samples; a candidate that needs more counts as diverged
+MAX_FLOW_STEP, MAX_HEAT_STEP = 1.0, 0.3  # longest steps times the bounds of both rates: pressure, and all else
+MAX_STEPS = 100_000  # between two samples; a candidate that needs more counts as diverged
 
 
-class Setup(NamedTuple):
-    """A vessel, what is outside where the log does not say, and its pressure (Pa) and temperature (K) at the start."""
+class VesselSetup(NamedTuple):
+    """Vessel, its outside where the log does not have it, and its pressure (Pa) and temperature (K) at the start."""
 
     vessel: Vessel
     outside: Outside
@@ -172,92 +170,91 @@ class Setup(NamedTuple):
     temperature: float
 
 
-class Course(NamedTuple):
-    """Signals that act on a vessel, by sample: (samples,) each."""
+class VesselInputs(NamedTuple):
+    """Input signals of a vessel, (samples,) each."""
 
-    time: Array  # s, growing
-    supply: Array  # absolute pressure beyond the path, Pa, linear in between; not a number: the pressure of `Outside`
+    time: Array  # s, increasing
+    supply: Array  # absolute pressure outside, Pa, linear in between; not a number: the pressure of `Outside`
     opening: Array  # of the path, 0..1; holds until the next sample
 
 
 @law
-def _beyond(outside, supply):
+def _outside_at(outside, supply):
     pressure = supply if supply == supply else outside.pressure  # noqa: PLR0124
     return Outside(pressure, outside.temperature, outside.ambient_pressure, outside.ambient_temperature)
 
 
 @law
-def _moved(state, rate, h):
+def _advance(state, rate, h):
     return Filling(
         state.energy + h * rate.energy, state.mass + h * rate.mass, state.wall_temperature + h * rate.wall_temperature
     )
 
 
 @law
-def _rates(gas, vessel, state, outside, opening):
-    return rates(vessel, state, outside, exchange(gas, vessel, state, outside, opening))
+def _exchange_rates(gas, vessel, state, outside, opening):
+    return state_rates(vessel, state, outside, compute_exchange(gas, vessel, state, outside, opening))
 
 
 @law
 def step_vessel(gas, vessel, state, k_1, middle, after, opening, h):
-    """State a step of h later; given the rates at its beginning, and what is outside in its middle and at its end."""
-    k_2 = _rates(gas, vessel, _moved(state, k_1, 0.5 * h), middle, opening)
-    k_3 = _rates(gas, vessel, _moved(state, k_2, 0.5 * h), middle, opening)
-    k_4 = _rates(gas, vessel, _moved(state, k_3, h), after, opening)
-    state = _moved(_moved(state, k_1, h / 6.0), k_4, h / 6.0)
-    return _moved(_moved(state, k_2, h / 3.0), k_3, h / 3.0)
+    """Return the state a step of h later, from the rates at its start and the outside at its middle and end."""
+    k_2 = _exchange_rates(gas, vessel, _advance(state, k_1, 0.5 * h), middle, opening)
+    k_3 = _exchange_rates(gas, vessel, _advance(state, k_2, 0.5 * h), middle, opening)
+    k_4 = _exchange_rates(gas, vessel, _advance(state, k_3, h), after, opening)
+    state = _advance(_advance(state, k_1, h / 6.0), k_4, h / 6.0)
+    return _advance(_advance(state, k_2, h / 3.0), k_3, h / 3.0)
 
 
 @law
-def steps_for(vessel, state, passes, time, refined):
-    """Number of steps in which to go through a time (s) at the rates of now; 0 if no number will do."""
-    flow, rest = fastest_rates(vessel, state, passes)
-    count = refined * time * (flow / FLOW_STEP + rest / STEP)
-    return int(count) + 1 if count < MOST_STEPS else 0
+def count_steps(vessel, state, flows, time, refined):
+    """Return the number of steps for a time (s) at the present rates; 0 if it exceeds `MAX_STEPS`."""
+    flow, rest = rate_bounds(vessel, state, flows)
+    count = refined * time * (flow / MAX_FLOW_STEP + rest / MAX_HEAT_STEP)
+    return int(count) + 1 if count < MAX_STEPS else 0
 
 
 @composition
-def cross(gas, vessel, usual, state, course, k, refined):
-    """State at sample k + 1, given that at sample k, and whether it came there; every step is as long as it may be."""
-    opening, time = course.opening[k], course.time[k + 1] - course.time[k]
-    first, rise = course.supply[k], course.supply[k + 1] - course.supply[k]
-    gone = 0.0
-    for _ in range(MOST_STEPS):
-        outside = _beyond(usual, first + gone * rise)
-        passes = exchange(gas, vessel, state, outside, opening)
-        left = steps_for(vessel, state, passes, (1.0 - gone) * time, refined)
-        if left == 0:
+def advance_sample(gas, vessel, default, state, inputs, k, refined):
+    """Return the state at sample k + 1 from that at k, and whether it was reached, by the longest allowed steps."""
+    opening, time = inputs.opening[k], inputs.time[k + 1] - inputs.time[k]
+    first, rise = inputs.supply[k], inputs.supply[k + 1] - inputs.supply[k]
+    done = 0.0
+    for _ in range(MAX_STEPS):
+        outside = _outside_at(default, first + done * rise)
+        flows = compute_exchange(gas, vessel, state, outside, opening)
+        steps = count_steps(vessel, state, flows, (1.0 - done) * time, refined)
+        if steps == 0:
             break
-        share = (1.0 - gone) / left
-        middle = _beyond(usual, first + (gone + 0.5 * share) * rise)
-        after = _beyond(usual, first + (gone + share) * rise)
-        k_1 = rates(vessel, state, outside, passes)
-        state = step_vessel(gas, vessel, state, k_1, middle, after, opening, share * time)
-        if left == 1:
+        fraction = (1.0 - done) / steps
+        middle = _outside_at(default, first + (done + 0.5 * fraction) * rise)
+        after = _outside_at(default, first + (done + fraction) * rise)
+        k_1 = state_rates(vessel, state, outside, flows)
+        state = step_vessel(gas, vessel, state, k_1, middle, after, opening, fraction * time)
+        if steps == 1:
             return state, True
-        gone += share
+        done += fraction
     return state, False
 
 
 @kernel
-def run_vessel(setup, gas, course, refined, out):
-    """Run a vessel from rest through a course.
+def run_vessel(setup, gas, inputs, refined, out):
+    """Simulate a vessel from rest through a log.
 
-    Args: `Setup`, a gas of gas.py, `Course`, by what to divide the default step (results are then nearer to the laws),
-    and room for pressure (Pa), temperatures of gas and wall (K) by sample, (samples, 3), left not a number from where
-    it diverged.
+    Args: `VesselSetup`, a gas of gas.py, `VesselInputs`, a divisor of the default step, and an array for pressure (Pa)
+    and temperatures of gas and wall (K) by sample, (samples, 3), not a number from where it diverged.
     """
     vessel, T, p_a = setup.vessel, setup.temperature, setup.outside.ambient_pressure
-    samples = len(course.time)
-    E, m = contents(gas, vessel.chamber, setup.pressure, T, p_a)
+    samples = len(inputs.time)
+    E, m = gas_contents(gas, vessel.chamber, setup.pressure, T, p_a)
     state = Filling(E, m, T)
     for k in range(samples):
-        p, T = state_of(gas, vessel.chamber, state.energy, state.mass, p_a)
+        p, T = gas_state(gas, vessel.chamber, state.energy, state.mass, p_a)
         if not (isfinite(p) and p >= 0.0 and T > 0.0):
             break
         out[k, 0], out[k, 1], out[k, 2] = p, T, state.wall_temperature
         if k == samples - 1:
             break
-        state, there = cross(gas, vessel, setup.outside, state, course, k, refined)
-        if not there:
+        state, reached = advance_sample(gas, vessel, setup.outside, state, inputs, k, refined)
+        if not reached:
             break

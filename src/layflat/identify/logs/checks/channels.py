@@ -1,4 +1,4 @@
-"""What a check finds in a log."""
+"""Channels of a log that is checked, the issues that checks find in them, and statistics of signals."""
 
 import json
 from collections.abc import Iterable, Sequence
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from layflat.arrays import Array, Dataset
 from layflat.errors import InputError
-from layflat.identify.logs.vocabulary import AMBIENT, SIGNALS, Signal, channel_name
+from layflat.identify.logs.vocabulary import AMBIENT, SIGNALS, LogSignal, channel_name
 from layflat.machine import Machine
 
 Severity = Literal["error", "warning", "note"]
@@ -21,74 +21,74 @@ SEVERITIES: tuple[Severity, ...] = ("error", "warning", "note")
 
 @dataclass(frozen=True)
 class Issue:
-    """A place in a log that is wrong, doubtful or worth knowing."""
+    """Problem in a log, or a note on it."""
 
-    severity: Severity  # "error" (no fit makes sense), "warning" (look at it) or "note"
+    severity: Severity  # "error" (no fit makes sense), "warning" (needs a look) or "note"
     channel: str  # signal and joint, such as "pressure_a.elbow"; "log" for the whole
-    text: str  # what was found, with values
-    right: str = ""  # what would be right, or follows
+    text: str  # problem, with values
+    right: str = ""  # advice, or consequence
 
 
-def ordered(issues: Iterable[Issue]) -> list[Issue]:
-    """The worst first; what is the same of several channels is said once."""
+def merge_issues(issues: Iterable[Issue]) -> list[Issue]:
+    """Return issues sorted by severity, the worst first; equal ones of several channels are merged."""
     together: dict[Issue, list[str]] = {}
     for issue in issues:
         together.setdefault(replace(issue, channel=""), []).append(issue.channel)
-    merged = [replace(issue, channel=several(channels)) for issue, channels in together.items()]
+    merged = [replace(issue, channel=name_several(channels)) for issue, channels in together.items()]
     return sorted(merged, key=lambda issue: SEVERITIES.index(issue.severity))
 
 
-def several(channels: Sequence[str]) -> str:
-    """Several channels in a few words."""
+def name_several(channels: Sequence[str]) -> str:
+    """Return the names of channels in a few words, such as "angle.elbow and 3 more"."""
     return " and ".join(channels) if len(channels) <= 2 else f"{channels[0]} and {len(channels) - 1} more"
 
 
-def refuse(issues: Sequence[Issue], where: str = "log") -> None:
-    """Stop at a log with errors: raise InputError with the first one, and how many there are."""
+def raise_first_error(issues: Sequence[Issue], where: str = "log") -> None:
+    """Raise InputError with the first error among issues, and the number of others; return if there is none."""
     errors = [issue for issue in issues if issue.severity == "error"]
     if errors:
         first, more = errors[0], len(errors) - 1
-        told = f" (and {more} more error{'s' if more > 1 else ''})" if more else ""
-        raise InputError(f"{first.text}{told}", where=f"{where}: {first.channel}", right=first.right)
+        others = f" (and {more} more error{'s' if more > 1 else ''})" if more else ""
+        raise InputError(f"{first.text}{others}", where=f"{where}: {first.channel}", right=first.right)
 
 
-TAIL = 0.5  # per cent of the samples at both ends that don't count for a range: single wild samples
+TAIL_PERCENT = 0.5  # per cent of the samples that are left out at each end of a range, as single ones may be wild
 
 
 @dataclass(frozen=True)
 class Channel:
-    """One signal of one joint, SI, NaN where there is no sample; and what the log's attributes say of its column."""
+    """Signal of one joint, SI, (samples,), NaN where there is no sample; and its entry in the log's attributes."""
 
     name: str
-    signal: Signal
+    signal: LogSignal
     joint: str | None
     values: Array
     source: dict[str, Any]
 
     @cached_property
-    def known(self) -> Array:
-        """The samples that there are."""
+    def samples(self) -> Array:
+        """Finite samples."""
         return self.values[np.isfinite(self.values)]
 
     @property
     def low(self) -> float:
-        """Low end of the range, single wild samples left out."""
-        return float(np.percentile(self.known, TAIL))
+        """Lower end of the range, single wild samples left out."""
+        return float(np.percentile(self.samples, TAIL_PERCENT))
 
     @property
     def high(self) -> float:
-        """High end of the range, single wild samples left out."""
-        return float(np.percentile(self.known, 100.0 - TAIL))
+        """Upper end of the range, single wild samples left out."""
+        return float(np.percentile(self.samples, 100.0 - TAIL_PERCENT))
 
-    def shown(self, value: float) -> str:
-        """A value with a unit that people read."""
-        unit, size = self.signal.shown
+    def format_value(self, value: float) -> str:
+        """Return a value (SI) as text with the signal's display unit."""
+        unit, size = self.signal.display_unit
         return f"{value / size:.3g} {unit}"
 
 
 @dataclass(frozen=True)
 class CheckedLog:
-    """A log, what its attributes say of its clocks, and what is known of where it was made."""
+    """Log with the attributes of its channels and clocks, and the machine that it was recorded on."""
 
     channels: dict[str, Channel]
     time: Array
@@ -96,46 +96,46 @@ class CheckedLog:
     joints: tuple[str, ...]
     clocks: list[dict[str, Any]]
     machine: Machine | None
-    notes: tuple[str, ...] = ()  # on how its file was read
+    notes: tuple[str, ...] = ()  # on the reading of its file
 
     @cached_property
     def filled(self) -> list[Channel]:
         """Channels with two samples or more."""
-        return [channel for channel in self.channels.values() if channel.known.size > 1]
+        return [channel for channel in self.channels.values() if channel.samples.size > 1]
 
-    def of(self, signal: str, joint: str | None = None) -> Channel | None:
-        """A channel with samples; None where there is none."""
+    def find_channel(self, signal: str, joint: str | None = None) -> Channel | None:
+        """Return the channel of a signal and joint; None where it has fewer than two samples."""
         return next((channel for channel in self.filled if channel.name == channel_name(signal, joint)), None)
 
     @property
     def ambient(self) -> float:
-        """Absolute, Pa."""
+        """Absolute ambient pressure, Pa: the machine's, else the log's, else a standard atmosphere."""
         if self.machine is not None:
             return self.machine.supply.ambient_pressure
-        told = [float(c.source["ambient"]) for c in self.channels.values() if "ambient" in c.source]
-        return told[0] if told else AMBIENT
+        ambients = [float(c.source["ambient"]) for c in self.channels.values() if "ambient" in c.source]
+        return ambients[0] if ambients else AMBIENT
 
     @property
     def supply_gauge(self) -> float | None:
-        """Pressure of the supply above ambient, Pa: the machine's, else the log's."""
+        """Gauge pressure of the supply, Pa: the machine's, else the median in the log; None where neither is known."""
         if self.machine is not None:
             return self.machine.supply.pressure_gauge
-        supply = self.of("supply")
-        gauge = float(np.median(supply.known)) - self.ambient if supply is not None else 0.0
+        supply = self.find_channel("supply")
+        gauge = float(np.median(supply.samples)) - self.ambient if supply is not None else 0.0
         return gauge if gauge > 0.0 else None
 
     def difference(self, joint: str | None) -> Array | None:
-        """Pressure of hose A less hose B, Pa, (samples,): from both, else as it was measured."""
-        a, b = self.of("pressure_a", joint), self.of("pressure_b", joint)
+        """Return the pressure of hose A less hose B, Pa, (samples,), from both or as measured; None without either."""
+        a, b = self.find_channel("pressure_a", joint), self.find_channel("pressure_b", joint)
         if a is not None and b is not None:
             return a.values - b.values
-        measured = self.of("measured_pressure", joint)
+        measured = self.find_channel("measured_pressure", joint)
         return measured.values if measured is not None else None
 
 
-def checked_log(log: Dataset, description: object | None) -> CheckedLog:
-    """Channels of a log with what its attributes and a description say."""
-    told = json.loads(log.attrs.get("log_columns", "{}"))
+def prepare_log(log: Dataset, description: object | None) -> CheckedLog:
+    """Return the channels of a log with its attributes, and the machine if the description is one."""
+    attributes = json.loads(log.attrs.get("log_columns", "{}"))
     joints = tuple(str(name) for name in log["joint"].values) if "joint" in log.coords else ()
     channels = {}
     for signal in SIGNALS.values():
@@ -147,10 +147,10 @@ def checked_log(log: Dataset, description: object | None) -> CheckedLog:
             columns = {name: values.isel(joint=i) for i, name in enumerate(joints)}
         for joint, column in columns.items():
             name = channel_name(signal.name, joint)
-            if told and name not in told:
+            if attributes and name not in attributes:
                 continue  # of another joint only
             numbers = np.asarray(column.values, dtype=np.float64)
-            channels[name] = Channel(name, signal, joint, numbers, told.get(name, {}))
+            channels[name] = Channel(name, signal, joint, numbers, attributes.get(name, {}))
     time = np.asarray(log["time"].values, dtype=np.float64)
     period = float(log.attrs.get("log_period", np.median(np.diff(time)) if time.size > 1 else 0.0))
     machine = description if isinstance(description, Machine) else None
@@ -158,38 +158,38 @@ def checked_log(log: Dataset, description: object | None) -> CheckedLog:
     return CheckedLog(channels, time, period, joints, json.loads(log.attrs.get("log_clocks", "[]")), machine, notes)
 
 
-def smoothed(values: Array, samples: int) -> Array:
-    """Moving average, (size - samples + 1,)."""
+def moving_average(values: Array, samples: int) -> Array:
+    """Return the moving average over some samples, (size - samples + 1,)."""
     return np.convolve(values, np.full(samples, 1.0 / samples), "valid") if samples > 1 else values
 
 
-def without_spikes(values: Array) -> Array:
-    """Every sample replaced by the median of itself and its neighbours.
+def median_filter(values: Array) -> Array:
+    """Return the median of every sample and its two neighbours, (samples,).
 
-    A steady rise or fall stays as it is, and single samples far off go: an element that slips would take a spike for
-    a motion to and fro, and forget where the motion reversed.
+    Monotonic parts stay as they are, and single spikes go: a slipping element would take a spike for a motion to and
+    fro, and forget where the motion reversed.
     """
     padded = np.concatenate([values[:1], values, values[-1:]])
     return np.asarray(np.median(np.stack([padded[:-2], padded[1:-1], padded[2:]]), axis=0))
 
 
-def noise(values: Array) -> float:
-    """Standard deviation of the noise of a signal that moves slowly beside its samples, from second differences."""
+def noise_deviation(values: Array) -> float:
+    """Return the standard deviation of a signal's noise, from second differences: the signal must be slow."""
     if values.size < 3:
         return 0.0
-    spread = np.median(np.abs(np.diff(values, 2))) * 1.4826 / np.sqrt(6.0)
-    return float(max(spread, quantum(values) / 2.0))
+    deviation = np.median(np.abs(np.diff(values, 2))) * 1.4826 / np.sqrt(6.0)
+    return float(max(deviation, smallest_step(values) / 2.0))
 
 
-def quantum(values: Array) -> float:
-    """The smallest step between samples: that of a converter, if there is one; rounding of the last digits is none."""
+def smallest_step(values: Array) -> float:
+    """Return the smallest step between samples, such as a converter's; 0 for none, rounding left out."""
     steps = np.abs(np.diff(values))
     steps = steps[steps > 1e-9 * max(float(np.abs(values).max(initial=0.0)), 1e-300)]
     return float(steps.min(initial=np.inf)) if steps.size else 0.0
 
 
-def runs(flags: NDArray[np.bool_]) -> list[tuple[int, int]]:
-    """First sample and length of each run of true flags."""
+def find_runs(flags: NDArray[np.bool_]) -> list[tuple[int, int]]:
+    """Return first sample and length of each run of true flags."""
     edges = np.diff(np.concatenate(([0], flags.astype(np.int8), [0])))
     firsts, ends = np.flatnonzero(edges == 1), np.flatnonzero(edges == -1)
     return [(int(first), int(end - first)) for first, end in zip(firsts, ends, strict=True)]

@@ -1,7 +1,7 @@
-"""Joints that are thrown to their stops, where a log ends for a fit.
+"""Joints that hit their stops, where a fit stops using a log.
 
-Where a joint goes from its stop hangs on the last digits of how it came, and what a stop does is not fitted: a search
-that has to explain a hard impact may end anywhere.
+The motion after an impact depends on the last digits of the motion before it, and stops are not fitted: a search that
+has to explain a hard impact may end anywhere.
 """
 
 from collections.abc import Iterator
@@ -9,45 +9,51 @@ from collections.abc import Iterator
 import numpy as np
 
 from layflat.arrays import Array
-from layflat.identify.logs.checks.channels import CheckedLog, Issue, without_spikes
+from layflat.identify.logs.checks.channels import CheckedLog, Issue, median_filter
 from layflat.machine import Machine
 
-HARD, BEFORE = 5.0, 4  # rad/s over so many samples: joints under control come to their stops slower, if at all
-RIGHT = "log it again, slower or over a smaller reach"
+IMPACT_SPEED = 5.0  # rad/s: joints under control come to their stops slower, if at all
+IMPACT_SAMPLES = 4  # over which that speed is measured
+IMPACT_ADVICE = "log it again, slower or over a smaller reach"
 
 
-def impact(machine: Machine, joint: str, angles: Array, period: float) -> int | None:
-    """First sample at which a joint comes to its stop at speed, or beyond its stroke to where its sensor ends.
+def find_impact(machine: Machine, joint: str, angles: Array, period: float) -> int | None:
+    """Return the index of the first sample at which a joint hits a stop at speed, or None.
+
+    An impact is a median-filtered angle beyond the mechanical stop, or beyond the sensor's range (but never inside the
+    working stroke), reached outwards faster than `IMPACT_SPEED` (rad/s) over `IMPACT_SAMPLES` samples.
 
     Args:
-        machine: that it is a joint of.
-        joint: its name.
-        angles: as measured, rad, (samples,); not numbers in gaps.
-        period: from sample to sample, s.
+        machine: machine with the joint.
+        joint: name of the joint.
+        angles: measured angles, rad, (samples,), NaN in gaps.
+        period: time between samples, s.
     """
-    known = np.isfinite(angles)
-    if not known.any():
+    finite = np.isfinite(angles)
+    if not finite.any():
         return None
     samples, stops, sensor = np.arange(len(angles)), machine.joints[joint].stops, machine.angle_sensor
     end = 0.5 * stops.mechanical_stroke
     if sensor is not None:
-        seen = 0.5 * sensor.range - sensor.range / 2**sensor.bits
-        end = min(end, max(seen, 0.5 * stops.working_stroke))
-    whole = without_spikes(np.interp(samples, samples[known], angles[known]))
-    outwards = np.sign(whole[BEFORE:]) * (whole[BEFORE:] - whole[:-BEFORE])
-    found = np.flatnonzero((np.abs(whole[BEFORE:]) > end) & (outwards > HARD * BEFORE * period))
-    return int(found[0]) + BEFORE if found.size else None
+        readable = 0.5 * sensor.range - sensor.range / 2**sensor.bits
+        end = min(end, max(readable, 0.5 * stops.working_stroke))
+    filtered = median_filter(np.interp(samples, samples[finite], angles[finite]))
+    outwards = np.sign(filtered[IMPACT_SAMPLES:]) * (filtered[IMPACT_SAMPLES:] - filtered[:-IMPACT_SAMPLES])
+    impacts = np.flatnonzero(
+        (np.abs(filtered[IMPACT_SAMPLES:]) > end) & (outwards > IMPACT_SPEED * IMPACT_SAMPLES * period)
+    )
+    return int(impacts[0]) + IMPACT_SAMPLES if impacts.size else None
 
 
-def issues(log: CheckedLog) -> Iterator[Issue]:
-    """Impacts, of a machine's joints."""
+def stop_issues(log: CheckedLog) -> Iterator[Issue]:
+    """Yield the first impact of each joint of a machine."""
     if log.machine is None:
         return
     for joint in log.machine.joints:
-        angle = log.of("angle", joint)
+        angle = log.find_channel("angle", joint)
         if angle is None:
             continue
-        first = impact(log.machine, joint, angle.values, log.period)
+        first = find_impact(log.machine, joint, angle.values, log.period)
         if first is not None:
             text = f"is thrown to its stop at {log.time[first]:.3g} s"
-            yield Issue("warning", angle.name, text, f"a fit goes no further: {RIGHT}")
+            yield Issue("warning", angle.name, text, f"a fit goes no further: {IMPACT_ADVICE}")

@@ -1,4 +1,4 @@
-"""Units that can not be: beyond stroke or supply, and the slip that explains it; gauge taken for absolute pressures."""
+"""Impossible ranges of signals, with the unit that explains them; and gauge pressures read as absolute."""
 
 from collections.abc import Callable, Iterator
 from math import pi
@@ -6,211 +6,243 @@ from math import pi
 import numpy as np
 
 from layflat.description import units as u
-from layflat.identify.logs.checks.channels import Channel, CheckedLog, Issue, Severity, runs
-from layflat.identify.logs.vocabulary import conversion
+from layflat.identify.logs.checks.channels import Channel, CheckedLog, Issue, Severity, find_runs
+from layflat.identify.logs.vocabulary import unit_conversion
 
-VENTED = 0.15  # share of ambient pressure about which vented air is found, with all errors of sensors
-CLOSE = 0.04  # the same for a level that lasts
-LEVEL = 1e3  # pressures so close together are one level, Pa
-LASTING = 0.1  # time that a level has to last, s
+VENTED_TOLERANCE = 0.15  # of vented air about ambient pressure, relative, with all errors of sensors
+LASTING_LEVEL_TOLERANCE = 0.04  # the same for a level that lasts, relative
+LEVEL_WIDTH = 1e3  # of one level, Pa
+MIN_LEVEL_TIME = 0.1  # that a level has to last, s
 
 
 def gauge_issues(log: CheckedLog) -> Iterator[Issue]:
-    """Absolute pressures that count from the wrong level."""
-    found = (counts_wrong(channel, log) for channel in log.filled if channel.signal.absolute)
-    yield from (issue for issue in found if issue is not None)
+    """Yield absolute pressures with a wrong zero: gauge read as absolute, or the reverse."""
+    issues = (zero_issue(channel, log) for channel in log.filled if channel.signal.absolute)
+    yield from (issue for issue in issues if issue is not None)
 
 
-def pressure_span(channel: Channel, log: CheckedLog) -> tuple[float, float]:
-    """Range of an absolute pressure above ambient, Pa."""
+def gauge_span(channel: Channel, log: CheckedLog) -> tuple[float, float]:
+    """Return lower and upper end of an absolute pressure's range above ambient, Pa."""
     return channel.low - log.ambient, channel.high - log.ambient
 
 
-def counts_wrong(channel: Channel, log: CheckedLog) -> Issue | None:
-    """Return a remark on a pressure that counts from the wrong level; None if it doesn't, or if nothing can be told."""
-    low, high = pressure_span(channel, log)
+def zero_issue(channel: Channel, log: CheckedLog) -> Issue | None:
+    """Return the issue of a pressure with a wrong zero; None if it is right, or can't be judged."""
+    low, high = gauge_span(channel, log)
     ambient = log.ambient
     supply = log.supply_gauge if channel.signal.name != "pressure" else None
     gauge = bool(channel.source.get("gauge", False))
-    most = 1.1 * supply if supply is not None else np.inf
-    enough = 0.25 * supply if supply is not None else 3e4
-    span = f"{channel.shown(channel.low)} to {channel.shown(channel.high)} absolute"
-    if not gauge and -1.1 * ambient < low < -VENTED * ambient and enough <= high + ambient <= most:
+    max_pressure = 1.1 * supply if supply is not None else np.inf
+    min_pressure = 0.25 * supply if supply is not None else 3e4
+    span = f"{channel.format_value(channel.low)} to {channel.format_value(channel.high)} absolute"
+    if (
+        not gauge
+        and -1.1 * ambient < low < -VENTED_TOLERANCE * ambient
+        and min_pressure <= high + ambient <= max_pressure
+    ):
         right = "it counts from ambient pressure: gauge = true would fit"
         return Issue("error", channel.name, f"{span}: below ambient", right)
     if not gauge:
-        return _at_supply(channel, supply, span, log.period)
+        return _supply_level_issue(channel, supply, span, log.period)
     right = "it is absolute already: gauge = false would fit"
-    if supply is not None and high > most and low - ambient > -VENTED * ambient and high - ambient <= 1.02 * supply:
-        beyond = f"{span} where the supply has {channel.shown(supply + ambient)}"
+    if (
+        supply is not None
+        and high > max_pressure
+        and low - ambient > -VENTED_TOLERANCE * ambient
+        and high - ambient <= 1.02 * supply
+    ):
+        beyond = f"{span} where the supply has {channel.format_value(supply + ambient)}"
         return Issue("error", channel.name, beyond, right)
-    twice = abs(channel.low - 2.0 * ambient) < CLOSE * ambient
-    if twice and _lasts(channel, channel.low, log.period) and high - low > 0.5 * ambient:
+    near_twice = abs(channel.low - 2.0 * ambient) < LASTING_LEVEL_TOLERANCE * ambient
+    if near_twice and _stays_at_level(channel, channel.low, log.period) and high - low > 0.5 * ambient:
         text = f"{span}; its lowest level is twice ambient pressure"
         return Issue("warning", channel.name, text, f"if that is vented air, {right}")
     return None
 
 
-def _lasts(channel: Channel, level: float, period: float) -> bool:
-    """Return whether a signal stays at a level for a while."""
-    longest = max((length for _, length in runs(np.abs(channel.values - level) < LEVEL)), default=0)
-    return longest >= 3 and longest * period >= LASTING
+def _stays_at_level(channel: Channel, level: float, period: float) -> bool:
+    """Return whether a signal stays at a level (Pa) for `MIN_LEVEL_TIME`."""
+    longest = max((length for _, length in find_runs(np.abs(channel.values - level) < LEVEL_WIDTH)), default=0)
+    return longest >= 3 and longest * period >= MIN_LEVEL_TIME
 
 
-def _at_supply(channel: Channel, supply: float | None, span: str, period: float) -> Issue | None:
-    """A pressure said to be absolute whose highest level lasts and is the supply's gauge pressure to the per cent."""
+def _supply_level_issue(channel: Channel, supply: float | None, span: str, period: float) -> Issue | None:
+    """Return the issue of an absolute pressure that lasts at the supply's gauge pressure; else None."""
     if supply is None or channel.signal.held or channel.name == "supply":
         return None
-    if abs(channel.high - supply) > 0.02 * supply or not _lasts(channel, channel.high, period):
+    if abs(channel.high - supply) > 0.02 * supply or not _stays_at_level(channel, channel.high, period):
         return None
     text = f"{span}; its highest level is the supply's gauge pressure"
     return Issue("warning", channel.name, text, "if that is full supply pressure, gauge = true would fit")
 
 
-BEYOND = 1.15  # share of a stroke or of full voltage that is no play any more
-BEYOND_SUPPLY = 1.1  # share of the supply's gauge pressure that no load and no noise explains
-LITTLE = 0.2  # share of the supply's gauge pressure below which pressures would be strangely low
-USUAL = (1.5e5, 1.2e6)  # highest gauge pressures that are usual in hoses, Pa, where the supply is not known
+MAX_RANGE_RATIO = 1.15  # of a range over the stroke or full voltage: more is no play
+MAX_SUPPLY_RATIO = 1.1  # of a pressure over the supply's gauge pressure: no load or noise explains more
+MIN_SUPPLY_RATIO = 0.2  # of the highest pressure over the supply's gauge pressure: less is strange
+USUAL_MAX_PRESSURES = (1.5e5, 1.2e6)  # limits of the highest gauge pressure in hoses, Pa, for an unknown supply
 
-KNOWN: dict[u.Quantity | None, dict[str, float]] = {
+CONFUSABLE_UNITS: dict[u.Quantity | None, dict[str, float]] = {
     u.PRESSURE: {"Pa": 1.0, "mbar": 100.0, "kPa": 1e3, "psi": 6894.757, "bar": 1e5, "MPa": 1e6},
     u.ANGLE: {"deg": pi / 180.0, "rad": 1.0, "mrad": 1e-3},
     u.VOLTAGE: {"mV": 1e-3, "V": 1.0},
     None: {"%": 0.01, "1": 1.0},
 }
-"""Units that get mixed up, by kind, in SI; of several that would fit the first is told."""
+"""Units that are often confused, by kind, and their size in SI; of several that fit the first is reported."""
 
-CHECK = "check unit and scale"
+UNIT_ADVICE = "check unit and scale"
 
 
 def unit_issues(log: CheckedLog) -> Iterator[Issue]:
-    """Ranges that are out of reason, with the unit or factor that would fit."""
+    """Yield signals with impossible ranges, with the unit or factor that would fit."""
     for channel in log.filled:
-        usual = _pressure if channel.signal.kind == u.PRESSURE else None
-        ask = ASKED.get(channel.signal.name, usual)
-        if ask is not None:
-            yield from ask(channel, log)
+        by_kind = _pressure_issues if channel.signal.kind == u.PRESSURE else None
+        check_range = RANGE_CHECKS.get(channel.signal.name, by_kind)
+        if check_range is not None:
+            yield from check_range(channel, log)
     for joint in log.joints or (None,):
-        yield from _demanded(joint, log)
+        yield from _demand_issues(joint, log)
 
 
-def _slipped(
+def _unit_slip(
     channel: Channel, text: str, fits: Callable[[float], bool], otherwise: str = "", *, severity: Severity = "error"
 ) -> Iterator[Issue]:
-    """An issue with the unit, instead of that of the mapping, with which `fits(factor)` holds; else with `otherwise`.
+    """Yield an issue that advises the unit that fits in place of the mapping's; else the advice `otherwise`, if any.
 
-    Where there is nothing else to say, there is no issue.
+    Args:
+        channel: channel with the impossible range.
+        text: text of the issue.
+        fits: returns whether values multiplied by a factor are possible.
+        otherwise: advice where no unit fits; without it there is no issue then.
+        severity: severity of the issue.
     """
     unit = str(channel.source.get("unit", channel.signal.unit))
-    own = conversion(unit, channel.signal)[0]
-    factors = {other: value / own for other, value in KNOWN.get(channel.signal.kind, {}).items()}
-    found = [other for other, factor in factors.items() if abs(factor - 1.0) > 1e-6 and fits(factor)]
-    if found:
-        otherwise = f'unit = "{found[0]}" instead of "{unit}" would fit (factor {factors[found[0]]:.4g})'
+    stated_size = unit_conversion(unit, channel.signal)[0]
+    factors = {other: value / stated_size for other, value in CONFUSABLE_UNITS.get(channel.signal.kind, {}).items()}
+    fitting = [other for other, factor in factors.items() if abs(factor - 1.0) > 1e-6 and fits(factor)]
+    if fitting:
+        otherwise = f'unit = "{fitting[0]}" instead of "{unit}" would fit (factor {factors[fitting[0]]:.4g})'
     if otherwise:
         yield Issue(severity, channel.name, text, otherwise)
 
 
-def _between(value: float, above: float, most: float) -> Callable[[float], bool]:
-    return lambda factor: above < factor * value <= most
+def _fits_between(value: float, lowest: float, highest: float) -> Callable[[float], bool]:
+    """Return a test whether value x factor lies above `lowest` and not above `highest`."""
+    return lambda factor: lowest < factor * value <= highest
 
 
-def _angle(channel: Channel, log: CheckedLog) -> Iterator[Issue]:
+def _angle_issues(channel: Channel, log: CheckedLog) -> Iterator[Issue]:
+    """Yield angles beyond the stroke, or beyond one rotation, and angles too small for their pressures."""
     low, high = channel.low, channel.high
-    span, most = high - low, max(-low, high)
+    span, greatest = high - low, max(-low, high)
     joint = log.machine.joints.get(str(channel.joint)) if log.machine is not None else None
-    text = f"{channel.shown(low)} to {channel.shown(high)}"
+    text = f"{channel.format_value(low)} to {channel.format_value(high)}"
     if joint is None:
-        if most > 2.1 * pi:
-            yield from _slipped(channel, f"{text}: more than a turn", _between(most, 0.05, 2.1 * pi), CHECK)
+        if greatest > 2.1 * pi:
+            yield from _unit_slip(
+                channel, f"{text}: more than a turn", _fits_between(greatest, 0.05, 2.1 * pi), UNIT_ADVICE
+            )
         return
     stroke = joint.stops.mechanical_stroke
-    beyond = f"{text} where the joint has a stroke of {channel.shown(stroke)}"
-    if span > BEYOND * stroke:
-        yield from _slipped(channel, beyond, _between(span, 0.02 * stroke, BEYOND * stroke), CHECK)
-    elif most > BEYOND * stroke / 2.0:
-        middle = f"zero is the middle of the stroke: set offset (the log's middle is {channel.shown((low + high) / 2)})"
+    beyond = f"{text} where the joint has a stroke of {channel.format_value(stroke)}"
+    if span > MAX_RANGE_RATIO * stroke:
+        yield from _unit_slip(
+            channel, beyond, _fits_between(span, 0.02 * stroke, MAX_RANGE_RATIO * stroke), UNIT_ADVICE
+        )
+    elif greatest > MAX_RANGE_RATIO * stroke / 2.0:
+        centre = channel.format_value((low + high) / 2)
+        middle = f"zero is the middle of the stroke: set offset (the log's middle is {centre})"
         yield Issue("error", channel.name, beyond, middle)
-    elif _strains(channel, log):
-        fits = _between(span, max(0.1 * stroke, 20.0 * span), BEYOND * stroke)
-        yield from _slipped(channel, f"{text} though the pressures move much", fits, severity="warning")
+    elif _is_loaded(channel, log):
+        fits = _fits_between(span, max(0.1 * stroke, 20.0 * span), MAX_RANGE_RATIO * stroke)
+        yield from _unit_slip(channel, f"{text} though the pressures move much", fits, severity="warning")
 
 
-def _strains(channel: Channel, log: CheckedLog) -> bool:
-    """Return whether the pressure difference of a joint swings by more than a little."""
+def _is_loaded(channel: Channel, log: CheckedLog) -> bool:
+    """Return whether the pressure difference of a joint varies by more than `MIN_SUPPLY_RATIO` of the supply."""
     difference, supply = log.difference(channel.joint), log.supply_gauge
     if difference is None or supply is None:
         return False
-    return bool(np.nanpercentile(difference, 99.0) - np.nanpercentile(difference, 1.0) > LITTLE * supply)
+    return bool(np.nanpercentile(difference, 99.0) - np.nanpercentile(difference, 1.0) > MIN_SUPPLY_RATIO * supply)
 
 
-def _pressure(channel: Channel, log: CheckedLog) -> Iterator[Issue]:
+def _pressure_issues(channel: Channel, log: CheckedLog) -> Iterator[Issue]:
+    """Yield pressures below vacuum or ambient, above the supply, or too small."""
     if not channel.signal.absolute:
-        yield from _difference(channel, log)
+        yield from _difference_issues(channel, log)
         return
-    if counts_wrong(channel, log) is not None:
+    if zero_issue(channel, log) is not None:
         return  # a matter of gauge and absolute, not of the unit
-    low, high = pressure_span(channel, log)
+    low, high = gauge_span(channel, log)
     supply = log.supply_gauge if channel.signal.name != "pressure" else None
     ambient, gauge, hose = log.ambient, bool(channel.source.get("gauge", False)), channel.signal.by_joint
 
-    def fits(factor: float) -> bool:
-        least, most = (factor * end if gauge else factor * (end + ambient) - ambient for end in (low, high))
-        few, top = (0.3 * supply, BEYOND_SUPPLY * supply) if supply is not None else USUAL
-        return least > -0.15 * ambient and few <= most <= top
+    def is_possible(factor: float) -> bool:
+        lowest, highest = (factor * end if gauge else factor * (end + ambient) - ambient for end in (low, high))
+        min_highest, max_highest = (
+            (0.3 * supply, MAX_SUPPLY_RATIO * supply) if supply is not None else USUAL_MAX_PRESSURES
+        )
+        return lowest > -0.15 * ambient and min_highest <= highest <= max_highest
 
-    text = f"{channel.shown(low + ambient)} to {channel.shown(high + ambient)} absolute"
+    text = f"{channel.format_value(low + ambient)} to {channel.format_value(high + ambient)} absolute"
     if low < -ambient - 2e3:
-        yield from _slipped(channel, f"{text}: below vacuum", fits, "check sign, unit and offset")
+        yield from _unit_slip(channel, f"{text}: below vacuum", is_possible, "check sign, unit and offset")
     elif low < -0.15 * ambient and hose:
-        yield from _slipped(channel, f"{text}: below ambient", fits, "check unit, offset and gauge")
-    elif supply is not None and high > BEYOND_SUPPLY * supply:
-        yield from _slipped(channel, f"{text} where the supply has {channel.shown(supply + ambient)}", fits, CHECK)
-    elif supply is not None and high < LITTLE * supply:
+        yield from _unit_slip(channel, f"{text}: below ambient", is_possible, "check unit, offset and gauge")
+    elif supply is not None and high > MAX_SUPPLY_RATIO * supply:
+        yield from _unit_slip(
+            channel, f"{text} where the supply has {channel.format_value(supply + ambient)}", is_possible, UNIT_ADVICE
+        )
+    elif supply is not None and high < MIN_SUPPLY_RATIO * supply:
         little = f"{text}: hardly anything of the supply's pressure"
-        yield from _slipped(channel, little, fits, severity="warning")
+        yield from _unit_slip(channel, little, is_possible, severity="warning")
     elif supply is None and hose and not 1e4 < high < 2e6:
-        yield from _slipped(channel, f"{text}: strange for a hose", fits, severity="warning")
+        yield from _unit_slip(channel, f"{text}: strange for a hose", is_possible, severity="warning")
 
 
-def _difference(channel: Channel, log: CheckedLog) -> Iterator[Issue]:
-    supply, most = log.supply_gauge, max(-channel.low, channel.high)
+def _difference_issues(channel: Channel, log: CheckedLog) -> Iterator[Issue]:
+    """Yield differential pressures above the supply's gauge pressure, or below 1 % of it."""
+    supply, greatest = log.supply_gauge, max(-channel.low, channel.high)
     if supply is None:
         return
-    text = f"reaches {channel.shown(most)} where the supply has {channel.shown(supply)} above ambient"
-    if most > BEYOND_SUPPLY * supply:
-        yield from _slipped(channel, text, _between(most, 0.05 * supply, BEYOND_SUPPLY * supply), CHECK)
-    elif most < 0.01 * supply:
-        fits = _between(most, 0.1 * supply, BEYOND_SUPPLY * supply)
-        yield from _slipped(channel, text, fits, severity="warning")
+    text = f"reaches {channel.format_value(greatest)} where the supply has {channel.format_value(supply)} above ambient"
+    if greatest > MAX_SUPPLY_RATIO * supply:
+        yield from _unit_slip(
+            channel, text, _fits_between(greatest, 0.05 * supply, MAX_SUPPLY_RATIO * supply), UNIT_ADVICE
+        )
+    elif greatest < 0.01 * supply:
+        fits = _fits_between(greatest, 0.1 * supply, MAX_SUPPLY_RATIO * supply)
+        yield from _unit_slip(channel, text, fits, severity="warning")
 
 
-def _voltage(channel: Channel, log: CheckedLog) -> Iterator[Issue]:
+def _voltage_issues(channel: Channel, log: CheckedLog) -> Iterator[Issue]:
+    """Yield voltages beyond twice the valve's range, or with a median far from its centre."""
     if log.machine is None or log.machine.valve is None:
         return
     centre, full = log.machine.valve.centre_voltage, log.machine.valve.volts_to_full
-    low, high, median = channel.low, channel.high, float(np.median(channel.known))
-    reach = BEYOND * full
+    low, high, median = channel.low, channel.high, float(np.median(channel.samples))
+    reach = MAX_RANGE_RATIO * full
     text = f"{low:.3g} V to {high:.3g} V where the valve takes {centre - full:g} V to {centre + full:g} V"
     if low < centre - 2.0 * full or high > centre + 2.0 * full:
         otherwise = "check unit, scale and offset"
-        yield from _slipped(
+        yield from _unit_slip(
             channel, text, lambda f: centre - reach <= f * low and f * high <= centre + reach, otherwise
         )
     elif abs(median - centre) > 0.6 * full:
         right = f"at rest a valve has its centre, {centre:g} V: check unit and offset"
         text = f"{text}; its median is {median:.3g} V"
-        yield from _slipped(channel, text, lambda f: abs(f * median - centre) < 0.2 * full, right, severity="warning")
+        yield from _unit_slip(channel, text, lambda f: abs(f * median - centre) < 0.2 * full, right, severity="warning")
 
 
-def _share(channel: Channel, _: CheckedLog) -> Iterator[Issue]:
+def _fraction_issues(channel: Channel, _: CheckedLog) -> Iterator[Issue]:
+    """Yield fractions outside 0 to 1."""
     low, high = channel.low, channel.high
     if low < -0.05 or high > 1.05:
         text, otherwise = f"{low:.3g} to {high:.3g}", "a share lies from 0 to 1"
-        yield from _slipped(channel, text, lambda f: low >= 0.0 and f * high <= 1.05, otherwise)
+        yield from _unit_slip(channel, text, lambda f: low >= 0.0 and f * high <= 1.05, otherwise)
 
 
-def _temperature(channel: Channel, _: CheckedLog) -> Iterator[Issue]:
+def _temperature_issues(channel: Channel, _: CheckedLog) -> Iterator[Issue]:
+    """Yield temperatures that are in the wrong one of K and degC."""
     text = f"{channel.low:.4g} K to {channel.high:.4g} K"
     if channel.low < 60.0:
         yield Issue("error", channel.name, text, 'no gas is so cold: unit = "degC" would add 273.15 K')
@@ -218,9 +250,9 @@ def _temperature(channel: Channel, _: CheckedLog) -> Iterator[Issue]:
         yield Issue("error", channel.name, text, 'no hose is so hot: unit = "K" would take 273.15 K away')
 
 
-def _demanded(joint: str | None, log: CheckedLog) -> Iterator[Issue]:
-    """An angle that follows its demand, but in another unit."""
-    angle, demand = log.of("angle", joint), log.of("demand", joint)
+def _demand_issues(joint: str | None, log: CheckedLog) -> Iterator[Issue]:
+    """Yield an angle that follows its demand in another unit."""
+    angle, demand = log.find_channel("angle", joint), log.find_channel("demand", joint)
     if angle is None or demand is None:
         return
     both = np.isfinite(angle.values) & np.isfinite(demand.values)
@@ -233,5 +265,11 @@ def _demanded(joint: str | None, log: CheckedLog) -> Iterator[Issue]:
         yield Issue("error", angle.name, text, "one of them is in deg and the other in rad: check both units")
 
 
-ASKED = {"angle": _angle, "demand": _angle, "voltage": _voltage, "temperature": _temperature, "brake": _share}
-"""By signal; pressures of all kinds are asked the same."""
+RANGE_CHECKS = {
+    "angle": _angle_issues,
+    "demand": _angle_issues,
+    "voltage": _voltage_issues,
+    "temperature": _temperature_issues,
+    "brake": _fraction_issues,
+}
+"""Check of the range by signal; pressures of all kinds have `_pressure_issues`."""

@@ -13,7 +13,7 @@ from layflat.jit import law
 
 
 class Vector(NamedTuple):
-    """Components along three axes."""
+    """Vector by its components along three axes."""
 
     x: float
     y: float
@@ -21,7 +21,7 @@ class Vector(NamedTuple):
 
 
 class Axes(NamedTuple):
-    """A rotation: unit vectors of a frame, as the frame around it has them."""
+    """Axes of a frame: its unit vectors in the parent frame (the columns of its rotation matrix)."""
 
     x: Vector
     y: Vector
@@ -39,8 +39,8 @@ class Symmetric(NamedTuple):
     yz: float
 
 
-class Mass(NamedTuple):
-    """A rigid body about the origin of its frame."""
+class RigidBody(NamedTuple):
+    """Mass, first moment and inertia of a rigid body about the origin of its frame."""
 
     m: float
     h: Vector
@@ -48,14 +48,14 @@ class Mass(NamedTuple):
 
 
 @law
-def plus(a, b):
+def add_vectors(a, b):
     """Return a + b."""
     return Vector(a.x + b.x, a.y + b.y, a.z + b.z)
 
 
 @law
-def scaled(s, a):
-    """Return a, s times as long."""
+def scale_vector(s, a):
+    """Return s a."""
     return Vector(s * a.x, s * a.y, s * a.z)
 
 
@@ -72,8 +72,8 @@ def cross(a, b):
 
 
 @law
-def outward(axes, a):
-    """Return a vector, given in a frame with these axes, as the frame around has it."""
+def to_parent_frame(axes, a):
+    """Return a vector of a frame with these axes in the coordinates of the parent frame."""
     return Vector(
         axes.x.x * a.x + axes.y.x * a.y + axes.z.x * a.z,
         axes.x.y * a.x + axes.y.y * a.y + axes.z.y * a.z,
@@ -82,41 +82,48 @@ def outward(axes, a):
 
 
 @law
-def transposed(axes):
-    """Return the axes of the frame around, as a frame with these axes has them."""
+def transpose_axes(axes):
+    """Return the axes of the parent frame in a frame with these axes: the inverse rotation."""
     return Axes(
         Vector(axes.x.x, axes.y.x, axes.z.x), Vector(axes.x.y, axes.y.y, axes.z.y), Vector(axes.x.z, axes.y.z, axes.z.z)
     )
 
 
 @law
-def within(axes, other):
-    """Return axes that are given in a frame with these axes, as the frame around has them."""
-    return Axes(outward(axes, other.x), outward(axes, other.y), outward(axes, other.z))
+def compose_axes(axes, other):
+    """Return axes of a frame inside a frame with these axes, in the parent frame."""
+    return Axes(to_parent_frame(axes, other.x), to_parent_frame(axes, other.y), to_parent_frame(axes, other.z))
 
 
 @law
-def turned(axes, sin, cos):
-    """Return axes turned about their z by an angle with this sine and cosine."""
+def turn_about_z(axes, sin, cos):
+    """Return axes rotated about their z by an angle with this sine and cosine."""
     x, y = axes.x, axes.y
-    return Axes(plus(scaled(cos, x), scaled(sin, y)), plus(scaled(-sin, x), scaled(cos, y)), axes.z)
+    return Axes(
+        add_vectors(scale_vector(cos, x), scale_vector(sin, y)),
+        add_vectors(scale_vector(-sin, x), scale_vector(cos, y)),
+        axes.z,
+    )
 
 
 @law
-def applied(J, a):
-    """Return J a."""
+def apply_inertia(J, a):
+    """Return the product J a of a symmetric matrix and a vector."""
     return Vector(
         J.xx * a.x + J.xy * a.y + J.xz * a.z, J.xy * a.x + J.yy * a.y + J.yz * a.z, J.xz * a.x + J.yz * a.y + J.zz * a.z
     )
 
 
 @law
-def _seen(J, axes):
-    # R J R^T, where the columns x, y, z of R are the axes. As x x^T + y y^T + z z^T = 1, it is what z has for all
-    # directions, and x u^T + u x^T + y v^T + v y^T besides: three quarters of the products.
+def _rotate_inertia(J, axes):
+    """Return R J R^T, kg m2, where the columns x, y, z of the rotation R are the axes.
+
+    As x x^T + y y^T + z z^T = 1, it is J.zz times the identity, plus x u^T + u x^T + y v^T + v y^T: three quarters of
+    the products.
+    """
     x, y, z = axes.x, axes.y, axes.z
-    u = plus(plus(scaled(0.5 * (J.xx - J.zz), x), scaled(J.xy, y)), scaled(J.xz, z))
-    v = plus(scaled(0.5 * (J.yy - J.zz), y), scaled(J.yz, z))
+    u = add_vectors(add_vectors(scale_vector(0.5 * (J.xx - J.zz), x), scale_vector(J.xy, y)), scale_vector(J.xz, z))
+    v = add_vectors(scale_vector(0.5 * (J.yy - J.zz), y), scale_vector(J.yz, z))
     return Symmetric(
         J.zz + 2.0 * (x.x * u.x + y.x * v.x),
         J.zz + 2.0 * (x.y * u.y + y.y * v.y),
@@ -128,8 +135,8 @@ def _seen(J, axes):
 
 
 @law
-def _shifted(J, p, k):
-    # J about a point from which the body's own origin is p away; k = h + m p / 2.
+def _shift_inertia(J, p, k):
+    """Return the inertia J (kg m2) about a point from which the body's origin is p away, m; k = h + m p / 2."""
     px, py, pz = p.x, p.y, p.z
     x, y, z = px * k.x, py * k.y, pz * k.z
     return Symmetric(
@@ -143,21 +150,21 @@ def _shifted(J, p, k):
 
 
 @law
-def seen_from(body, axes, p):
-    """Return a body about another origin: its own frame has these axes there, and lies p away."""
-    m, h = body.m, outward(axes, body.h)
-    half = plus(h, scaled(0.5 * m, p))
-    return Mass(m, plus(h, scaled(m, p)), _shifted(_seen(body.J, axes), p, half))
+def transform_body(body, axes, p):
+    """Return a body in another frame, in which its own frame has these axes and the origin p."""
+    m, h = body.m, to_parent_frame(axes, body.h)
+    half = add_vectors(h, scale_vector(0.5 * m, p))
+    return RigidBody(m, add_vectors(h, scale_vector(m, p)), _shift_inertia(_rotate_inertia(body.J, axes), p, half))
 
 
 @law
-def with_point(body, m, at):
-    """Return a body with a point of mass m at a place."""
+def add_point_mass(body, m, at):
+    """Return a body with a point mass m added at a position."""
     x, y, z = at.x * at.x, at.y * at.y, at.z * at.z
     J = body.J
-    return Mass(
+    return RigidBody(
         body.m + m,
-        plus(body.h, scaled(m, at)),
+        add_vectors(body.h, scale_vector(m, at)),
         Symmetric(
             J.xx + m * (y + z),
             J.yy + m * (x + z),
@@ -170,11 +177,11 @@ def with_point(body, m, at):
 
 
 @law
-def together(a, b):
-    """Return two bodies as one."""
+def merge_bodies(a, b):
+    """Return two bodies of one frame merged into one."""
     A, B = a.J, b.J
-    return Mass(
+    return RigidBody(
         a.m + b.m,
-        plus(a.h, b.h),
+        add_vectors(a.h, b.h),
         Symmetric(A.xx + B.xx, A.yy + B.yy, A.zz + B.zz, A.xy + B.xy, A.xz + B.xz, A.yz + B.yz),
     )

@@ -1,0 +1,37 @@
+"""Public names of a package that are imported when they are first used."""
+
+from collections.abc import Callable, Mapping
+from importlib import import_module
+from typing import Any
+
+
+def lazy_getattr(package: str, homes: Mapping[str, str]) -> Callable[[str], Any]:
+    """Return a `__getattr__` for a package, which imports the home of a name.
+
+    Args:
+        package: its name.
+        homes: "module:name" of each public name, or the module alone where that is what the name stands for.
+
+    Returns:
+        A function that raises AttributeError, with the nearest names, for any other name.
+    """
+
+    def find(name: str) -> Any:
+        if name in homes:
+            module, _, attribute = homes[name].partition(":")
+            home = import_module(module)
+            return getattr(home, attribute) if attribute else home
+        if name.startswith("__"):
+            raise AttributeError(f"module {package!r} has no attribute {name!r}")
+        raise AttributeError(_unknown_name(package, name, homes))
+
+    return find
+
+
+def _unknown_name(package: str, name: str, homes: Mapping[str, str]) -> str:
+    from difflib import get_close_matches  # noqa: PLC0415  # for the message alone
+
+    folded = {public.lower(): public for public in homes}
+    near = [folded[match] for match in get_close_matches(name.lower(), folded, n=3, cutoff=0.5)]
+    advice = f"did you mean {' or '.join(near)}?" if near else f"it offers {', '.join(sorted(homes))}"
+    return f"module {package!r} has no attribute {name!r}; {advice}"
