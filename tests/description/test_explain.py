@@ -84,7 +84,7 @@ CASES: list[tuple[dict[str, Any], str]] = [
     ({"on": {}}, "f.toml: on: {} is not true or false"),
     ({"way": "lef"}, "f.toml: way: 'lef' is not known; did you mean 'left'?"),
     ({"way": 3}, "f.toml: way: 3 is not known; give 'left' or 'right'"),
-    ({"code": "A"}, "f.toml: code: 'A' is not such a text; it must match ^[a-z]+$"),
+    ({"code": "A"}, "f.toml: code: 'A' has the wrong form; it must match ^[a-z]+$"),
     ({"code": "abcd"}, "f.toml: code: has 4 characters; give at most 3"),
     ({"items": []}, "f.toml: items: has 0 values; give at least 1"),
     ({"items": [1, 2, 3]}, "f.toml: items: has 3 values; give at most 2"),

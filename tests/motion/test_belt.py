@@ -104,7 +104,7 @@ def test_a_target_that_turns_before_the_border_is_not_left() -> None:
 @pytest.mark.parametrize(
     ("speeds", "expected"),
     [
-        ([(0.0, 0.3)], r"goes on with 0.3 m/s; give speeds such as"),
+        ([(0.0, 0.3)], r"ends with 0.3 m/s, not at rest; give speeds such as"),
         ([(0.0, 0.0)], "does not move"),
         ([], "does not move"),
         ([(0.0, 0.3), (0.1, 0.0)], r"begins to change its speed at 0.1 s, while it changes until 0.15 s; give a later"),

@@ -95,9 +95,9 @@ def test_a_machine_follows_it(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "expected"),
     [
-        ("", r"has other columns; give 'time \[s\]', 'demand.small \[deg\]'"),
+        ("", r"does not have the time first, then each demand once; give 'time \[s\]', 'demand.small \[deg\]'"),
         ("time [s],demand.large [deg]\n0,1\n1,2\n", r"column 'demand.large \[deg\]' of no joint .*demand.small"),
-        ("time [s]\n0\n1\n", r"has other columns; give .*demand.small"),
+        ("time [s]\n0\n1\n", r"does not have the time first, .*; give .*demand.small"),
         (HEADER + "0,0\n", r"holds one row of numbers; give two or more"),
         (HEADER + "0,0\n1,\n", r"line 3: is not a row of numbers; give 2"),
         (HEADER + "0,0\n1,2,3\n", r"line 3: is not a row of numbers; give 2"),

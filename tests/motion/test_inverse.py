@@ -190,7 +190,7 @@ def test_what_is_offered_instead_is_accepted(arm: Machine) -> None:
 def test_a_singular_posture_is_told_with_a_place_beside_it() -> None:
     inverse, straight = InverseKinematics(STRETCHED), np.radians([20.0, 0.0])
     with pytest.raises(
-        InputError, match=r"in a singular configuration, such as stretched; the nearest place beside it"
+        InputError, match=r"in a singular configuration, such as stretched; the nearest regular position"
     ) as caught:
         inverse.compute_configuration(tip_position(STRETCHED, straight), straight, "--tip")
     _, _, x, y, apart = (float(text) for text in re.findall(r"(?:= |, )(-?[\d.]+) mm", str(caught.value)))

@@ -130,7 +130,7 @@ def test_arcs_in_space_go_through_their_points() -> None:
             PICKING,
             START,
             (0.0, 0.0, -1.0),
-            r"stroke of \+-60 deg; its end is \d+.\d mm out of reach: the nearest place is x =",
+            r"stroke of \+-60 deg; its end is \d+.\d mm out of reach: the nearest reachable position is x =",
         ),
         (SEVEN, at, (1.5, 0.0, 0.0), r"leaves its stroke of \+-60 deg.*; its end is"),
     ],

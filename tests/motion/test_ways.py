@@ -101,8 +101,8 @@ def test_the_border_is_where_the_reach_ends(first: float, second: float, directi
     ("machine", "start", "end", "expected"),
     [
         (ARM, (0, 0), (1.0, 1.0), r"reach 0.\d+ m along its 0.8\d+ m, at x = \d+ mm, .* where joint 'small' leaves"),
-        (ARM, (0, 0), (-0.1, -0.1), r"where joint 'small' leaves its stroke of \+-60 deg; give a way within it"),
-        (STRETCHED, (0, 40), (0.9, 0.5), r"where the elbow is stretched or folded; give a way that bends it"),
+        (ARM, (0, 0), (-0.1, -0.1), r"where joint 'small' leaves its stroke of \+-60 deg; give a path within it"),
+        (STRETCHED, (0, 40), (0.9, 0.5), r"where the elbow is stretched or folded; give a path that bends it"),
         (STRETCHED, (-55, 20), (0.1, 0.76), r"only the other elbow gets there|stretched"),
         (STRETCHED, (0, 0), (0.5, 0.5), r"begins with a stretched or folded elbow; move the joints first"),
         (SMALL, (0,), (0.1, 0.1), r"needs two joints, paper-small-joint-fast has one; give angles"),

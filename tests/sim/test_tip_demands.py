@@ -70,10 +70,10 @@ def test_a_tip_that_moves_all_the_time_is_followed() -> None:
         (
             PICKING,
             {"tip": ["2 m", "0 m", "0 m"]},
-            r"^tip: x = 2000.0 mm, .* mm out of the arm's reach; the nearest place",
+            r"^tip: x = 2000.0 mm, .* mm out of the arm's reach; the nearest reachable position",
         ),
         (PICKING, {"tip": ["2 m", "0 m"]}, r"^tip: has 2 values; give 3: x, y, z"),
-        (PICKING, {"tip": "600 mm"}, r"^tip: '600 mm' is not a place; give x, y, z"),
+        (PICKING, {"tip": "600 mm"}, r"^tip: '600 mm' is not a position; give x, y, z"),
         (PLANAR, {"tip": {"x": "0.6 m", "y": "0 m", "z": "0 m"}}, r"^tip: unknown axis 'z'; axes are x, y$"),
         (PLANAR, {"tip": ["0.5 m", "30 deg"]}, r"^tip: '30 deg' is not a length"),
         (

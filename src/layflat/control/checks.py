@@ -153,7 +153,7 @@ class PlainWake:
     clock: CycleClock = field(compare=False)
 
     def __call__(self, settings: Any, sensed: Any) -> Any:
-        """Call the function and return the memory; raise KindError if it fails or returns an invalid one."""
+        """Call the function, reset the clock, and return the memory; raise KindError if it fails or that is invalid."""
         with naming_law(f"control law {self.kind!r}", "wake", self.function):
             memory = self.function(settings, sensed)
             check_memory(memory)
@@ -171,7 +171,7 @@ class PlainStep:
     clock: CycleClock = field(compare=False)
 
     def __call__(self, settings: Any, memory: Any, sensed: Any, demand: Any, elapsed: float) -> Any:
-        """Call the function for one cycle.
+        """Call the function for one cycle, and advance the clock by `elapsed`.
 
         Args:
             settings: settings of the law.
@@ -203,7 +203,7 @@ def find_flaw(kind: Any, settings: Any, cycles: Iterable[tuple[Sensed, Demand]],
         cycle: control cycle, s.
 
     Returns:
-        Kind, file, line, time and value in one line; empty if all values are valid.
+        Kind, file, line, time and value in one line; empty if all are valid, or if arithmetic fails in plain Python.
     """
     clock = CycleClock()
     wake, step = PlainWake(kind.name, kind.wake, clock), PlainStep(kind.name, kind.step, kind.report, clock)

@@ -77,7 +77,7 @@ class ControlKind(Kind):
     the arm; runs and rigs report it. None for a law that never does."""
 
     def __post_init__(self) -> None:
-        """Check the report's signals, and wrap laws in plain Python so that every cycle is checked."""
+        """Wrap laws in plain Python so that every cycle is checked; raise KindError if report and signals disagree."""
         super().__post_init__()
         try:
             checks.check_report(self.report, self.signals)

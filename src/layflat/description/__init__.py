@@ -58,7 +58,7 @@ class DescribedFile(Part):
         return self._provenance
 
     def note_given(self, paths: Collection[str]) -> None:
-        """Set the source of the values at and below some paths to "given": what their file says holds no more."""
+        """Set the source of the values at and below some dotted paths to "given", in place; of an item, of its list."""
         given = {path.rpartition(".")[0] if path.rpartition(".")[2].isdigit() else path for path in paths}
         kept = {key: source for key, source in self._provenance.items() if not given & set(_path_and_parents(key))}
         self._provenance = kept | dict.fromkeys(given, Provenance())

@@ -48,7 +48,7 @@ def changed(described: Described, path: str, value: Any) -> Described:
 def changed_all(
     described: Described, values: Mapping[str, Any], where: str = "", *, together: bool = True
 ) -> Described:
-    """Return a copy with several values replaced, each as by `changed`.
+    """Return a copy with several values replaced, each as by `changed`; the source of each is then "given".
 
     Args:
         described: the description to copy.
@@ -57,7 +57,7 @@ def changed_all(
         together: whether the values are also checked against each other, after all are replaced.
 
     Raises:
-        InputError: there is no such path, or a value is not valid there.
+        InputError: `described` is no description, there is no such path, or a value is not valid or contradicts others.
     """
     if not isinstance(described, Part):
         raise InputError(f"{shown(described)} is no description", where=where, right="give a machine: load(...)")
@@ -105,7 +105,7 @@ def value_at(described: Part, path: str) -> Any:
 
 
 def _present_path(described: Part, path: str) -> str | None:
-    """Return the present name of a path that was renamed; None if it was not."""
+    """Return the path that a renamed path has in a description now; None if it was not renamed."""
     for present in {present_path(noun, path) for noun in RENAMED_KEYS} - {path}:
         with suppress(InputError):
             value_at(described, present)
@@ -136,7 +136,7 @@ def replace_value(part: Any, keys: list[str], value: Any) -> Any:
 
 
 def annotation_at(described: Part, path: str) -> Any:
-    """Return the annotation of the value at a dotted path, with its quantity and its bounds."""
+    """Return the annotation of the value at an existing dotted path, with its quantity and its bounds."""
     part: Any = described
     annotation: Any = None
     for key in path.split("."):
@@ -184,7 +184,7 @@ def paths(described: Part) -> list[str]:
 
 
 def recheck(part: Part, where: str) -> None:
-    """Check a part again by its own validators; of arrays, every item has to pass.
+    """Check the values of a part against each other by its own validators; of arrays, every item has to pass.
 
     Raises:
         InputError: naming `where`: its numbers contradict each other.
@@ -217,14 +217,14 @@ def _bare(annotation: Any) -> Any:
 
 
 def _item_annotations(annotation: Any, count: int) -> list[Any]:
-    """Return the annotations of the items of a tuple."""
+    """Return the annotations of the `count` items of a tuple of fixed or of any length."""
     annotation = _bare(annotation)
     items = [item for item in get_args(annotation) if item is not Ellipsis]
     return items if len(items) == count else (items or [Any])[:1] * count
 
 
 def _checked(value: Any, annotation: Any, where: str) -> Any:
-    """Return a value, numbers in SI units, validated as one of a file."""
+    """Return a value from code (numbers in SI units) validated by its annotation; raise InputError naming `where`."""
     if annotation is Any:
         return value
     if getattr(value, "ndim", 0) and get_origin(_bare(annotation)) is tuple:
@@ -249,7 +249,7 @@ def _checked(value: Any, annotation: Any, where: str) -> Any:
 
 
 def _checked_array(values: "np.ndarray[Any, Any]", annotation: Any, where: str) -> "np.ndarray[Any, Any]":
-    """Return an array after a check of its extremes, which suffices since bounds are intervals."""
+    """Return an array unchanged; raise InputError if an extreme is not valid (which suffices: bounds are intervals)."""
     import numpy as np  # noqa: PLC0415  # descriptions are read without it
 
     if not np.issubdtype(values.dtype, np.number) or values.size == 0:
@@ -277,7 +277,7 @@ def _type_adapter(annotation: Any) -> TypeAdapter[Any]:
 
 
 def _with_any(part: Any) -> Any:
-    """Return a part whose arrays are true if any item is, so that a validator refuses it if it refuses one item."""
+    """Return a copy of a part whose arrays are true if any item is: a validator refuses it if it refuses one item."""
     import numpy as np  # noqa: PLC0415
 
     class AnyTrueArray(np.ndarray[Any, Any]):

@@ -23,7 +23,7 @@ def explain_error(
     complete: str = "",
     written: Callable[[Steps, object], str] | None = None,
 ) -> InputError:
-    """Return the first error of a description as one line.
+    """Return an error of a description as one line: an old or misspelt key if there is one, else the first error.
 
     Args:
         error: pydantic's error.
@@ -89,7 +89,7 @@ def _first_error(error: ValidationError, model: type[BaseModel]) -> tuple[ErrorD
 
 
 def _present_name(error: ErrorDetails, place: FileLocation) -> str | None:
-    """Return the present name of a key that is unknown because it was renamed."""
+    """Return the present name of a key that is unknown because it was renamed; None for any other error."""
     if error["type"] != "extra_forbidden":
         return None
     names = (present_steps(noun, place.steps, lambda _: ANY_KIND)[-1] for noun in RENAMED_KEYS)
@@ -97,7 +97,7 @@ def _present_name(error: ErrorDetails, place: FileLocation) -> str | None:
 
 
 def _explain(error: ErrorDetails, place: FileLocation, complete: str) -> tuple[Steps, str, str]:
-    """Return the steps to the place, the problem, and the advice."""
+    """Return the steps to an error's place, the problem, and the advice, for a missing key `complete`."""
     kind, value, context, steps = error["type"], error["input"], error.get("ctx", {}), place.steps
     if kind == ERROR_TYPE:
         return steps, context["what"] if context["named"] else f"{shown(value)} {context['what']}", context["right"]
@@ -150,7 +150,7 @@ TYPE_ERRORS = {
 
 
 def _explain_type(kind: str, value: object, context: dict[str, Any], place: FileLocation) -> tuple[str, str]:
-    """Return problem and advice for a value of the wrong size or type."""
+    """Return problem and advice for a value out of range, of the wrong length or type, or none of the valid ones."""
     if kind in BOUND_ERRORS:
         name, text = BOUND_ERRORS[kind]
         unit = f" {place.quantity.unit}" if place.quantity and context[name] else ""
@@ -160,12 +160,12 @@ def _explain_type(kind: str, value: object, context: dict[str, Any], place: File
         bound = f"at least {context['min_length']}" if kind.endswith("short") else f"at most {context['max_length']}"
         return f"has {count} {'characters' if kind.startswith('string') else 'values'}", f"give {bound}"
     if kind == "string_pattern_mismatch":
-        return f"{shown(value)} is not such a text", f"it must match {context['pattern']}"
+        return f"{shown(value)} has the wrong form", f"it must match {context['pattern']}"
     expected = str(context.get("expected", ""))
     if kind in {"literal_error", "enum"}:
         near = nearest(value, [name.strip("' ") for name in expected.replace(" or ", ",").split(",")])
         return f"{shown(value)} is not known", f"did you mean {near!r}?" if near else f"give {expected}"
     noun, right = TYPE_ERRORS.get(
-        kind.split("_", maxsplit=1)[0], ("what can stand here", "`layflat machine schema` shows what can")
+        kind.split("_", maxsplit=1)[0], ("a valid value", "`layflat machine schema` describes the valid ones")
     )
     return f"{shown(value)} is not {noun}", right

@@ -44,7 +44,7 @@ def split_quantity(text: str) -> tuple[float, str]:
     """Split a text into its number, which may be infinite or NaN, and the text of its unit.
 
     Raises:
-        QuantityError: it does not begin with one number.
+        QuantityError: it does not begin with one number, has a comma there, or is longer than `MAX_CHARACTERS`.
     """
     if len(text) > MAX_CHARACTERS:
         raise QuantityError("is too long for a quantity")
@@ -66,10 +66,12 @@ def split_quantity(text: str) -> tuple[float, str]:
 
 @lru_cache(maxsize=1000)
 def unit_of(text: str) -> tuple[tuple[str, int], ...]:
-    """Return the names in a unit with their exponents, in order; empty for an empty text.
+    """Return the canonical names in a unit with their exponents, in order; empty for an empty text.
+
+    Names that cancel are left out.
 
     Raises:
-        QuantityError: the text is not a unit.
+        QuantityError: the text is not a unit, or has degC in a product.
         UnknownUnitError: a name in it is unknown.
     """
     tokens = _split_tokens(text)
@@ -87,10 +89,10 @@ def unit_of(text: str) -> tuple[tuple[str, int], ...]:
 
 
 def _split_tokens(text: str) -> list[str]:
-    """Return the tokens of a quantity, with powers in any notation (m^2, m**2, m²) as "^2".
+    """Return the tokens of a unit, with powers in any notation (m^2, m**2, m²) as "^2".
 
     Raises:
-        QuantityError: a character belongs to no quantity.
+        QuantityError: a character belongs to no unit.
     """
     tokens, position = [], 0
     while position < len(text.rstrip()):
@@ -104,7 +106,13 @@ def _split_tokens(text: str) -> list[str]:
 
 
 def _product(tokens: list[str], depth: int) -> tuple[list[tuple[str, int]], list[str]]:
-    """Return the factors up to a closing bracket or the end, and the remaining tokens."""
+    """Return the names with exponents up to a closing bracket or the end, and the remaining tokens.
+
+    `depth` is the number of open brackets.
+
+    Raises:
+        QuantityError: the tokens are no product.
+    """
     factors: list[tuple[str, int]] = []
     sign, after_operator = 1, True
     while tokens and tokens[0] != ")":
@@ -135,6 +143,7 @@ def _product(tokens: list[str], depth: int) -> tuple[list[tuple[str, int]], list
 
 
 def _raise_to_power(product: list[tuple[str, int]], exponent: int) -> list[tuple[str, int]]:
+    """Return a product raised to a power; raise QuantityError unless its magnitude is 1 to `MAX_EXPONENT`."""
     if not 1 <= abs(exponent) <= MAX_EXPONENT:
         raise QuantityError(f"has an exponent of {exponent}", f"write one from -{MAX_EXPONENT} to {MAX_EXPONENT}")
     return [(name, times * exponent) for name, times in product]

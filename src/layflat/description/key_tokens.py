@@ -38,14 +38,17 @@ class NameToken:
 
 @dataclass
 class _Scanner:
+    """Scanner of the text of a file, at the position `at` in its tokens."""
+
     text: str
     tokens: list[tuple[str, int, int]] = field(init=False)  # kind, start and end
     at: int = 0
     items: dict[Steps, int] = field(default_factory=dict)  # index of the last table of each array of tables
 
     def __post_init__(self) -> None:
-        found = ((match.lastgroup or "", *match.span()) for match in _TOKEN_PATTERN.finditer(self.text))
-        self.tokens = [one for one in found if one[0] != "blank"]
+        """Split the text into tokens, without blanks and comments."""
+        matches = ((match.lastgroup or "", *match.span()) for match in _TOKEN_PATTERN.finditer(self.text))
+        self.tokens = [token for token in matches if token[0] != "blank"]
 
     @property
     def next(self) -> str:
@@ -56,12 +59,12 @@ class _Scanner:
         return self.text[start:end] if kind == "mark" else kind
 
     def skip(self, *tokens: str) -> None:
-        """Skip any number of these tokens."""
+        """Advance past any number of these tokens, in any order."""
         while self.next in tokens:
             self.at += 1
 
     def tables(self) -> Iterator[NameToken]:
-        """Yield the names of a TOML file."""
+        """Yield the keys and text values of a TOML file, in their order."""
         table: Steps = ()
         self.skip("line")
         while self.next:
@@ -79,7 +82,7 @@ class _Scanner:
             self.skip("line")
 
     def key(self, steps: Steps) -> Generator[NameToken, None, Steps]:
-        """Yield the parts of a dotted key, and return its steps."""
+        """Yield the parts of a dotted key, and return its steps: those of its table, the `steps` given, and its own."""
         while self.next in {"bare", "text"}:
             _, start, end = self.tokens[self.at]
             name = self.text[start:end]
@@ -92,13 +95,13 @@ class _Scanner:
         return steps
 
     def pair(self, table: Steps) -> Iterator[NameToken]:
-        """Yield the names of a key with its value."""
+        """Yield the keys and text values of a key, in the table at these steps, with its value."""
         steps = yield from self.key(table)
         self.skip("=", ":", "line")
         yield from self.value(steps)
 
     def value(self, steps: Steps) -> Iterator[NameToken]:
-        """Yield the names of a value."""
+        """Yield the keys and text values within the value at these steps."""
         if self.next in {"[", "{"}:
             is_list = self.next == "["
             closing, item = "]" if is_list else "}", 0
@@ -127,7 +130,7 @@ def names_in(text: str, *, json: bool = False) -> list[NameToken]:
 
 
 def replace_names(text: str, names: dict[NameToken, str]) -> str:
-    """Return a text with names replaced; quotes stay as they are.
+    """Return a text with names replaced; quotes stay as they are, and are added to a name that needs them.
 
     Args:
         text: of the file.

@@ -84,7 +84,8 @@ class Library:
             above: descriptions that extend it.
 
         Raises:
-            InputError: of the library's class: one of them is missing or broken, or they extend each other in a circle.
+            InputError: of the library's class: one of them is missing or broken, or they extend each other in a circle
+                or through more than `MAX_CHAIN` files.
         """
         place = self._check_reference(where)
         layer, base = self._layer(place, above[-1] if above else "")
@@ -113,14 +114,18 @@ class Library:
         return overlay(plain, layer.plain), sources | layer.sources
 
     def resolve(self, where: str, name: str) -> str:
-        """Return a name in a description `where` resolved: built-in names stay, files are relative to its folder."""
+        """Return a name in a description `where` resolved: a built-in name, or a path relative to the folder of it."""
         return name if name in self.names else str(Path(where).parent / name)
 
     def _key(self, place: str) -> str:
         return place if place in self.names else str(Path(place).resolve())
 
     def _layer(self, where: str, extended_by: str) -> tuple[Layer, str | None]:
-        """Return the layer of one description, and the name of the one that it extends."""
+        """Return the layer of one description, and the name of the one that it extends, None if it extends none.
+
+        Raises:
+            InputError: of the library's class: it is wrong; if it can't be read, of `extended_by`, the one above.
+        """
         try:
             raw = self.raw(where)
         except InputError as error:

@@ -50,7 +50,7 @@ def file_name(name: str, where: str) -> str:
 
 
 def _check_name(name: str) -> str:
-    """Return a name that fits files; refuse others with the reason."""
+    """Return a name that is valid as a file's name; raise `value_error` for others."""
     flaw = problem(name)
     if flaw is not None:
         raise value_error(flaw, _NAME_ADVICE, name)
@@ -58,7 +58,7 @@ def _check_name(name: str) -> str:
 
 
 def _check_key(name: str) -> str:
-    """Return a name that fits keys of paths; refuse others with the reason."""
+    """Return a name that is valid as a key in dotted paths; raise `value_error` for others."""
     flaw = problem(name, key=True)
     if flaw is not None:
         raise value_error(flaw, _NAME_ADVICE, name)

@@ -27,7 +27,7 @@ class FileLocation:
     """Location in a file, with its schema."""
 
     steps: Steps  # keys, and numbers of items, from the outside in
-    valid_keys: tuple[str, ...] = ()  # valid keys, if it is a table
+    valid_keys: tuple[str, ...] = ()  # valid keys: its own if it is a table, else those of its table
     size: int | None = None  # number of values, if it is a list of fixed length
     quantity: Quantity | None = None  # of the value, if it has one
 
@@ -60,7 +60,7 @@ class SchemaWalk:
         return FileLocation(tuple(steps), _keys(here) or _keys(above), size, quantity)
 
     def _unwrap(self, node: Schema) -> tuple[Schema, Quantity | None]:
-        """Return the innermost schema that a schema wraps, and the quantity of any wrapper."""
+        """Return the innermost schema that a schema wraps, and the quantity of any wrapper; collect definitions."""
         quantity = None
         while node:
             quantity = (node.get("metadata") or {}).get("quantity", quantity)
@@ -76,7 +76,7 @@ class SchemaWalk:
         return node, quantity
 
     def _below(self, here: Schema, step: int | str) -> tuple[Schema, bool]:
-        """Return the schema below a step, and whether the step is a key or item of the file."""
+        """Return the schema below a step (empty if unknown), and whether the step is a key or item of the file."""
         kind = here.get("type")
         if kind == "tagged-union":
             choice = here["choices"].get(step, {})

@@ -96,7 +96,7 @@ class Quantity:
         return self._convert(number, source)
 
     def check_range(self, number: float) -> float:
-        """Return an SI float if its magnitude is plausible; raise QuantityError if it is not."""
+        """Return an SI float; raise QuantityError unless it is 0 or its magnitude is plausible and finite."""
         if self.finite(number) != 0.0 and not (
             self.least * (1.0 - ROUNDING_MARGIN) <= abs(number) <= self.most * (1.0 + ROUNDING_MARGIN)
         ):
@@ -141,7 +141,7 @@ class Quantity:
             raise QuantityError(what, right)
 
     def _nearest(self, text: str, unit: str) -> str:
-        """Return advice for a text whose unit is not one of this quantity."""
+        """Return advice for a text whose unit is not one of this quantity: the nearest such text, else an example."""
         for near in suggestions(text.strip().removesuffix(unit).strip(), unit):
             with suppress(ValueError):
                 if self._measures(dict(unit_of(near.partition(" ")[2]))):
@@ -149,7 +149,7 @@ class Quantity:
         return self.right
 
     def _measures(self, source: Product) -> bool:
-        """Return whether a unit measures this quantity."""
+        """Return whether a unit measures this quantity; radians count only where they tell it from another one."""
         if source == {CELSIUS: 1}:
             return self.unit == "K"
         unit, target = _roots(source), _roots(self._target)

@@ -147,7 +147,7 @@ def _kind_below(kind_at: KindAt, above: Steps, steps: Steps) -> str | None:
 def with_present_keys(
     noun: str, plain: Plain, where: str = "", *, certain: bool = True
 ) -> tuple[Plain, list[RenamedKey]]:
-    """Return a description with present keys and paths, and the renamed ones.
+    """Return a copy of a description with present keys and paths, and the keys and paths that were renamed in it.
 
     Args:
         noun: of the description.
@@ -221,7 +221,12 @@ def migration_advice(where: str) -> str:
 
 
 def with_former_keys(noun: str, plain: Plain) -> Plain:
-    """Return a description with the keys of the last version, in the same order."""
+    """Return a description with the keys of the last version, in the same order; paths in its texts stay.
+
+    Args:
+        noun: of the description, with a table in `RENAMED_KEYS`.
+        plain: nested tables with present keys.
+    """
     kind_at = _kinds_in(plain, None)
 
     def walk(part: Any, steps: Steps) -> Any:
@@ -277,7 +282,7 @@ def _is_at(place: str, present: Steps, steps: Steps, kind_at: KindAt) -> bool:
 
 
 def _place(places: Mapping[str, str], present: Steps) -> str | None:
-    """Return the noun of the first place that steps are at."""
+    """Return the noun of the first place that steps are at; None if they are at none."""
     return next((noun for place, noun in places.items() if _is_at(place, present, present, lambda _: None)), None)
 
 

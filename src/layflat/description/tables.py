@@ -39,7 +39,7 @@ def parse_toml(text: str, where: str, example: str) -> Plain:
         example: line of such a file, for messages.
 
     Raises:
-        InputError: it is not TOML, or nested too deeply.
+        InputError: it is not TOML, nested too deeply, or has a number beyond `MAX_BARE_NUMBER` or that can't exist.
     """
     try:
         plain = deepcopy(_loaded(text))
@@ -48,7 +48,7 @@ def parse_toml(text: str, where: str, example: str) -> Plain:
         raise InputError(what, where=where, right=right or f"values look like {example}") from None
     except ValueError:  # a whole number of thousands of digits, or a date that is none
         right = "numbers have up to 15 digits, dates are such as 2026-01-31"
-        raise InputError("holds a number or a date that can't be", where=where, right=right) from None
+        raise InputError("has a number or a date that is not valid", where=where, right=right) from None
     except RecursionError:
         raise InputError(TOO_DEEP[0], where=where, right=TOO_DEEP[1]) from None
     if _is_too_deep(plain):
@@ -61,7 +61,7 @@ def parse_toml(text: str, where: str, example: str) -> Plain:
 
 @lru_cache(maxsize=8)
 def _loaded(text: str) -> Plain:
-    """Return the tables of a text; cached, since a command often loads a file several times."""
+    """Return the tables of a text, the cached object itself: a command often loads a file several times."""
     return tomllib.loads(text)
 
 
@@ -110,7 +110,7 @@ def _is_too_deep(plain: Plain) -> bool:
 
 
 def overlay(under: Plain, over: Plain) -> Plain:
-    """Return tables in which the values of others replace those at the same paths."""
+    """Return tables `under` merged with `over`, whose values replace those at the same paths."""
     merged = dict(under)
     for key, value in over.items():
         below = merged.get(key)
@@ -119,7 +119,7 @@ def overlay(under: Plain, over: Plain) -> Plain:
 
 
 def leaves(table: Plain, prefix: str = "") -> Iterator[tuple[str, Any]]:
-    """Yield dotted path and value of every leaf of nested tables."""
+    """Yield dotted path and value of every value that is no table; a list is one value."""
     for key, value in table.items():
         path = f"{prefix}.{key}" if prefix else key
         if isinstance(value, dict):
@@ -143,7 +143,7 @@ Sources = dict[str, Provenance]
 
 
 def split_provenance(table: dict[str, Any], where: str, path: str = "") -> tuple[dict[str, Any], dict[str, Provenance]]:
-    """Split a raw description into plain values and the provenance of each, by its dotted path.
+    """Split a raw description into plain values and the provenance of each, by its dotted path ("given" by default).
 
     Args:
         table: raw tables, in which a value may be a table with `value`, `source` and `note`.

@@ -55,7 +55,7 @@ class Interface(Part):
     watchdog_cycles: Annotated[int, Field(ge=2, le=100)] = Field(
         default=4, description="control cycles without a command, after which the device centres the valves"
     )
-    dump_after: u.ShortTime = Field(default=0.2, description="without a command, after which it lets out the air")
+    dump_after: u.ShortTime = Field(default=0.2, description="without a command, after which it vents the hoses")
     outputs: OutputNames = Field(
         default=(), description="digital outputs for tools, by name; off where the device has dumped"
     )
@@ -71,43 +71,43 @@ class Safety(Part):
     overpressure: Annotated[float, Field(gt=1.0, le=2.0)] = Field(
         default=1.25,
         description="of the supply's gauge pressure, above which supply or differential pressure is too high: a hose "
-        "that a swinging arm squeezes holds little more than the supply",
+        "that a moving arm squeezes holds little more than the supply",
     )
     speed: u.PositiveSpeed = Field(
         default=radians(800.0), description="above it a joint runs away; a light arm's elbow reaches 700 deg/s"
     )
     overrun: u.Share = Field(
-        default=0.9, description="of the way from the working to the mechanical stroke; past it a joint is outside"
+        default=0.9, description="of the range from the working to the mechanical stroke; past it a joint is outside"
     )
     following_error: u.PositiveAngle = Field(
-        default=radians(35.0), description="of a slow joint; the base can swing the elbow out by 25 deg"
+        default=radians(35.0), description="limit for a slow joint; motion of the base can deflect the elbow by 25 deg"
     )
     following_time: u.TimeOrZero = Field(
-        default=0.1, description="what the error may grow by with speed: about the time in which a joint stops"
+        default=0.1, description="growth of that limit with speed: about the time in which a joint stops"
     )
     demand_step: u.PositiveAngle = Field(
-        default=radians(45.0), description="how far a demand may step ahead; the paper's moves are steps of 40 deg"
+        default=radians(45.0), description="maximum step of a demand; the paper's moves are steps of 40 deg"
     )
     demand_margin: Annotated[float, Field(gt=0.0, le=10.0)] = Field(
         default=0.9,
-        description="how far it may step, over what is left between any joint and its stop: they fling each other",
+        description="maximum step over the angle left between any joint and its stop: joints accelerate each other",
     )
     demand_speed: u.PositiveSpeed = Field(
-        default=radians(60.0), description="with which demands go on beyond that; all sound joints keep up with it"
+        default=radians(60.0), description="of demands beyond that step; all joints without a fault keep up with it"
     )
     setpoint_age: u.ShortTime = Field(default=0.1, description="after which the host's demands are stale")
     air_residual: Annotated[u.Share, Field(gt=0.0)] = Field(
         default=0.25,
-        description="air that hoses gain or lose beyond what their valve was told, as an opening of it; sound ones "
-        "stay below 0.14, and below 0.25 with a centre that is off by 8 % of full opening",
+        description="air flow of hoses that their valve's command does not explain, as an opening of it; without a "
+        "fault it stays below 0.14, and below 0.25 with a centre that is off by 8 % of full opening",
     )
-    start_time: u.ShortTime = Field(default=5.0, description="in which a soft start has to bring the air")
+    start_time: u.ShortTime = Field(default=5.0, description="in which a soft start has to reach `supply_ready`")
     hold_time: u.ShortTime = Field(
-        default=0.5, description="that a controlled stop holds the joints before the air goes"
+        default=0.5, description="for which a controlled stop holds the joints before they are vented"
     )
     vent_time: u.ShortTime = Field(
         default=1.5,
-        description="in which hoses empty through open valves; an arm that would fall is let down in five times that",
+        description="in which hoses vent through open valves; an arm that would fall is lowered in five times that",
     )
 
     _starts = ordered("supply_low", "supply_ready", "supply_ready must be above supply_low, for example 0.8 and 0.5")

@@ -81,10 +81,10 @@ def follow_belt(
 
 
 def _belt_speed(speeds: Sequence[tuple[float, float]], acceleration: float, where: str) -> CubicHermiteSpline:
-    """Return the belt's speed (m/s) over time (s) with smooth changes between (time, speed) pairs.
+    """Return the belt's speed (m/s) over time (s): at rest at 0 s, then a smooth change from each time on to its speed.
 
     Raises:
-        InputError: naming `where`: changes overlap, or the belt does not end at rest.
+        InputError: naming `where`: changes overlap, or the belt does not move or does not end at rest.
     """
     knots, values = [0.0], [0.0]
     for time, value in speeds:
@@ -97,13 +97,13 @@ def _belt_speed(speeds: Sequence[tuple[float, float]], acceleration: float, wher
         if duration > 0.0:
             knots, values = [*knots, knots[-1] + duration], [*values, value]
     if values[-1] != 0.0 or not any(values):
-        what = "does not move" if not any(values) else f"goes on with {values[-1]:g} m/s"
+        what = "does not move" if not any(values) else f"ends with {values[-1]:g} m/s, not at rest"
         raise InputError(what, where=where, right='give speeds such as [["0 s", "0.3 m/s"], ["1 s", "0 m/s"]]')
     return CubicHermiteSpline(knots, values, np.zeros(len(knots)))
 
 
 def _first_reach_exit(path: TipPath, speed: CubicHermiteSpline) -> tuple[float, float] | None:
-    """Return the time (s) and distance (m) at which the belt's point first leaves the arm's reach; None if never."""
+    """Return time (s) and signed distance (m) at which the belt's point first leaves the arm's reach; None if never."""
     distance, times = speed.antiderivative(), np.linspace(0.0, speed.x[-1], BELT_SAMPLES)
     distances, crossings = distance(times), []
     for furthest in (float(distances.max()), float(distances.min())):
@@ -118,7 +118,10 @@ def _first_reach_exit(path: TipPath, speed: CubicHermiteSpline) -> tuple[float, 
 def _stopping_speed(
     speed: CubicHermiteSpline, crossing_time: float, border: float, acceleration: float
 ) -> CubicHermiteSpline:
-    """Return the speed of a tip that leaves the belt's point at the last instant from which it stops at the border."""
+    """Return the speed over time of a tip that leaves the belt's point at the last instant to stop at the border (m).
+
+    A tip that begins at the border stays at rest.
+    """
     distance, change, end = speed.antiderivative(), speed.derivative(), float(speed.x[-1])
     if abs(border) < SAME_POINT_DISTANCE:  # the tip stays where it begins
         return CubicHermiteSpline([0.0, end], [0.0, 0.0], [0.0, 0.0])

@@ -25,7 +25,7 @@ class Curve(ABC):
 
     @abstractmethod
     def evaluate(self, s: Array) -> CurveDerivatives:
-        """Return points (points, axes), m, and their derivatives at distances (points,), m."""
+        """Return points (points, axes), m, and their first and second derivatives by s, at distances (points,), m."""
 
 
 @dataclass(frozen=True)
@@ -126,7 +126,7 @@ class TiltedCurve(Curve):
 
 
 def arc_through(start: Point, middle: Point, end: Point, where: str) -> Curve:
-    """Return the arc through three points of the plane or of space.
+    """Return the arc through three points: an `ArcCurve` in the plane, a `TiltedCurve` in space.
 
     Args:
         start: first point, m.

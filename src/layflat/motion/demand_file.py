@@ -61,7 +61,7 @@ def write_demand(
     machine: Machine, time: Array, demand: Array, path: Path, *,
     velocity: Array | None = None, acceleration: Array | None = None,
 ) -> Path:  # fmt: skip
-    """Write a file of demands, and return its path.
+    """Write a file of demands in one step, and return its path.
 
     Args:
         machine: machine whose joints the demands are for.
@@ -69,10 +69,10 @@ def write_demand(
         demand: angles, (instants, joints), rad.
         path: path of the file.
         velocity: likewise, rad/s; default: no such columns.
-        acceleration: likewise, rad/s2; default: no such columns.
+        acceleration: likewise, rad/s2, with velocities only; default: no such columns.
 
     Raises:
-        OutputError: the file can't be written.
+        OutputError: the file can't be written, or an existing one may not be replaced.
     """
     signals = [rows for rows in (demand, velocity, acceleration) if rows is not None]
     columns = DEMAND_COLUMNS[: len(signals)]
@@ -112,7 +112,7 @@ def read_demand(machine: Machine, path: Path, cycle: float) -> DemandSeries:
         cycle: control cycle, s.
 
     Raises:
-        InputError: as `read_acting`.
+        InputError: as `read_acting`, or the file has a disturbance.
     """
     return read_acting(machine, path, cycle, disturbed=False)[0]
 
@@ -170,7 +170,10 @@ def _rows_at(time: Array, instants: Array) -> NDArray[np.int64]:
 def _sample_disturbances(
     machine: Machine, columns: Mapping[str, Array], rows: NDArray[np.int64], where: str
 ) -> dict[str, Array]:
-    """Return the disturbances of a file, by signal, in the order of its `rows` (indices), in SI units."""
+    """Return the disturbances at the rows of a file with these indices, by signal, (rows, joints or 1), in SI units.
+
+    A joint without a column has the signal's usual value.
+    """
     disturbances: dict[str, Array] = {}
     for header, values in columns.items():
         if (column := _parse_disturbance(machine, header, where)) is None:
@@ -202,7 +205,11 @@ def _parse_disturbance(machine: Machine, header: str, where: str) -> Disturbance
 
 
 def _read_columns(machine: Machine, path: Path, *, disturbed: bool) -> tuple[dict[str, Array], list[int]]:
-    """Return the columns of a file by header, and the line number of each row; empty lines are skipped."""
+    """Return the columns of a file by header, in its units, and the line number of each row; skip empty lines.
+
+    Raises:
+        InputError: the file or its header is wrong, or a row is not one of numbers.
+    """
     where = str(path)
     check_regular(path, where, "give a CSV file")
     try:
@@ -226,7 +233,8 @@ def _check_header(machine: Machine, header: Sequence[str], where: str) -> None:
     """Raise InputError unless the columns are time and demands of the machine's joints, rates only beside angles."""
     angles, velocities, _ = demands = [[column.format(name) for name in machine.joints] for column in DEMAND_COLUMNS]
     if len(header) < 2 or header[0] != TIME or len(set(header)) < len(header):
-        raise InputError("has other columns", where=where, right=f"give {', '.join(map(repr, [TIME, *angles]))}")
+        right = f"give {', '.join(map(repr, [TIME, *angles]))}"
+        raise InputError("does not have the time first, then each demand once", where=where, right=right)
     unknown = next((name for name in header[1:] if not any(name in names for names in demands)), None)
     if unknown is not None:
         right = f"give some of {', '.join(map(repr, angles))}; `layflat excite` writes them for a machine"
@@ -251,7 +259,10 @@ def _parse_numbers(row: list[str], count: int, where: str) -> list[float]:
 def _check_strokes_and_speeds(
     machine: Machine, name: str, time: Array, joint: Sequence[Array | None], where: Sequence[str]
 ) -> None:
-    """Refuse angles (rad) and velocities (rad/s) that a joint can't do; `where` names the source of each sample."""
+    """Raise InputError for the first angle (rad) beyond the stroke or velocity (rad/s) that a joint can't reach.
+
+    `where` names the source of each sample.
+    """
     angle, velocity, _ = joint
     number = list(machine.joints).index(name)
     checks = [(angle, half_strokes(machine)[number], 0.0, "deg", "stay within +-{:.6g} deg, its working stroke")]
@@ -272,7 +283,10 @@ def _check_strokes_and_speeds(
 def _sample_joint(
     time: Array, joint: Sequence[Array | None], instants: Array, cycle: float
 ) -> tuple[Array, Array, Array]:
-    """Return angle, velocity and acceleration of a joint at instants (s), interpolated from the rows at `time`."""
+    """Return angle, velocity and acceleration of a joint at instants (s), from the rows at `time`.
+
+    Angles without velocities are held until the next row; a joint without angles is at zero.
+    """
     angle, velocity, acceleration = joint
     if angle is None or velocity is None:
         held = np.zeros(len(time)) if angle is None else angle

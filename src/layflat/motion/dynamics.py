@@ -32,7 +32,7 @@ class PathTorques(NamedTuple):
 
 
 def path_torques(machine: Machine, path: JointPath, s: Array, payload: float) -> PathTorques:
-    """Return the torques that motions along a path require.
+    """Return the torques that motions of a rigid arm, with its springs, along a path require.
 
     Args:
         machine: machine whose arm moves.
@@ -80,7 +80,7 @@ def hose_torques(machine: Machine, capabilities: JointCapabilities, states: Stat
 def torque_margin_at_rest(
     machine: Machine, capabilities: JointCapabilities, configurations: Array, payload: float
 ) -> tuple[Array, Array]:
-    """Return the torque that joints have left to accelerate an arm that they hold, at its least over configurations.
+    """Return the minimum torque, over configurations, that joints have left to accelerate an arm that they hold.
 
     Args:
         machine: machine with the arm.
@@ -130,5 +130,6 @@ def _rigid_body_terms(machine: Machine, angles: Array, velocities: Array, payloa
 
 
 def _multiply_rows(mass: Array, vectors: Array) -> Array:
+    """Return the product of each instant's matrix and vector, (instants, joints)."""
     product: Array = np.einsum("tij,tj->ti", mass, vectors)
     return product

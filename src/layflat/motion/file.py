@@ -44,7 +44,7 @@ class TimedPart(Part):
 
     @property
     def tip(self) -> TipLimits:
-        """Limits of the tip's motion."""
+        """Limits of the tip's motion; infinite where the segment has none."""
         limits = (self.speed, self.acceleration, self.jerk)
         return TipLimits(
             *(default if limit is None else limit for limit, default in zip(limits, TipLimits(), strict=True))

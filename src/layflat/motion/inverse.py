@@ -105,7 +105,10 @@ class InverseKinematics:
         return np.asarray(np.linalg.svd(self._kinematics.tip_and_jacobian(q)[1], compute_uv=False), np.float64)
 
     def mobility(self, q: Array) -> Array:
-        """Return the least over the greatest singular value of configurations (points, joints), rad: 0 if singular."""
+        """Return the least over the greatest singular value of the Jacobian, (points,), at q (points, joints), rad.
+
+        It is 0 in a singular configuration; directions in which the arm never moves do not count.
+        """
         values = self._singular_values(q)
         ratio: Array = values[:, self.directions - 1] / values[:, 0]
         return ratio
@@ -208,16 +211,14 @@ class InverseKinematics:
         nearest = tip[:axes]
         if distance >= TARGET_TOLERANCE:
             what = f"{format_position(position)} is {1e3 * distance:.1f} mm out of the arm's reach"
-            raise InputError(
-                what, where=where, right=f"the nearest place that it reaches is {format_position(nearest)}"
-            )
+            raise InputError(what, where=where, right=f"the nearest reachable position is {format_position(nearest)}")
         what = f"{format_position(position)} is where the arm is in a singular configuration, such as stretched"
         away = 1e3 * np.linalg.norm(nearest - position)
-        right = f"the nearest place beside it is {format_position(nearest)}, {away:.1f} mm away"
+        right = f"the nearest regular position is {format_position(nearest)}, {away:.1f} mm away"
         raise InputError(what, where=where, right=right)
 
     def _refine(self, position: Array, solution: InverseSolution) -> InverseSolution:
-        """Return the exact local minimum of distance for a position that a solution does not reach."""
+        """Return a single position's solution, refined to the local minimum of distance if it misses it by 0.2 mm."""
         if solution.distance[0] < TARGET_TOLERANCE:
             return solution
         from scipy.optimize import least_squares  # noqa: PLC0415  # takes long to import

@@ -32,7 +32,7 @@ def plan_jerk_limited(
 ) -> Trajectory:  # fmt: skip
     """Return a motion along a path with limited speed, acceleration and jerk, from rest to rest.
 
-    Mostly slower than `plan_time_optimal`.
+    Mostly slower than `plan_time_optimal`. A path without length gives a `RestMotion` of 0 s.
 
     Args:
         machine: machine whose arm moves.
@@ -86,7 +86,10 @@ def _time_path(path: JointPath, limits: MotionLimits) -> PathMotion:
 
 
 def _torque_excess(machine: Machine, motion: PathMotion, payload: float, margin: Array, acceleration: float) -> float:
-    """Return the greatest ratio of a motion's torques without gravity to their margin, or of the tip's acceleration."""
+    """Return the maximum, over joints and instants, of torques beyond the static ones over their margin (N m).
+
+    The ratio of the tip's acceleration to its limit (m/s2) counts likewise.
+    """
     states = motion.states(np.linspace(0.0, motion.duration, PATH_SAMPLES))
     still = states._replace(velocities=0.0 * states.velocities, accelerations=0.0 * states.accelerations)
     moving = rigid_torques(machine, states, payload) - rigid_torques(machine, still, payload)

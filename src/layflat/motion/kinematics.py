@@ -125,7 +125,7 @@ def tip_levers(machine: Machine) -> Array:
 
 
 def joints_not_moving_tip(machine: Machine) -> list[str]:
-    """Return the names of the joints that do not move the tip, as their axes always pass through it."""
+    """Return the names of the joints that do not move the tip: their axes pass it within `MIN_LEVER`."""
     if isinstance(machine.arm, PlanarArmPart):  # its links have lengths, and no kernel need be compiled to say so
         return []
     return [name for name, lever in zip(machine.joints, tip_levers(machine), strict=True) if lever < MIN_LEVER]

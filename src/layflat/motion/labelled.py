@@ -26,12 +26,14 @@ TIMES_ADVICE = "give times as numbers in s, as timedeltas, or as texts with unit
 
 
 def is_labelled(signal: object) -> bool:
-    """Return whether a signal is a table of pandas or xarray."""
+    """Return whether a value is a table of pandas or xarray, also one that is no signal (Dataset, Index)."""
     return bool((SIGNAL_CLASSES | OTHER_CLASSES) & _class_names(signal))
 
 
 def read_labelled_row(signal: Any, kind: SignalKind) -> Any:
     """Return the constant values of a table without times, by name or a single one; None for a table with times.
+
+    Numbers are in SI units; texts are returned as they are.
 
     Raises:
         InputError: the table is no signal.
@@ -51,7 +53,7 @@ def read_labelled_row(signal: Any, kind: SignalKind) -> Any:
 
 
 def read_labelled_steps(signal: Any, kind: SignalKind) -> tuple[Array, Array]:
-    """Return the times (s) of a table's rows, and its values (rows, names), NaN for names that it lacks.
+    """Return the times (s) of a table's rows, and its values (rows, names) in SI units, NaN for names that it lacks.
 
     Raises:
         InputError: times or values are missing, of a wrong type or not finite, or a name is unknown.
@@ -116,7 +118,7 @@ def _read_array_row(array: Any, kind: SignalKind) -> Any:
 
 
 def _read_array_columns(array: Any, kind: SignalKind) -> tuple[dict[str, Array], Any]:
-    """Return the columns of a DataArray by name, and its times (s, or as labels)."""
+    """Return the columns of a DataArray by name, and its times (s, or labels); without names, all have its values."""
     scale, time = _unit_factor(_read_unit(array, kind), kind), array["time"]
     times = time.to_numpy()
     if times.dtype.kind in "iuf":
@@ -139,6 +141,7 @@ def _check_columns(frame: Any, kind: SignalKind) -> None:
 
 
 def _refuse_levels(index: Any, kind: SignalKind) -> None:
+    """Raise InputError if an index of pandas has several levels."""
     if index.nlevels > 1:
         raise InputError("has labels of several levels", where=kind.where, right="give one level of names")
 
@@ -160,7 +163,7 @@ def _read_unit(table: Any, kind: SignalKind) -> Any:
 
 
 def _unit_factor(unit: object, kind: SignalKind) -> float:
-    """Return the factor from a unit to SI."""
+    """Return the factor from a unit to SI, 1 for None; raise InputError if it is no unit of the signal."""
     if unit is None or (kind.quantity is None and unit in {"", "1"}):
         return 1.0
     if kind.quantity is None:
@@ -175,7 +178,7 @@ def _scale_value(value: Any, scale: float, kind: SignalKind) -> Any:
 
 
 def _read_values(values: NDArray[Any], scale: float, kind: SignalKind) -> Array:
-    """Return the values of a column, in SI units."""
+    """Return the values of a column, in SI units; raise InputError if they are not finite numbers or texts."""
     if values.ndim != 1:
         raise InputError("has columns of several values", where=kind.where, right="give one value a row")
     check_real(values, kind)
@@ -214,7 +217,7 @@ def _read_times(index: Any, where: str) -> Array:
 
 
 def _factor_in_name(name: object, where: str) -> float:
-    """Return the factor to s of the unit in an index's name; 1 without one."""
+    """Return the factor to s of the unit in an index's name; 1 without brackets or a word of `UNITS_OF_TIME`."""
     match = UNIT_IN_NAME.fullmatch(name.strip()) if isinstance(name, str) else None
     if match is None:
         return 1.0

@@ -95,7 +95,7 @@ class JointCapabilities(NamedTuple):
         return self.torque - dry_friction, self.min_torque - dry_friction
 
     def with_reserve(self, reserve: float) -> "JointCapabilities":
-        """Return the capabilities without a reserve: a fraction of speeds, torque ranges and torque rates, 0 to 1."""
+        """Return the capabilities less a reserve: a fraction of speeds, torque ranges and torque rates, 0 to 1."""
         usable, middle = 1.0 - reserve, (self.torque + self.min_torque) / 2
         half_range = usable * (self.torque - middle)
         return self._replace(
@@ -128,7 +128,7 @@ def arm_limits(machine: Machine, start: Array, end: Array, *, payload: float | N
     if torque.min() <= 0.0:
         name = list(machine.joints)[int(torque.argmin())]
         problem = f"joint {name!r} can't hold {mass:g} kg against gravity and its brake"
-        right = "a smaller payload, a wider hose or more pressure"
+        right = "give a smaller payload, a wider hose or more pressure"
         raise MachineError(problem, where=machine.origin, right=right)
     acceleration = simultaneous_accelerations(inertia, torque)
     jerk = simultaneous_accelerations(inertia, capabilities.rate)
@@ -158,7 +158,7 @@ def joint_capabilities(machine: Machine) -> JointCapabilities:
 
 
 def check_holding_torque(machine: Machine, gravity: Array, upper: Array, lower: Array, payload: float) -> None:
-    """Refuse a path on which a joint can't hold itself against gravity.
+    """Raise MachineError if a joint can't hold itself against gravity somewhere on a path.
 
     Args:
         machine: machine whose arm moves.
@@ -174,7 +174,7 @@ def check_holding_torque(machine: Machine, gravity: Array, upper: Array, lower: 
     if lacking.max() >= 0.0:
         name = list(machine.joints)[int(lacking.argmax())]
         problem = f"joint {name!r} can't hold {payload:g} kg against gravity and friction on its way"
-        raise MachineError(problem, where=machine.origin, right="a smaller payload or reserve, or more pressure")
+        raise MachineError(problem, where=machine.origin, right="give a smaller payload or reserve, or more pressure")
 
 
 def _joint_capability(machine: Machine, name: str) -> Sequence[float]:

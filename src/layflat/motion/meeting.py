@@ -34,7 +34,7 @@ class TargetLine:
     """Straight line of the tip, and its part from `low` to `high` (m) that an arm reaches with one elbow."""
 
     def __init__(self, reach: PlanarReach, start: tuple[float, float], direction: float, length: float) -> None:
-        """Compute the reachable part of a line; `path` is None if there is none.
+        """Compute the first unbroken reachable part of a line; `path` is None if there is none.
 
         Where both elbows reach it, the one with the widest margin at the first reachable point is used.
 
@@ -107,7 +107,10 @@ class MovingTarget:
         return angles
 
     def _passing_time(self, border: float, *, outwards: bool) -> float:
-        """Return the time (s) at which the point passes a distance (m); infinite for a stationary point."""
+        """Return the time (s) at which the point passes a distance (m) into or out of the reach.
+
+        For a stationary point it is -inf if it is already there (inside, or `outwards`: outside), else inf.
+        """
         if self.speed == 0.0:
             inside = self.line.low <= self.distance <= self.line.high
             return inf if inside == outwards else -inf
@@ -136,7 +139,7 @@ def plan_meeting(
         tip_speed: greatest speed of the tip, m/s.
 
     Returns:
-        None without a meeting within reach and three seconds.
+        The meeting; None if there is none within reach and three seconds, or none keeps the tip's speed limit.
 
     Raises:
         MachineError: the arm is not planar.

@@ -93,7 +93,7 @@ class PathProgramme:
     def _set_torque_limits(
         self, machine: Machine, path: JointPath, payload: float, capabilities: JointCapabilities
     ) -> None:
-        """Set the rows that limit the joints' torques and their changes; refuse a payload (kg) that can't be held."""
+        """Set the rows that limit torques and their changes; raise MachineError if a payload (kg) can't be held."""
         required, joints = path_torques(machine, path, self._middles, payload), range(len(capabilities.torque))
         upper, lower = capabilities.torque_bounds(required.rate)
         check_holding_torque(machine, required.gravity, upper, lower, payload)
@@ -158,7 +158,11 @@ class PathProgramme:
         return bool(within and np.all(b <= self._cap) and np.all(self._tip @ b <= 1.0))
 
     def improve(self, b: Array, step: float) -> Array:
-        """Return the b of minimum duration by the linear programme about b, between b / step and b x step."""
+        """Return the b of minimum duration by the linear programme about b, between b / step and b x step.
+
+        Raises:
+            LayflatError: the programme has no solution.
+        """
         # Scaled by b itself, which varies by many orders of magnitude between rest and full speed.
         column: Matrix = sparse.diags(b).tocsc()[:, 1:-1]
         slopes = self._slopes(b)
@@ -225,7 +229,7 @@ def plan_time_optimal(
     machine: Machine, path: JointPath, *, payload: float | None = None, tip: TipLimits | None = None,
     reserve: float = FEEDBACK_RESERVE, capabilities: JointCapabilities | None = None,
 ) -> Trajectory:  # fmt: skip
-    """Return the quickest motion along a path, from rest to rest.
+    """Return the quickest motion along a path, from rest to rest; a `RestMotion` of 0 s if the path has no length.
 
     Args:
         machine: machine whose arm moves.
@@ -237,6 +241,7 @@ def plan_time_optimal(
 
     Raises:
         MachineError: the arm can't hold itself somewhere on the path, or has no valves.
+        LayflatError: no motion along the path keeps all limits.
     """
     if path.length < SAME_POINT_DISTANCE:
         return RestMotion(0.0, path.end)
@@ -252,7 +257,10 @@ def plan_time_optimal(
 
 
 def _min_jerk_motion(length: float) -> CubicSpline:
-    """Return the minimum-jerk motion in `INITIAL_DURATION`, which grows with t^3 as torques of limited rate do."""
+    """Return the distance over time (s) of a minimum-jerk motion of a length in `INITIAL_DURATION`.
+
+    It begins with t^3, as a motion by torques of limited rate does.
+    """
     u = np.linspace(0.0, 1.0, GRID_INTERVALS + 1)
     return CubicSpline(INITIAL_DURATION * u, length * u**3 * (10.0 - 15.0 * u + 6.0 * u**2), bc_type="clamped")
 

@@ -87,7 +87,7 @@ class MotionPlan:
         return hose_torques(self.machine, self.capabilities, motion.states(times), self.payload)
 
     def segment_peaks(self, segment: Segment) -> SegmentPeaks:
-        """Return the peaks of tip speed and torque in a segment."""
+        """Return the peaks of tip speed and of the joints' torques, each at its own instant, in a segment."""
         times = np.linspace(0.0, segment.motion.duration, SEGMENT_SAMPLES)
         speed, _ = tip_motion(self.machine, *segment.motion.states(times))
         fraction = self.capabilities.torque_fractions(self.torques(segment.motion, times))
@@ -228,7 +228,7 @@ def _check_configuration(machine: Machine, angles: Sequence[float], where: str) 
 
 
 def _check_capabilities(plan: MotionPlan, segment: Segment, where: str) -> None:
-    """Refuse a segment that exceeds the joints' capabilities, as a belt can; others are planned within them."""
+    """Raise InputError if a segment exceeds speed or torque of a joint, as a belt can; others are planned within."""
     times = np.linspace(0.0, segment.motion.duration, SEGMENT_SAMPLES)
     speeds = np.abs(segment.motion.states(times).velocities) / plan.capabilities.speed
     shares = plan.capabilities.torque_fractions(plan.torques(segment.motion, times))
@@ -237,5 +237,5 @@ def _check_capabilities(plan: MotionPlan, segment: Segment, where: str) -> None:
             k, joint = np.unravel_index(int(share.argmax()), share.shape)
             name = list(plan.machine.joints)[joint]
             what = f"asks joint {name!r} for {share.max():.0%} of its {of} at {times[k]:.3f} s"
-            right = "give a lower speed or acceleration, or a way further from a stretched arm"
+            right = "give a lower speed or acceleration, or a path further from a stretched arm"
             raise InputError(what, where=where, right=right)

@@ -63,6 +63,7 @@ class PlanarReach:
     """Inverse kinematics of a planar arm of two joints, which keep a margin (rad) to the ends of their strokes."""
 
     def __init__(self, machine: Machine, margin: float = END_MARGIN) -> None:
+        """Compute the border of the reach of a machine's arm."""
         self.machine = machine
         self.lengths = tuple(joint.planar_link.length for joint in machine.joints.values())
         self.limits = tuple(joint.stops.working_stroke / 2 - margin for joint in machine.joints.values())
@@ -75,7 +76,7 @@ class PlanarReach:
         return float(x), float(y)
 
     def axes(self, angles: Angles) -> list[tuple[float, float]]:
-        """Return the positions of the joints' axes and of the tip, m, from the base on."""
+        """Return the positions (x, y) of both joints, the first at the origin, and of the tip, m, at angles, rad."""
         return [(0.0, 0.0), (self.lengths[0] * cos(angles[0]), self.lengths[0] * sin(angles[0])), self.tip(angles)]
 
     def configurations(self, x: float, y: float) -> tuple[Configuration, ...]:
@@ -206,12 +207,12 @@ class PlanarPath(TipPath):
         """Return the reason why the arm does not reach the curve at a distance, and the advice."""
         x = self.curve.evaluate(s).value
         if self._cosine(x)[0] ** 2 > 1.0 - MIN_ELBOW_SINE**2:
-            return "where the elbow is stretched or folded", "give a way that bends it, or angles"
+            return "where the elbow is stretched or folded", "give a path that bends it, or angles"
         joint = int(np.argmax(np.abs(self._angles(x, self._side)[0]) - self._half))
         why = f"where joint {self._names[joint]!r} leaves its stroke of +-{degrees(self._half[joint]):.6g} deg"
         if np.all(np.abs(self._angles(x, -self._side)) <= self._half):
-            return f"{why}: only the other elbow gets there", "give a way that this elbow can follow, or angles"
-        return why, "give a way within it"
+            return f"{why}: only the other elbow gets there", "give a path that this elbow can follow, or angles"
+        return why, "give a path within it"
 
     def _cosine(self, x: Array) -> Array:
         """Return the cosine of the angle between the links with the tip at points (points, 2), m."""

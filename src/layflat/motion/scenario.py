@@ -42,7 +42,10 @@ class SignalRange(NamedTuple):
     min_magnitude: float = 0.0  # of the greatest value, unless all are zero
 
     def check(self, values: Any, where: str) -> Array:
-        """Return values (any shape; NaN: default) if all are in range; raise InputError naming `where`."""
+        """Return values (any shape; NaN: default) as an array; raise InputError naming `where` if one is out of range.
+
+        They are also refused if all magnitudes are below `min_magnitude`, and not all zero.
+        """
         import numpy as np  # noqa: PLC0415  # the table of signals is read for help alone, too
 
         array = np.asarray(values, dtype=float)
@@ -163,7 +166,7 @@ class SignalRow:
         return SignalKind(name, self.quantity, joints) if self.by_joint else single_kind(name, self.quantity)
 
     def usual_of(self, machine: Machine) -> float:
-        """Return its default value for a machine."""
+        """Return its default value for a machine; NaN: the machine's own."""
         return self.usual(machine) if callable(self.usual) else self.usual
 
     def check(self, machine: Machine, values: Any, where: str) -> Array:
@@ -289,7 +292,7 @@ class Scenario:
 
     @property
     def has_demand(self) -> bool:
-        """True for a demand other than the default or a table that names no joint."""
+        """True unless the demand is 0, the default, or a table that names no joint."""
         none = isinstance(self.demand, (int, float)) and self.demand == 0
         return not (none or (isinstance(self.demand, Mapping) and not self.demand))
 
@@ -310,7 +313,7 @@ class Scenario:
             raise InputError(what, where="opening", right="give one or the other")
 
     def cycles(self, cycle: float) -> int:
-        """Return the number of control cycles (s); raise InputError if the duration is out of range."""
+        """Return the number of control cycles of `cycle` s; raise InputError if the duration is out of range."""
         from layflat.motion.signal_values import read_duration  # noqa: PLC0415  # takes long to import
 
         duration = read_duration(self.duration)
@@ -324,7 +327,7 @@ SIGNALS: dict[str, SignalRow] = {item.name: item.metadata["row"] for item in fie
 
 
 def signals_varied_by(combination: str) -> list[str]:
-    """Return the signals whose values can differ from run to run, by `SignalRow.varies`."""
+    """Return the names of the signals with this value of `SignalRow.varies`."""
     return [name for name, properties in SIGNALS.items() if properties.varies == combination]
 
 

@@ -52,7 +52,7 @@ def check_function_rate(function: Callable[[Array], Array], rows: Array, samplin
 
 
 def check_table_rate(times: Array, values: Array, rows: Array, sampling: Sampling, where: str) -> None:
-    """Refuse a table whose rows between the control cycles go elsewhere than those in them.
+    """Refuse a table with more rows than control cycles if those between the cycles would be lost.
 
     Args:
         times: times of the rows, s.
@@ -167,7 +167,7 @@ def read_steps(steps: Steps, kind: SignalKind, before: Array) -> tuple[Array, Ar
 
 
 def _check_ends(times: Array, where: str, sampling: Sampling) -> None:
-    """Refuse a step that takes effect in no control cycle."""
+    """Raise InputError for a step after the end, or one that is followed by another in the same control cycle."""
     if times[-1] > sampling.times[-1] + TIME_ROUNDING:
         right = f"the run ends at {sampling.end:g} s: give an earlier time, or a longer duration"
         raise InputError(f"{times[-1]:g} s is after the end", where=where, right=right)
@@ -180,14 +180,18 @@ def _check_ends(times: Array, where: str, sampling: Sampling) -> None:
 
 
 def _hold_values(times: Array, values: Array, before: Array, instants: Array) -> Array:
-    """Return the values that hold at instants: each from its time on."""
+    """Return the values that hold at instants: each from its time on, `before` until the first."""
     which = np.searchsorted(times - TIME_ROUNDING, instants, side="right")
     rows: Array = np.concatenate([before[None], values])[which]
     return rows
 
 
 def _expand_table(signal: Any, kind: SignalKind, before: Array, sampling: Sampling) -> Array:
-    """Return the values of a labelled table: each row from its time on."""
+    """Return the values of a labelled table in every control cycle: each row from its time on, NaN as `before`.
+
+    Raises:
+        InputError: a row is wrong or after the end, or the table changes too fast for the cycles.
+    """
     times, values = read_labelled_steps(signal, kind)
     if times[-1] > sampling.end + TIME_ROUNDING:
         right = f"the run ends at {sampling.end:g} s: give a longer duration, or leave out later rows"
@@ -202,7 +206,7 @@ def _evaluate_function(signal: Callable[[float], Any], kind: SignalKind, before:
     """Return the values of a user's function at times (s), (times, names); items that it leaves out keep their values.
 
     Raises:
-        InputError: the function fails.
+        InputError: the function fails or returns a wrong value.
     """
     rows = np.empty((len(times), len(kind.names)))
     last = before

@@ -122,7 +122,7 @@ def read_row(values: object, kind: SignalKind, before: Array) -> Array:
     elif isinstance(values, Sequence) and not isinstance(values, (str, bytes, bytearray, memoryview)):
         each = values
     elif kind.noun == "axis":
-        raise InputError(f"{shown(values)} is not a place", where=where, right=f"give {', '.join(names)}")
+        raise InputError(f"{shown(values)} is not a position", where=where, right=f"give {', '.join(names)}")
     else:
         return np.full(len(names), read_number(values, kind.quantity, where))
     if any(isinstance(value, (list, tuple, Mapping)) for value in each):

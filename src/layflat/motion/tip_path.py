@@ -106,7 +106,7 @@ class SpacePath(TipPath):
         return CurveDerivatives(q, first, _multiply_rows(inverse, np.concatenate([x_2 - pulled, aside], axis=1)))
 
     def reach_limit(self, end: float) -> float | None:
-        """Return the distance (m) at which the arm's reach ends between 0 and `end`; None if it reaches `end`."""
+        """Return the distance (m) at which reach (or the path's span) ends before `end`; None if it reaches `end`."""
         reached = self._high if end > 0.0 else self._low
         return reached if abs(end) > abs(reached) + SAME_POINT_DISTANCE else None
 
@@ -179,7 +179,7 @@ class SpacePath(TipPath):
         return None if lost or values[self._rank - 1] < MIN_MOBILITY * values[0] else ahead
 
     def _rate(self, s: float, q: Array, sign: float) -> Array:
-        """Return q' at a distance (m); `sign` is that of the direction along the curve."""
+        """Return q' at a distance s (m) and angles q; `sign` is that of the direction along the curve."""
         pull, rise, ends = self._pull
         onset = (s / (rise * self._inverse.size)) ** 2
         gain = sign * pull / self._inverse.size * onset / (1.0 + onset)
@@ -227,7 +227,8 @@ class SpacePath(TipPath):
         if nearest.distance[0] < TARGET_TOLERANCE:
             return why, right
         place = format_position(self._kinematics.tip(nearest.angles)[0])
-        return why, f"its end is {1e3 * nearest.distance[0]:.1f} mm out of reach: the nearest place is {place}"
+        away = f"{1e3 * nearest.distance[0]:.1f} mm out of reach"
+        return why, f"its end is {away}: the nearest reachable position is {place}"
 
     def _border_reason(self, end: float) -> tuple[str, str]:
         """Return why the path ends at a distance, m, and advice."""
@@ -237,17 +238,18 @@ class SpacePath(TipPath):
         place = self._curve_at(np.array([end + beyond])).value
         others = self._inverse.solve_globally(place)
         if ahead is None and not others.reached[0]:
-            return "where the arm ends, stretched or folded", "give a way that stays nearer to the middle of its reach"
+            return "where the arm ends, stretched or folded", "give a path nearer to the middle of its reach"
         if ahead is None:
-            return "where the arm is in a singular configuration", "give a way that goes round it, or angles"
+            return "where the arm is in a singular configuration", "give a path that goes round it, or angles"
         joint = int(np.argmax(np.abs(ahead) - self._half))
         why = f"where joint {self._names[joint]!r} leaves its stroke of +-{np.degrees(self._half[joint]):.6g} deg"
         if others.reached[0]:
-            return f"{why}: only another configuration gets there", "give a way that this one can follow, or angles"
-        return why, "give a way within it"
+            return f"{why}: only another configuration gets there", "give a path that this one can follow, or angles"
+        return why, "give a path within it"
 
 
 def _multiply_rows(matrices: Array, vectors: Array) -> NDArray[np.float64]:
+    """Return the product of each point's matrix and vector, (points, rows)."""
     product: Array = np.einsum("pij,pj->pi", matrices, vectors)
     return product
 

@@ -61,15 +61,15 @@ class Trajectory(ABC):
         return self._states(np.clip(np.asarray(times, dtype=np.float64), 0.0, self.duration))
 
     def angles_at(self, times: ArrayLike) -> Array:
-        """Return angles (instants, joints), rad, at times (s)."""
+        """Return angles (instants, joints), rad, at times (s), as `states` does."""
         return self.states(times).angles
 
     def cycles(self, cycle: float) -> int:
-        """Return the number of control cycles (s) of the motion, at least one."""
+        """Return the number of control cycles of `cycle` s that the motion takes, rounded up, at least one."""
         return max(ceil(self.duration / cycle - 1e-9), 1)
 
     def times(self, cycle: float) -> Array:
-        """Return the instants (s) of control cycles (s) from the beginning to the first at or after the end."""
+        """Return the instants (s) of control cycles of `cycle` s, from 0 to the first at or after the end."""
         return cycle * np.arange(self.cycles(cycle) + 1, dtype=np.float64)
 
     def rows(self, cycle: float) -> States:
@@ -153,6 +153,9 @@ def lasting_rate(x: Array, cycle: float, limit: float = JUMP_JERK) -> Array:
 
 
 def derived_rates(angles: Array, cycle: float) -> tuple[Array, Array]:
-    """Return velocity (rad/s) and acceleration (rad/s2), (cycles, joints) each, of angles (rad) at cycles (s)."""
+    """Return velocity (rad/s) and acceleration (rad/s2), (cycles, joints) each, of angles (rad) a `cycle` (s) apart.
+
+    They are 0 where the angles jump.
+    """
     velocity = lasting_rate(angles, cycle, JUMP_ACCELERATION)
     return velocity, lasting_rate(velocity, cycle)

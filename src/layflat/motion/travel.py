@@ -77,7 +77,7 @@ def plan_transfer(start: States, end: States, limits: MotionLimits, *, duration:
     """
     otg, axes = extras.import_extra("motion", "ruckig"), len(start.angles)
     if not (np.isfinite(start).all() and np.isfinite(end).all()):
-        raise InputError("a position is not finite", where="travel", right="give numbers only")
+        raise InputError("a position or a rate is not finite", where="travel", right="give finite numbers")
     request = otg.InputParameter(axes)
     request.current_position, request.current_velocity, request.current_acceleration = (row.tolist() for row in start)
     request.target_position, request.target_velocity, request.target_acceleration = (row.tolist() for row in end)
@@ -142,7 +142,7 @@ class DemandStyle(NamedTuple):
     limit_fractions: tuple[float, float, float]  # of speed, acceleration and jerk with which motions are planned
 
     def demands(self, move: PlannedMove, cycle: float) -> States:
-        """Return the demands of a move at every control cycle (s)."""
+        """Return the demands of a move at every control cycle (s); angles that lead have zero rates."""
         return move.rows(cycle) if self.lead_time == 0.0 else rest_states(move.demand(cycle, lead=self.lead_time))
 
     def demand(self, motion: States) -> States:

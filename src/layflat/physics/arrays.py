@@ -9,7 +9,7 @@ __all__ = ["itemwise"]
 
 
 def itemwise(law: Callable[..., float], *args: Any) -> float:
-    """Return a law of numbers, applied item by item where an argument is an array."""
+    """Return the value of a law of numbers; if an argument is an array, the array of its values item by item."""
     if any(isinstance(arg, np.ndarray) for arg in args):
         return np.vectorize(law, otypes=[float])(*args)  # type: ignore[no-any-return]
     return float(law(*args))

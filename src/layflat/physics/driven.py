@@ -120,7 +120,11 @@ class DrivenJoints(ABC):
         return self._seen[:, OUTPUT_COLUMNS.pressure_a :].copy()
 
     def seize(self, joint: int, opening: float | None) -> None:
-        """Seize a joint's valve at an opening (-1 to 1) whatever the command; None releases it."""
+        """Seize a joint's valve at an opening (-1 to 1) whatever the command; None releases it.
+
+        Raises:
+            KindError: the kind of the valve can't be seized.
+        """
         self._seized.pop(joint, None)
         if opening is not None:
             self._seized[joint] = opening
@@ -141,7 +145,7 @@ class DrivenJoints(ABC):
             self._holes[joint, hose] = self._lost
 
     def _joints_now(self) -> tuple[JointParameters, ...]:
-        """Return the parameters of the joints, with valves that are seized or kinked."""
+        """Return the parameters of the joints, with those valves seized or kinked that have these faults."""
         valves = [seized(joint.valve) if j in self._seized else joint.valve for j, joint in enumerate(self._healthy)]
         shares = self._shares.tolist()
         return tuple(
@@ -179,4 +183,4 @@ class MachinePlant(DrivenJoints):
 
     @abstractmethod
     def grip(self, joint: int, torque: float) -> None:
-        """Add to the torque (N m) at which a joint's brake slips; 0 leaves the brake's own."""
+        """Set the torque (N m) that is added to the one at which a joint's brake slips; 0 leaves the brake's own."""

@@ -57,6 +57,7 @@ def roller_travel(R, r, gamma, alpha, c):
 
 @law
 def _peeled_integral(R, R_h, gamma, alpha):
+    """Return the antiderivative by alpha of (pi R_h - R (gamma - alpha) / 2) (1 - cos(alpha)), m."""
     offset = pi * R_h - R * gamma / 2.0
     return offset * (alpha - sin(alpha)) + R / 2.0 * (alpha * alpha / 2.0 - alpha * sin(alpha) - cos(alpha))
 

@@ -166,7 +166,10 @@ def hose_at_rest(hose, travel, p, T, p_a):
 
 @law
 def joint_at_rest(joint, q, p_1, p_2, around):
-    """Return the state of a joint at rest at q (rad) with absolute pressures p_1 in hose A and p_2 in hose B (Pa)."""
+    """Return the state of a joint at rest at q (rad), with absolute pressures p_1 in hose A and p_2 in hose B (Pa).
+
+    Its air is at ambient temperature, its losses without torque.
+    """
     T, p_a = around.ambient_temperature, around.ambient_pressure
     a = hose_at_rest(joint.hose_a, joint.hose_a.neutral + q, p_1, T, p_a)
     b = hose_at_rest(joint.hose_b, joint.hose_b.neutral - q, p_2, T, p_a)
@@ -177,8 +180,8 @@ def joint_at_rest(joint, q, p_1, p_2, around):
 def pressures_at_rest(joint, q, pull, around):
     """Return the absolute pressures in hoses A and B (Pa) that balance an external torque `pull` (N m) at q (rad).
 
-    They are limited to ambient and supply pressure, about `REST_PRESSURE_RATIO` of two hoses; a missing hose B is at
-    ambient pressure.
+    They are limited to ambient and supply pressure. The mean of two hoses is `REST_PRESSURE_RATIO` of the supply; a
+    missing hose B is at ambient pressure.
     """
     p_s, p_a, second = around.supply_pressure, around.ambient_pressure, has_second(joint.second)
     K = torque_per_pressure(joint.hose_a.stroke, joint.hose_a.neutral + q)

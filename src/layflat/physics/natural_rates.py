@@ -54,12 +54,14 @@ def _air_stiffness(joint: JointParameters, around: Surroundings) -> Any:
 
 
 def _hose_stiffness(hose: HoseParameters, around: Surroundings) -> Any:
+    """Return the stiffness of one closed hose's air in mid-stroke, adiabatic, in an elastic wall, N m/rad."""
     K, n_p = torque_per_pressure(hose.stroke, hose.neutral), GAMMA * around.supply_pressure
     V = hose.chamber.dead_volume + swept_volume(hose.stroke, hose.neutral)
     return K * K * n_p / (V + hose.chamber.compliance * n_p)
 
 
 def _joint_damping(joint: JointParameters, around: Surroundings) -> Any:
+    """Return the damping of a joint with both hoses at supply pressure, without that of its stops, N m s/rad."""
     gauge, a, b = around.supply_pressure - around.ambient_pressure, joint.hose_a.damping, joint.hose_b.damping
     return joint.viscous_friction + (a.base + b.base) + (a.slope + b.slope) * gauge
 

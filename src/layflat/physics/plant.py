@@ -17,6 +17,7 @@ def _zero_velocity(q):
 
 @law
 def _joint_state_at_rest(joint, q, p_1, p_2, pull, around):
+    """Return the state of a joint at rest at q; a pressure that is nan is the one that balances `pull` (N m)."""
     a, b = pressures_at_rest(joint, q, pull, around)
     # A pressure that is not specified is nan.
     return joint_at_rest(joint, q, select(p_1 == p_1, p_1, a), select(p_2 == p_2, p_2, b), around)  # noqa: PLR0124
@@ -168,6 +169,7 @@ def _advance_inlined(arm, joints, states, drives, waves, around, h, n):
 
 @kernel
 def _advance_kernel(arm, joints, states, drives, waves, around, h, n):
+    """Return states and waves after n steps of h seconds; all sequences are tuples with an item a joint."""
     after, wave = slots(states), slots(waves)
     _advance(arm, _pack_joints(arm, slots(joints)), after, slots(drives), wave, around, h, n)
     return gather(states, after), gather(states, wave)
@@ -178,7 +180,7 @@ def _pack_interpreted(arm, joints):  # noqa: ARG001  (signature of the inlined l
 
 
 def _advance_from_python(arm, joints, states, drives, waves, around, h, n):
-    """Advance by n steps, compiled even when a loop in Python calls it: they are too many to be interpreted."""
+    """Advance states and waves in place by n steps, compiled even when Python calls it: they are too many for that."""
     states[:], waves[:] = _advance_kernel(arm, joints, tuple(states), tuple(drives), tuple(waves), around, h, n)
 
 

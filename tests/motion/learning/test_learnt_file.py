@@ -80,14 +80,14 @@ def put(*keys: str, value: Any) -> Callable[[dict[str, Any]], None]:
     ("change", "expected"),
     [
         (put("format", value="another"), "its format is not 'layflat learnt motion, version 1'"),
-        (put("correction", "next", "large", value=[0.0]), "can't be read as what was learnt"),
+        (put("correction", "next", "large", value=[0.0]), "can't be read as learnt corrections"),
         (put("correction", "best", value={"large": [0.0] * 9, "small": [0.0] * 9}), "does not fit the motion"),
-        (put("correction", "step", "small", value="none"), "can't be read as what was learnt"),
+        (put("correction", "step", "small", value="none"), "can't be read as learnt corrections"),
         (put("motion", "angles", "small", value=[0.1] * 61), "holds a motion that was changed; learn anew"),
-        (put("history", value=[{"rms": 1.0}]), "can't be read as what was learnt"),
-        (put("filter", "lead", value="soon"), "can't be read as what was learnt"),
-        (put("filter", "smoothing", value=0.0), "can't be read as what was learnt"),
-        (put("gain", value=None), "can't be read as what was learnt"),
+        (put("history", value=[{"rms": 1.0}]), "can't be read as learnt corrections"),
+        (put("filter", "lead", value="soon"), "can't be read as learnt corrections"),
+        (put("filter", "smoothing", value=0.0), "can't be read as learnt corrections"),
+        (put("gain", value=None), "can't be read as learnt corrections"),
     ],
 )
 def test_bad_files_are_refused(

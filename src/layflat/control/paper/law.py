@@ -49,6 +49,7 @@ def _zero_velocity(q):
 
 @law
 def _subtract_load(dp, joint, q, pull, around):
+    """Return dp less the differential pressure that holds a joint at q (rad) against a pull (N m), Pa."""
     p_1, p_2 = pressures_at_rest(joint, q, pull, around)
     return dp - (p_1 - p_2)
 
@@ -188,7 +189,10 @@ def _update_integrals(gains, memory, phase, correction, error, may_learn, elapse
 
 @law
 def step_joint(gains, memory, x, dp, demand, elapsed):
-    """Return memory, voltage (V) and report of one joint after a cycle. Source: the paper's Eq. (2) and section 3."""
+    """Return memory, voltage (V, within the valve's range) and report of one joint after a cycle.
+
+    Source: the paper's Eq. (2) and section 3.
+    """
     x_mean = mean4(x, memory.angle_0, memory.angle_1, memory.angle_2)
     dp_mean = mean4(dp, memory.pressure_0, memory.pressure_1, memory.pressure_2)
     ripple = ripple4(dp, memory.pressure_0, memory.pressure_1, memory.pressure_2)

@@ -128,6 +128,7 @@ def tracking_settings(
 
 
 def _tolerance(described: TrackingControllerPart) -> Tolerance:
+    """Return the tolerances of arrival; the blind one of angles is at most the usual one."""
     angle = described.angle_tolerance
     return Tolerance(described.tolerance, angle, np.minimum(described.blind_angle_tolerance, angle))
 
@@ -173,7 +174,10 @@ def _actuator_limits(joint: JointParameters, around: Surroundings) -> ActuatorLi
 
 
 def _notch_weight(valve: Any, T: float) -> float:
-    """Return the weight of the last innovation with which the mean of three has zero gain at the dither frequency."""
+    """Return the weight of the last innovation with which the mean of three has zero gain at the dither frequency.
+
+    It is 0 where samples do not resolve the dither.
+    """
     periods = valve.dither_frequency * T
     sampled = (periods > SAMPLED_DITHER[0]) & (periods < SAMPLED_DITHER[1])
     return sampled * -2.0 * np.cos(2.0 * pi * periods)  # type: ignore[no-any-return]

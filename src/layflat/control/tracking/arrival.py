@@ -45,7 +45,7 @@ def _held_goal(held, before, goal):
 
 @composition
 def update_residual(residual, square, goals, T):
-    """Return the residual after a cycle.
+    """Return the residual after a cycle; a goal that differs from the one given up ends the hold.
 
     Args: residual before it; square of the cycle's greatest innovation over its variance; goals, rad, a tuple; T.
     """
@@ -66,6 +66,7 @@ class Tolerance(NamedTuple):
 
 @law
 def _distance(a, b):
+    """Return the distance between two points (`Vector`), m."""
     x, y, z = a.x - b.x, a.y - b.y, a.z - b.z
     return sqrt(x * x + y * y + z * z)
 

@@ -70,7 +70,10 @@ def state_stiffness(joint, state, around):
 
 @law
 def supply_share(joint, state, q, k, around):
-    """Return the share of the supply's gauge pressure that brings a joint at angle q to stiffness k, and keeps it."""
+    """Return the share of the supply's gauge pressure that brings a joint at angle q to stiffness k, and keeps it.
+
+    It is not limited to the range of the regulator.
+    """
     p_s, p_a = around.supply_pressure, around.ambient_pressure
     p = 0.5 * (p_s + p_a)
     for _ in range(PRESSURE_ITERATIONS):

@@ -90,7 +90,7 @@ def load_estimate(parameters, joints, shares):
 
 @composition
 def upper_payload(prior, parameters):
-    """Return the upper confidence bound of the payload, kg."""
+    """Return the payload `PAYLOAD_DEVIATIONS` above its estimate, at most the upper bound of the prior, kg."""
     m, x, C, high = len(prior.deviations), slots(parameters.values), slots(parameters.covariance), slots(prior.high)
     return min(x[m - 1] + PAYLOAD_DEVIATIONS * sqrt(max(C[m * m - 1], 0.0)), high[m - 1])
 
@@ -104,7 +104,8 @@ def _zero(joint, x):  # noqa: ARG001  (one a joint)
 def update_parameters(prior, parameters, errors, learns):
     """Return the estimate after innovations of the angles, the changes of angles and velocities, and the residual.
 
-    The residual is the square of the greatest innovation over its variance: 1 on average if the model is right.
+    The residual is the square of the greatest innovation over its variance: 1 on average if the model is right. An
+    innovation beyond `CREDIBLE_DEVIATIONS` has less weight, and raises the payload's variance to the initial one.
 
     Args: `Prior`; `ParameterEstimate` before; innovations, rad, a tuple; learns: 1, or 0 while the arm is compliant, so
     that pushes are not taken for parameters.
@@ -160,7 +161,7 @@ def _difference(x, y):
 
 @composition
 def _motion_change(sensitivities, change, like):
-    """Return the change of the joints' angles (rad) or velocities (rad/s) with a change of the parameters."""
+    """Return the change of the joints' angles (rad) or velocities (rad/s), a tuple as `like`, by that of parameters."""
     n, m, S, d = len(like), len(change), slots(sensitivities), slots(change)
     motion = slots(like, 0.0 * d[0])
     for j in range(n):

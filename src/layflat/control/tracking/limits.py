@@ -87,6 +87,7 @@ def _max_speed(actuator, e):
 
 @law
 def _max_inertia(here, halfway, goal):
+    """Return the greatest magnitude of three inertias, at least `MIN_INERTIA`, kg m2."""
     first, later = max(abs(here), MIN_INERTIA), max(abs(halfway), abs(goal))
     return max(first, later)
 
@@ -117,7 +118,7 @@ def _midpoint(q, p):
 
 @law
 def joint_path_limits(actuator, friction, inertia, holds, speed, margins):
-    """Return the limits of a joint by itself, in either direction.
+    """Return the `PathLimits` of a joint by itself, those of the worse direction.
 
     A stop takes at least a quarter of the min duration of a move, since light joints would oscillate otherwise.
 

@@ -91,7 +91,7 @@ class PressureInnovations(NamedTuple):
 
 @law
 def _place_hose(hose, state, travel, change, p_a):
-    """Return a hose's state at another travel, with its pressure changed by `change` (Pa), at the same temperature."""
+    """Return a hose's state at another travel, its pressure changed by `change` (Pa) to p_a or more, isothermally."""
     volume = hose.chamber.dead_volume + swept_volume(hose.stroke, travel)
     p = max(state.pressure + change, p_a)
     stored, mass = energy(hose.chamber, p, volume, p_a), state.mass * p / state.pressure
@@ -100,7 +100,10 @@ def _place_hose(hose, state, travel, change, p_a):
 
 @law
 def place_joint(joint, state, q, v, change, around):
-    """Return the state of a joint at another angle q and velocity v, its differential pressure changed (Pa)."""
+    """Return the state of a joint at another angle q and velocity v, its differential pressure changed (Pa).
+
+    Half of the change is in each hose; without hose B, all of it in hose A.
+    """
     p_a, of_second = around.ambient_pressure, 0.5 * has_second(joint.second)
     a = _place_hose(joint.hose_a, state.hose_a, joint.hose_a.neutral + q, (1.0 - of_second) * change, p_a)
     b = _place_hose(joint.hose_b, state.hose_b, joint.hose_b.neutral - q, -of_second * change, p_a)

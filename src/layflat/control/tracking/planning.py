@@ -113,7 +113,7 @@ def _goal_motion(goal):
 
 @composition
 def is_resting(goals):
-    """Return whether goals are at rest."""
+    """Return whether all goals are at rest: |velocity| + |acceleration| below `RESTING_GOAL_SPEED`."""
     return max_magnitude(each(_goal_motion, goals)) < RESTING_GOAL_SPEED
 
 

@@ -56,7 +56,7 @@ def _acceleration(feedback, reference, q, v, forward):
 
 @law
 def _is_saturated(actuator, feedback, inertia, torque):
-    """Return whether feedback exceeds the joint's torque, and its error is not merely small with a weak actuator."""
+    """Return 1 if feedback exceeds the joint's torque by an error that is not small (`MAX_TRACKING_ERROR`), else 0."""
     return select(abs(torque) > max(actuator.torque, MAX_TRACKING_ERROR * feedback.stiffness * inertia), 1.0, 0.0)
 
 

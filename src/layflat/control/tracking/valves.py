@@ -56,7 +56,10 @@ def _centred(friction):
 
 @composition
 def predict_arrival(plant, states, lines, estimate, request, T):
-    """Return the states at which the present command arrives, and those a cycle from now if these come before."""
+    """Return the states when the present command arrives, whole cycles of delay later, and those a cycle from now.
+
+    Without a whole cycle of delay, both are the present states.
+    """
     later = states
     for passed in range(len(plant.late)):
         states = _predict_states(plant, states, lines, each(_centred, estimate.frictions), passed, estimate, request, T)
@@ -97,6 +100,7 @@ def _full_opening(joint, free, torque, around):
 
 @law
 def _opening(joint, feedback, free, opened, full, torque, around):
+    """Return the opening from 0 to `full` that yields the share `closing` of the missing torque, by interpolation."""
     t_0, t_1 = gas_torque(joint, free, around), gas_torque(joint, opened, around)
     gain = select(abs(t_1 - t_0) > MIN_TORQUE_GAIN, t_1 - t_0, MIN_TORQUE_GAIN)
     return full * min(max(feedback.closing * (torque - t_0) / gain, 0.0), 1.0)
@@ -109,6 +113,7 @@ def _command_opening(opening, pumped, controls):
 
 @law
 def _lack(joint, actuator, after, opening, torque, around):
+    """Return the torque (N m) that a fully open valve lacks to one away from the middle of the range, else 0."""
     missing = torque - gas_torque(joint, after, around)
     return select((abs(opening) > FULL_OPENING) & ((torque - actuator.middle) * missing > 0.0), missing, 0.0)
 

@@ -84,7 +84,7 @@ class RepeatedMotion:
 
     @property
     def fingerprint(self) -> str:
-        """SHA-256 of its rows, rounded as in demand files."""
+        """SHA-256 of its cycle and its rows, these rounded to 0.001 deg, deg/s and deg/s2."""
         rows = np.round(np.degrees(np.hstack([self.angles, self.velocities, self.accelerations])), 3) + 0.0
         return sha256(f"{self.cycle!r} {rows.shape}".encode() + rows.astype("<f8").tobytes()).hexdigest()
 
@@ -141,7 +141,7 @@ class LearntCorrections:
         """Return the corrections after a repeat.
 
         Args:
-            measured: sensed angles at the control cycles of `demand()`, (cycles, joints), rad.
+            measured: sensed angles at the control cycles of `demand()`, (cycles, joints), rad; later rows are ignored.
 
         Raises:
             InputError: rows or joints are missing, or values are not numbers.
@@ -173,7 +173,10 @@ class LearntCorrections:
         return States(*(a + b for a, b in zip(self.uncorrected, self.corrections.states(coefficients), strict=True)))
 
     def _evaluate_repeat(self, measured: Array) -> Repeat:
-        """Return the result of a repeat, kept if its rms error is the least and it lands in time."""
+        """Return the result of a repeat, kept if its rms error is the least and it lands as early as the first one.
+
+        `LANDING_ALLOWANCE` of delay is allowed.
+        """
         rms, most = path_error(self.machine, self.motion, measured[self.lead_in_cycles :])
         landed = landing_time(self.machine, self.motion, measured[self.lead_in_cycles :])
         better = all(rms < other.rms for other in self.history)
@@ -181,7 +184,10 @@ class LearntCorrections:
         return Repeat(rms, most, landed, kept=better and in_time)
 
     def _take_step(self, learnt: "LearntCorrections") -> "LearntCorrections":
-        """Return corrections with the demand to send next: a step from the best, as strokes and speeds allow."""
+        """Return corrections `learnt` with the demand to send next: a step from the best, halved until it is feasible.
+
+        After `MAX_STEP_HALVINGS` it is the best itself.
+        """
         step = learnt.gain * learnt.step
         for _ in range(MAX_STEP_HALVINGS):
             if learnt._is_feasible(learnt.best + step):
@@ -229,7 +235,7 @@ def begin_learning(machine: Machine, motion: Sequence[Array | None]) -> LearntCo
 
 
 def path_error(machine: Machine, motion: RepeatedMotion, angles: Array) -> tuple[float, float]:
-    """Return rms and greatest distance of the tip from its reference along the path, m.
+    """Return rms and greatest distance of the tip from its reference at the same instant, m.
 
     Args:
         machine: machine with the arm.
@@ -242,7 +248,7 @@ def path_error(machine: Machine, motion: RepeatedMotion, angles: Array) -> tuple
 
 
 def landing_time(machine: Machine, motion: RepeatedMotion, angles: Array) -> float:
-    """Return the time after which the tip stays within 2 mm of the end of the motion.
+    """Return the time after which the tip stays within 2 mm of the end of the reference motion.
 
     Args:
         machine: machine with the arm.

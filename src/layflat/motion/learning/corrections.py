@@ -78,12 +78,14 @@ class CorrectionSplines:
 
     @cached_property
     def _knots(self) -> Array:
+        """Times of the knots, s, at even distances from the first cycle to the last."""
         spacing = self._end / (self.count + SPLINE_DEGREE)
         knots: Array = spacing * np.arange(self.count + SPLINE_DEGREE + 1, dtype=np.float64)
         return knots
 
     @cached_property
     def _times(self) -> Array:
+        """Times of the control cycles, s."""
         times: Array = self.cycle * np.arange(self.cycles, dtype=np.float64)
         return times
 
@@ -101,10 +103,7 @@ class CorrectionSplines:
 
     @cached_property
     def _solve(self) -> Callable[[Array], Array]:
-        """Return the solver of the filter's linear system, from its right side to coefficients c.
-
-        A spline's second derivative is that of three splines of a degree that is lower by two.
-        """
+        """Solver of the filter's linear system: a function from its right side to coefficients c."""
         # A spline's second derivative is that of three splines of a degree that is lower by two.
         differences = diags_array([1.0, -2.0, 1.0], offsets=[0, -1, -2], shape=(self.count + 2, self.count))
         bends = self._design(SPLINE_DEGREE - 2) @ differences / self._knots[1] ** 2

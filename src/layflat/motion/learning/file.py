@@ -43,7 +43,7 @@ def write_learnt(learnt: LearntCorrections, path: Path, *, continued: bool = Fal
         continued: whether they continue those of the existing file, which is then replaced.
 
     Raises:
-        OutputError: the file can't be written.
+        OutputError: the file can't be written, or an existing one may not be replaced.
     """
     joints = list(learnt.machine.joints)
 
@@ -91,7 +91,7 @@ def read_learnt(path: Path, machine: Machine, motion: RepeatedMotion | None = No
     except InputError:
         raise
     except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
-        what = f"can't be read as what was learnt ({' '.join(str(error).split()) or type(error).__name__})"
+        what = f"can't be read as learnt corrections ({' '.join(str(error).split()) or type(error).__name__})"
         raise InputError(what, where=str(path), right="give a file that `layflat motion learn` has written") from None
     return learnt
 
@@ -142,7 +142,7 @@ def _parse_learnt(content: dict[str, Any], machine: Machine) -> LearntCorrection
 
 
 def _format_json(content: dict[str, Any], indent: str = "") -> str:
-    """Return JSON with a line for each list of numbers."""
+    """Return nested tables as JSON, with a line for each list of numbers and for each table in a list."""
     inner = indent + "  "
     lines = []
     for key, value in content.items():

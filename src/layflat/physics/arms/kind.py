@@ -69,7 +69,7 @@ class ArmKind(Kind):
     laws: Mapping[type, ArmLaws] = REQUIRED_ENTRY  # by class of the parameters
 
     def __post_init__(self) -> None:
-        """Refuse parameters without laws."""
+        """Raise KindError if a class of parameters has no laws, or laws of more than `MAX_JOINTS` joints."""
         super().__post_init__()
         for cls in self.parameter_types:
             if cls not in self.laws or self.laws[cls].joints not in (None, *range(1, MAX_JOINTS + 1)):

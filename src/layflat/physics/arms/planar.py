@@ -123,7 +123,7 @@ def bodies(described: PlanarArmPart, joints: Sequence[Any]) -> RigidArm:
 
 @law
 def one_link_mass(arm, m_p):
-    """Return the inertia about the joint with a payload m_p (kg), kg m2."""
+    """Return the inertia about the joint, with a payload m_p (kg) at the tip, kg m2."""
     return arm.inertia + m_p * arm.length * arm.length
 
 
@@ -176,6 +176,7 @@ def _two_link(arm, m_p, q, v):
 
 @composition
 def _level_two_link(arm, m_p, q, v):
+    """Return masses, Coriolis torques and zeros for gravity of two links in a level plane, as `_two_link`."""
     sin_2, cos_2 = sincos(q[1] + arm.elbow)
     M_11, M_12, M_22, coupling = two_link_mass(arm, m_p, sin_2, cos_2)
     return (M_11, M_12, M_22), two_link_coriolis(coupling, v[0], v[1]), (0.0, 0.0)
@@ -183,6 +184,7 @@ def _level_two_link(arm, m_p, q, v):
 
 @law
 def _one_link_points(arm, q):
+    """Return the points (x, y) of joint and tip in the arm's plane, m."""
     sin_1, cos_1 = sincos(q[0])
     return (0.0, 0.0), (arm.length * cos_1, arm.length * sin_1)
 

@@ -80,6 +80,7 @@ def _impulse_limit(u, v, B, S):
 
 @composition
 def _solve_varying(M, p, u, B, S):
+    """Return velocities and impulses of a step, with limit S in place of B for joints whose velocity passes zero."""
     v, _ = _solve_constant(M, p, u, B, B)
     limits = each(_impulse_limit, u, v, B, S)
     return _solve_constant(M, p, u, limits, limits)
@@ -99,6 +100,7 @@ def _comes_to_rest(u, w):
 
 @law
 def _fraction_until_rest(u, onwards):
+    """Return the fraction of the step after which a velocity that goes from u to `onwards` is 0; 1 if it never is."""
     rests = _comes_to_rest(u, onwards) > 0.0
     return select(rests, u / select(rests, u - onwards, 1.0), 1.0)
 
@@ -126,6 +128,7 @@ def _select_parted(f, parted, whole):
 
 @law
 def _total_impulse(f, J, K, B, S):
+    """Return the impulse of a step: J in the fraction f of it, K in the rest, together within +-max(B, S), N m s."""
     limit = max(B, S)
     return min(max(f * J + K, -limit), limit)
 
@@ -135,7 +138,10 @@ def _build_solver(solve):
 
     @composition
     def parted(M, p, u, B, S, onwards, J):
-        """Return velocities and impulses of a step that is split where the first joint comes to rest."""
+        """Return velocities and impulses of a step that is split where the first joint comes to rest.
+
+        `onwards` and J are the velocities and impulses if it is not split.
+        """
         f = min_item(each(_fraction_until_rest, u, onwards))
         v = each(_velocity_at_rest, u, onwards, f)
         momentum = each(_remaining_momentum, multiply_symmetric(M, v), p, multiply_symmetric(M, u), f)

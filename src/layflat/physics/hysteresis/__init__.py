@@ -74,7 +74,7 @@ class ParallelPart(LossesPart):
 
 
 def parallel_parameters(described: ParallelPart, limit: float) -> Parallel:
-    """Return the parameters of all parts, each with its fraction of the limit torque (N m)."""
+    """Return the parameters of all parts, each with its fraction of the limit torque (N m), nested from the last on."""
     parts = [
         HYSTERESIS.parameters(part, described.fractions.get(name, 1.0) * limit)
         for name, part in described.parts.items()
@@ -111,7 +111,7 @@ def both_stored(loss, state):
 
 @law
 def both_loaded(loss, p_g, share):
-    """Return states in which all parts carry the same fraction of their limits."""
+    """Return states in which all parts carry the same fraction of their limits; those that relax carry none."""
     return Both(loaded(loss.first, p_g, share), loaded(loss.second, p_g, share))
 
 

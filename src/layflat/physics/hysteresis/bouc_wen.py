@@ -110,7 +110,7 @@ def turned(loss, state, turn, p_g, h):  # noqa: ARG001
 
 @law
 def torques(loss, state):  # noqa: ARG001
-    """Return both torques, N m."""
+    """Return the torques of the losses and of the parallel spring, N m."""
     return state.torque, state.spring
 
 
@@ -123,7 +123,7 @@ def relaxed(loss):
 
 @law
 def stored_energy(loss, state):
-    """Return the energy of both springs, J."""
+    """Return the energy of f in a spring of stiffness k and of the parallel spring, J; 0 for a stiffness of 0."""
     inside = state.torque * state.torque / loss.stiffness if loss.stiffness > 0.0 else 0.0
     return 0.5 * (inside + (state.spring * state.spring / loss.spring if loss.spring > 0.0 else 0.0))
 

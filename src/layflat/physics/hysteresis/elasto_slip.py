@@ -58,7 +58,7 @@ class ElastoSlipPart(LossesPart):
     def _check_weights(self) -> Self:
         """Raise ValueError unless each deflection has a weight, and the weights add up to 1."""
         if len(self.weights) != len(self.deflections):
-            raise ValueError("weights must be as many as deflections")
+            raise ValueError(f"has {len(self.weights)} weights; give as many as deflections, {len(self.deflections)}")
         if abs(sum(self.weights) - 1.0) > 1e-9:
             raise ValueError("weights must add up to 1, for example [0.4, 0.3, 0.3]")
         return self
@@ -94,7 +94,7 @@ def slip_element(f, k, Y, turn):
 
 @law
 def carried_fraction(torque, limit):
-    """Return the fraction of their limits at which elements carry a torque together, -1..1 (assumed initial state)."""
+    """Return the fraction of their limits at which elements carry a torque together, -1..1; 0 if the limit is 0."""
     return min(max(torque / limit, -1.0), 1.0) if limit > 0.0 else 0.0
 
 

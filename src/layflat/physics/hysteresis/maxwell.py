@@ -58,7 +58,7 @@ class MaxwellPart(LossesPart):
     def _check_counts(self) -> Self:
         """Raise ValueError unless each relaxation time has a weight."""
         if len(self.weights) != len(self.times):
-            raise ValueError("weights must be as many as times")
+            raise ValueError(f"has {len(self.weights)} weights; give as many as times, {len(self.times)}")
         return self
 
 

@@ -109,7 +109,7 @@ def same_wave_at_any_fraction(valve, wave, share):  # noqa: ARG001
 
 def refuse_seizure(valve: Any, *_: Any) -> Any:
     """Raise KindError: the kind of valve does not model a seized valve."""
-    raise KindError(f"a {type(valve).__name__} can't be seized: its kind says neither `seized` nor `held_at`")
+    raise KindError(f"a {type(valve).__name__} can't be seized", right="give its kind of valve `seized` and `held_at`")
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -129,7 +129,7 @@ def turn_carrier(pair, carrier):  # noqa: ARG001
 
 @law
 def duty(pair, command):
-    """Return the duty of the valve that a positive command opens."""
+    """Return the duty of the valve that a positive command opens: 0 up to the dead band, then `min_pulse` and more."""
     min_duty = pair.frequency * pair.min_pulse
     fraction = (command - pair.dead_band) * (1.0 / (1.0 - pair.dead_band))
     return select(command > pair.dead_band, min(min_duty + (1.0 - min_duty) * fraction, 1.0), 0.0)
@@ -137,7 +137,7 @@ def duty(pair, command):
 
 @law
 def _advance_coil_and_plunger(switch, on, charge, x, tau):
-    """Return charge, opening, and the integral of the opening (s) after tau seconds with the coil on or off."""
+    """Return charge and opening after tau seconds with the coil on or off, and the integral of the opening (s)."""
     wait = select(on, (1.0 - charge) * switch.opening_delay, charge * switch.closing_delay)
     travels = max(tau - wait, 0.0)
     charge_after = charge + tau * select(on, 1.0 / switch.opening_delay, -1.0 / switch.closing_delay)

@@ -90,7 +90,7 @@ class Fault(IntEnum):
     OVER_PRESSURE = 18, "over-pressure", Reaction.VENT, True, 0.0, 2
     OUTSIDE_STROKE = 19, "outside the stroke", Reaction.VENT, True, 0.0, 2
     OVER_SPEED = 20, "over-speed", Reaction.VENT, True, 0.0, 2
-    DEVICE_DUMPED = 21, "the device let out the air", Reaction.DUMP, True
+    DEVICE_DUMPED = 21, "the device vented the hoses", Reaction.DUMP, True
     E_STOP = 22, "e-stop", Reaction.DUMP, True
 
 

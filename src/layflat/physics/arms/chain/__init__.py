@@ -54,7 +54,10 @@ def axes_from_angles(turn: Sequence[Any]) -> Axes:
 
 
 def axes_along(axis: Sequence[Any]) -> Axes:
-    """Return the axes of a frame whose z lies along an axis (of any length); the parent's where that is its z."""
+    """Return the axes of a frame whose z lies along an axis (of any length), and whose x has no z in the parent.
+
+    They are the parent's where the axis is its z.
+    """
     x, y, z = np.array(axis, float) / np.sqrt(np.sum(np.square(axis), axis=0))
     across = np.hypot(x, y)
     upright, per = across < MIN_DIRECTION_LENGTH, 1.0 / np.maximum(across, MIN_DIRECTION_LENGTH)

@@ -118,6 +118,7 @@ def _next_row(row, link, sin, cos):
 
 @law
 def _frame(x, y, z):
+    """Return the frame of its rows for the components x, y and z."""
     return LinkFrame(
         Axes(Vector(x.x, y.x, z.x), Vector(x.y, y.y, z.y), Vector(x.z, y.z, z.z)), Vector(x.origin, y.origin, z.origin)
     )
@@ -131,7 +132,7 @@ def _frame_from_rows(rows):
 
 @composition
 def frames(arm, q):
-    """Return the frames of all links at angles (rad), a tuple."""
+    """Return the frames of all links in that of the base at angles (rad), both tuples."""
     sines, cosines = sincos(wrap_angle(abreast(q)))
     sines, cosines = _turn_from_mid_stroke(abreast(arm.links), sines, cosines)
     sin, cos, links = slots(apart(sines, q)), slots(apart(cosines, q)), slots(arm.links)
@@ -148,6 +149,7 @@ def _screw(frame):
 
 @law
 def _add_payload(link, payload, tool):
+    """Return a link with a payload (kg) added at the position `tool` in its frame, m."""
     turns = link.sin_tilt, link.cos_tilt, link.sin_turn, link.cos_turn
     return ChainLink(*turns, link.place, add_point_mass(link.body, payload, tool))
 
