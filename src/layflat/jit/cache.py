@@ -36,20 +36,26 @@ _digests: tuple[str, ...] = ()
 
 
 def include_source(path: Path) -> None:
-    """Make the machine code of all kernels depend on a file outside the package that defines laws."""
+    """Make the cache of every kernel depend on the present content of a file outside the package that defines laws.
+
+    Kernels compile anew at their next call; a second call for the same path replaces its digest.
+    """
     global _digests  # noqa: PLW0603  # read at every call of a kernel
     _included[path] = hashlib.sha256(path.read_bytes()).hexdigest()
     _digests = tuple(sorted(_included.values()))
 
 
 def included_sources() -> tuple[str, ...]:
-    """Return the digests of the files outside the package that define laws."""
+    """Return the digests, sorted, of the files that `include_source` has read."""
     return _digests
 
 
 @cache
 def kernel_sources(path: Path) -> tuple[Path, ...]:
-    """Return every file of the package whose source can be part of the kernels of a file, itself included."""
+    """Return, sorted, the files whose source can be part of the kernels of a file: itself and its imports, recursively.
+
+    The compiler's own files are always included, those of `WITHOUT_LAWS` never. Results are kept for the process.
+    """
     files = {path, *(PACKAGE_FOLDER / "jit").rglob("*.py"), PACKAGE_FOLDER / "lanes.py"}
     waiting = [path]
     while waiting:
@@ -61,7 +67,7 @@ def kernel_sources(path: Path) -> tuple[Path, ...]:
 
 
 def _imported_files(path: Path) -> Iterator[Path]:
-    """Yield the files of the package that a file imports at module level."""
+    """Yield the files of the package that a file imports at module level, by absolute imports."""
     for statement in ast.parse(path.read_bytes()).body:
         if isinstance(statement, ast.Import):
             names = [alias.name for alias in statement.names]
@@ -78,7 +84,10 @@ def _imported_files(path: Path) -> Iterator[Path]:
 
 @cache
 def source_digest(path: Path, included: tuple[str, ...] = ()) -> str:
-    """Return the digest of every source that can be part of the kernels of a file."""
+    """Return `DIGITS` hexadecimal digits of the SHA-256 of a file's `kernel_sources` and of the digests `included`.
+
+    Results are kept for the process: a file that changes later does not change them.
+    """
     digest = hashlib.sha256("".join(included).encode())
     for file in kernel_sources(path):
         digest.update(
@@ -89,7 +98,10 @@ def source_digest(path: Path, included: tuple[str, ...] = ()) -> str:
 
 
 def cache_folder(path: Path) -> Path | None:
-    """Return the folder for the machine code of a file's kernels, or None where none can be written."""
+    """Create and return the folder for the machine code of a file's kernels; None where none can be written.
+
+    It is in `LAYFLAT_CACHE_DIR`, or else in the user's cache folder, where a new one also removes stale ones.
+    """
     import platformdirs  # noqa: PLC0415  # not needed to import laws
 
     root = Path(os.environ.get("LAYFLAT_CACHE_DIR") or platformdirs.user_cache_dir("layflat"))
@@ -104,7 +116,7 @@ def cache_folder(path: Path) -> Path | None:
 
 
 def remove_stale(root: Path) -> None:
-    """Remove folders of other sources that are older than `MAX_CACHE_AGE`."""
+    """Remove the folders in `root` named by a digest and last changed more than `MAX_CACHE_AGE` ago, where possible."""
     for other in root.iterdir():
         digest = len(other.name) == DIGITS and set(other.name) <= set("0123456789abcdef")
         if digest and time.time() - other.stat().st_mtime > MAX_CACHE_AGE:

@@ -71,7 +71,7 @@ class LlvmWork:
         self._thread: int | None = None  # identity of the thread that runs a part
 
     def add(self, part: Callable[..., None], *args: Any) -> None:
-        """Queue a part, which does not run if one before it failed."""
+        """Queue a part for the LLVM thread, or run it now if no compilation is on; none runs after one that failed."""
         before = self._last
 
         def run_part() -> None:

@@ -23,6 +23,9 @@ SUPPORTED_VERSIONS = {"numba": ((0, 66), (0, 69)), "llvmlite": ((0, 46), (0, 51)
 def check_versions(installed: Callable[[str], str] = version) -> None:
     """Check that the installed compiler is of a supported version.
 
+    Args:
+        installed: returns the version of a package, such as "0.66.0", by its name.
+
     Raises:
         CompilerError: it is older or newer, and `LAYFLAT_ANY_COMPILER` is not set.
     """
@@ -46,7 +49,8 @@ try:
     from layflat.jit.internals import tolerate_failed_save
     from layflat.jit.libraries import KernelCompiler, LawCompiler
 except (ImportError, AttributeError) as error:
-    raise CompilerError(f"numba {version('numba')} lacks what layflat needs of it ({error})") from error
+    what = f"numba {version('numba')} lacks a part that layflat uses ({error}); pip install --force-reinstall layflat"
+    raise CompilerError(what) from error
 
 config: Any = numba.config
 
@@ -63,17 +67,19 @@ INLINE_OPTIONS: dict[str, Any] = {
 
 
 def compile_inlined(function: Callable[..., Any]) -> Any:
-    """Compile a law into the kernels that call it."""
+    """Return numba's dispatcher of a law, which is compiled when a kernel that inlines it is."""
     return numba.njit(pipeline_class=LawCompiler, **INLINE_OPTIONS)(function)
 
 
 def compile_cached(function: Callable[..., Any], folder: Path | None) -> Any:
-    """Compile a kernel, and cache its machine code in a folder unless that is None."""
+    """Return numba's dispatcher of a kernel, which compiles at its first call and caches in a folder unless None."""
     return compile_with_cache(partial(numba.njit, pipeline_class=KernelCompiler, **JIT_OPTIONS), function, folder)
 
 
 def compile_with_cache(compiler: Callable[..., Any], function: Callable[..., Any], folder: Path | None) -> Any:
-    """Return a function compiled by a numba decorator, with its machine code cached in a folder.
+    """Return the dispatcher that a numba decorator makes of a function, with its machine code cached in a folder.
+
+    The function compiles at its first call; machine code that can't be saved is no error.
 
     Args:
         compiler: decorator factory with an argument `cache`.

@@ -14,9 +14,9 @@ from layflat.jit.functions import ByKind, Law
 
 
 def device_kernel(function: Callable[..., Any], folder: Path | None = None) -> Any:
-    """Compile a function that the threads of a CUDA device run, and cache its machine code in a folder.
+    """Return a function as a kernel of a CUDA device, compiled at its first launch and cached in a folder; None: not.
 
-    It may call laws, and functions of `device_law`.
+    It may call laws, and functions of `device_law`. Numba's CUDA simulator interprets it, without a cache.
     """
     cuda: Any = import_module("numba.cuda")
     if config.ENABLE_CUDASIM:
@@ -29,7 +29,7 @@ def device_kernel(function: Callable[..., Any], folder: Path | None = None) -> A
 
 @cache
 def device_law(function: Any) -> Any:
-    """Return a law or a kernel in a form that is inlined into a `device_kernel`."""
+    """Return a law or a kernel in a form that a `device_kernel` inlines; under CUDA's simulator plain Python."""
     plain = getattr(function, "py_func", function)
     if config.ENABLE_CUDASIM:
         return plain

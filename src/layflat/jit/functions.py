@@ -19,7 +19,7 @@ def _compiler() -> ModuleType:
 
 
 class Law:
-    """Function that kernels inline; called from Python it is interpreted, lane by lane."""
+    """Law: kernels inline `function`; a call from Python runs `called`, its interpreted form."""
 
     def __init__(self, function: Callable[..., Any], called: Callable[..., Any]) -> None:
         update_wrapper(self, function)
@@ -27,7 +27,7 @@ class Law:
 
     @cached_property
     def dispatcher(self) -> Any:
-        """Numba's dispatcher of the law."""
+        """Numba's dispatcher of the law; the first access loads the compiler."""
         return _compiler().compile_inlined(self.py_func)
 
     @cached_property
@@ -51,7 +51,7 @@ class Kernel:
 
     @property
     def dispatcher(self) -> Any:
-        """Numba's dispatcher of the kernel."""
+        """Numba's dispatcher of the kernel, another after each `include_source`; the first loads the compiler."""
         key = included_sources()
         if key not in self._dispatchers:
             with self._lock:
@@ -98,7 +98,7 @@ class ByKind:
         return _compiler().choice_type(self.kinds)
 
     def __call__(self, first: Any, *rest: Any) -> Any:
-        """Call the law for the class of the first argument from Python."""
+        """Call the law for the exact class of the first argument from Python; raise KeyError where there is none."""
         return self.kinds[type(first)](first, *rest)
 
 
@@ -113,7 +113,7 @@ def composition(function: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def kernel(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Decorate a function as a kernel: compiled at its first call from Python, its machine code cached on disk."""
+    """Decorate a function as a `Kernel`; where nothing is compiled (NUMBA_DISABLE_JIT), return the function itself."""
     return function if interpreted() else Kernel(function)
 
 

@@ -67,6 +67,7 @@ class _References(NRTContext):
     """Reference counting."""
 
     def get_meminfos(self, builder: Any, kind: Any, value: Any) -> Any:  # language: numba's interface
+        """Return the references in a value; none, without emitting code, for a type that is known to hold none."""
         if kind not in _holds_references:
             _holds_references[kind] = self._context.data_model_manager[kind].contains_nrt_meminfo()
         return super().get_meminfos(builder, kind, value) if _holds_references[kind] else ()
@@ -97,11 +98,12 @@ class _LawContext(CPUContext):
 
 
 def law_context(context: Any) -> Any:
-    """Return numba's target context with the calling convention of laws."""
+    """Return a copy of numba's target context with the calling convention of laws."""
     return _copy_as(_LawContext, context)
 
 
 def _copy_as(kind: type, context: Any) -> Any:
+    """Return a shallow copy of a context as an instance of another class."""
     other = copy(context)
     other.__class__ = kind
     return other
@@ -114,6 +116,7 @@ def _triple() -> str:
 
 
 def _parse_module(name: str, text: str) -> Any:
+    """Return LLVM's text parsed as a module of this name; raise RuntimeError if it is invalid."""
     module = binding.parse_assembly(text)
     module.name = name
     return module
@@ -150,6 +153,7 @@ class _LawLibrary(JITCodeLibrary):
         self._module = module
 
     def create_ir_module(self, name: str) -> Any:
+        """Return an empty module for this computer's processor."""
         module: Any = ir.Module(normalize_ir_text(name))
         module.triple, module.data_layout = _triple(), self._codegen._data_layout
         return module

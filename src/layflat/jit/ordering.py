@@ -82,7 +82,7 @@ class Instruction(NamedTuple):
 
 
 def order_instructions(module: str) -> str:
-    """Return LLVM's text of a module with the instructions of its long blocks scheduled."""
+    """Return LLVM's text of a module, its long blocks scheduled and values renamed; without such blocks unchanged."""
     lines = module.split("\n")
     blocks = [(first, last) for first, last in _instruction_blocks(lines) if _is_worth_ordering(lines[first:last])]
     lines = _rename_unreadable(module) if blocks else [module]
@@ -111,7 +111,7 @@ def _rename_unreadable(module: str) -> list[str]:
 
 
 def _instruction_blocks(lines: Sequence[str]) -> Iterator[tuple[int, int]]:
-    """Yield begin and end of each block: its first instruction that is no phi, and the one that leaves it."""
+    """Yield the indices of two lines of each block: the first instruction that is no phi, and the one that leaves."""
     first = 0
     for i, line in enumerate(lines):
         if _BLOCK_LABEL.match(line) or line.startswith("define") or " = phi " in line:
@@ -121,12 +121,17 @@ def _instruction_blocks(lines: Sequence[str]) -> Iterator[tuple[int, int]]:
 
 
 def _is_worth_ordering(lines: Sequence[str]) -> bool:
+    """Return whether a block is worth scheduling: long, and not both longer than usual and of wide vectors.
+
+    Limits are `MIN_BLOCK_LENGTH`, `MAX_BLOCK_LENGTH` and `MAX_VECTOR_BITS`, each inclusive.
+    """
     return len(lines) >= MIN_BLOCK_LENGTH and (
         len(lines) <= MAX_BLOCK_LENGTH or max(map(_vector_bits, lines)) <= MAX_VECTOR_BITS
     )
 
 
 def _vector_bits(line: str) -> int:
+    """Return the size of the first vector of floats in a line; 64 where there is none."""
     size = _VECTOR_SIZE.search(line)
     return int(size[1]) * (64 if size[2] == "double" else 32) if size else 64
 

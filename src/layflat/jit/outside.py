@@ -31,7 +31,7 @@ COLOUR_CODE = re.compile(r"\x1b\[[0-9;]*m")
 
 
 def load_kinds(path: Path, where: str) -> None:
-    """Run a file that registers kinds, once.
+    """Run a file that registers kinds, once; a copy of one that has run is not run again.
 
     Args:
         path: the file.
@@ -73,7 +73,9 @@ def load_kinds(path: Path, where: str) -> None:
 
 @contextmanager
 def blame_outside(running: Path | None = None) -> Iterator[None]:
-    """Turn an error in a file of kinds into one line that names the file and the line.
+    """Return a context in which an error in a loaded file of kinds becomes a KindError that names file and line.
+
+    Errors elsewhere, other LayflatErrors and Ctrl-C pass unchanged.
 
     Args:
         running: the file that is being run, which all errors are attributed to; None: by the traceback.
@@ -109,7 +111,7 @@ def first_line(error: BaseException) -> str:
 
 
 def place_in_kinds(error: BaseException) -> str | None:
-    """Return file and line of an error in a file of kinds; None if it was in no such file."""
+    """Return FILE:LINE of an error's innermost frame in a file of kinds, or as its message tells; None if in none."""
     if isinstance(error, SyntaxError) and error.filename and Path(error.filename) in _loaded:
         return f"{error.filename}:{error.lineno}" if error.lineno else error.filename
     for frame in reversed(traceback.extract_tb(error.__traceback__)):

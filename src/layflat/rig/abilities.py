@@ -53,7 +53,7 @@ def payload_range(machine: Machine) -> tuple[float, float]:
 
 
 def sample_configurations(machine: Machine) -> Array:
-    """Return a grid of configurations within the working strokes, (configurations, joints), rad."""
+    """Return a grid over the working strokes, their ends included, (configurations, joints), rad; up to 5 a joint."""
     halves = [0.5 * joint.stops.working_stroke for joint in machine.joints.values()]
     n = len(halves)
     each = next((count for count in range(CONFIGURATIONS_PER_JOINT, 2, -1) if count**n <= MAX_CONFIGURATIONS), 2)
@@ -61,7 +61,7 @@ def sample_configurations(machine: Machine) -> Array:
 
 
 def demand_limits(machine: Machine) -> DemandLimits:
-    """Return the limits of speed and acceleration of demands that hold for every payload.
+    """Return the limits of each joint's demands (see `DemandLimits`) over all payloads and sampled configurations.
 
     No configuration exceeds sum_i |(M^-1)_ji| T_i. A move by L accelerates over half of its path and brakes over the
     other half; before each the torque builds up.
@@ -89,7 +89,7 @@ def demand_limits(machine: Machine) -> DemandLimits:
 
 
 def max_gravity_torques(machine: Machine) -> Array:
-    """Return the greatest torque of gravity and springs on each joint in any configuration, (joints,), N m."""
+    """Return the greatest torque of gravity and springs on each joint, absolute, for any payload, (joints,), N m."""
     arm, configurations = parameters.arm(machine), sample_configurations(machine)
     pulls = [parameters.mass_and_pull(arm, payload, configurations)[1] for payload in payload_range(machine)]
     greatest: Array = np.abs(pulls).max(axis=(0, 1))
@@ -107,7 +107,7 @@ def find_sinking_joints(machine: Machine) -> NDArray[np.bool_]:
 
 
 def falls_without_air(machine: Machine) -> bool:
-    """Return whether the arm falls if its hoses are emptied at once.
+    """Return whether the arm falls if its hoses are emptied at once: whether any of its joints sinks.
 
     The valves of such an arm stay centred while it is vented: the leakage through their dithering spools lowers it
     slowly.
@@ -132,8 +132,8 @@ def vent_time(machine: Machine) -> float:
 def may_reach_stops(machine: Machine, angles: Sequence[float], velocities: Sequence[float], torques: Array) -> bool:
     """Return whether an arm in motion may reach a mechanical stop once its valves no longer obey.
 
-    It may where its kinetic energy exceeds the work of friction, less that of the hoses, in one of its joints up to the
-    stop. Sinking joints reach their stops in any case and are left out.
+    It may where its kinetic energy, with the greatest payload, exceeds the work of friction, less that of the hoses, in
+    any one joint up to its stop. Sinking joints reach their stops in any case and are left out.
 
     Args:
         machine: the machine.

@@ -49,6 +49,9 @@ def check_rig(
         air: whether to check with air, too.
         tell: called with the name of each step.
 
+    Returns:
+        A result for each check in turn; a check that fails, or ends early, raises nothing.
+
     Raises:
         DriverError: no fitting device answers.
         InputError: the device has other joints, voltages or times than the machine.
@@ -71,7 +74,10 @@ def check_rig(
 
 
 def _check_without_air(bench: OpenLoopRig) -> list[CheckResult]:
-    """Return the results of link, timing, e-stop, supply and all sensors, from readings at rest with the air off."""
+    """Return the results of link, timing, e-stop, supply and all sensors from 2 s of readings without air.
+
+    Where no reply came there are only those of link and timing.
+    """
     readings = [reading for _ in range(bench.cycles(CHECK_DURATION)) if (reading := bench.read()) is not None]
     late, requests = bench.deadlines, len(readings) + len(bench.failures)
     findings = [_check_link(bench, len(readings), requests)]
@@ -101,7 +107,7 @@ def _check_without_air(bench: OpenLoopRig) -> list[CheckResult]:
 
 
 def _check_link(bench: OpenLoopRig, replies: int, requests: int) -> CheckResult:
-    """Report how many replies came, and the most common reason of those that did not."""
+    """Return how many replies came, and the usual reason for others; failed if over `MAX_LOST_FRACTION` are missing."""
     median = 1e6 * float(np.median(bench.transactions))
     report = f"{replies} of {requests} good replies came, {median:.0f} us at the median"
     if bench.driver.remark:
@@ -118,7 +124,10 @@ def _check_link(bench: OpenLoopRig, replies: int, requests: int) -> CheckResult:
 
 
 def _check_angle(bench: OpenLoopRig, j: int, name: str, samples: Array) -> CheckResult:
-    """Return the result of checking the angle sensor of joint j from samples at rest, rad, (samples,)."""
+    """Return the result of checking the angle sensor of joint j from samples at rest, rad, (samples,).
+
+    It fails at its rail, outside the mechanical stroke, and with noise that differs from that of the description.
+    """
     rail, middle, problem = bench.limits[j].rail, float(np.median(samples)), ""
     described, has_noise = sensor(bench.angle_part), bench.limits[j].angle_frozen.noisy > 0.0
     end = float(resting_angles(bench.machine)[j])
@@ -202,14 +211,18 @@ def check_in_subprocess(
         raise LayflatError("the check was broken off, and the air let out")
     except (EOFError, OSError):
         process.join(0.1)  # so that its status is known
-        raise LayflatError(f"the check's process is gone (status {process.exitcode})") from None
+        what = f"the check's process ended without a result (status {process.exitcode}); check the rig again"
+        raise LayflatError(what) from None
     finally:
         process.terminate()
         end_process(process, VENT_TIMEOUT)
 
 
 def _run_check(machine: Machine, driver: Callable[[], Driver], air: bool, pipe: Connection) -> None:
-    """Check the rig in a process of its own, and send its progress, and the results or the error, through a pipe."""
+    """Check the rig in this process, with real-time priority where granted, and send progress and result into a pipe.
+
+    Messages are ("doing", step), then ("found", results) or ("failed", message). SIGTERM vents the hoses and ends it.
+    """
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(0))  # so that the air is let out
     gc.freeze()
     gc.disable()  # a collection takes many cycles

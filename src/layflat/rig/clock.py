@@ -90,7 +90,10 @@ class Deadlines:
         self.reset_statistics()
 
     def wait(self) -> int:
-        """Wait for the next deadline; return the instant (ns) at which the cycle begins."""
+        """Wait for the next deadline (the first call does not), and return the instant (ns) at which the cycle begins.
+
+        It updates `elapsed`, `lateness`, the missed deadlines, and the histogram of the lateness.
+        """
         clock = self._clock
         if self.begun is None:
             self.begun = self._next = now = clock.now()
@@ -114,7 +117,7 @@ class Deadlines:
         self._busy[min(int(seconds / 1e-6), HISTOGRAM_BINS - 1)] += 1
 
     def reset_statistics(self) -> None:
-        """Clear the histograms, for instance after a first cycle that loads compiled code."""
+        """Clear both histograms, for instance after a cycle that loads compiled code; missed deadlines stay counted."""
         # Lists: incrementing an item is several times as fast as in an array.
         self._late, self._busy = [0] * HISTOGRAM_BINS, [0] * HISTOGRAM_BINS
 

@@ -95,7 +95,8 @@ class Capabilities(NamedTuple):
         }
         for what, differs in wrong.items():
             if differs:
-                raise InputError(f"the device does not fit {machine.name!r}: {what}", where="driver")
+                right = "give the description of this rig, or set up its device for this one"
+                raise InputError(f"the device does not fit {machine.name!r}: {what}", where="driver", right=right)
 
 
 class LinkError(LayflatError):
@@ -133,12 +134,12 @@ class Driver(ABC):
         return capabilities
 
     def activate(self) -> None:
-        """Enter the active state, in which commands are obeyed."""
+        """Enter the active state, in which commands are obeyed; raise DriverError unless the driver is inactive."""
         self._expect("activate", Lifecycle.INACTIVE)
         self.state = Lifecycle.ACTIVE
 
     def deactivate(self) -> None:
-        """Centre the valves and vent the supply line, as far as the link allows."""
+        """Centre the valves and vent the supply line, if the link allows; raise DriverError unless active."""
         self._expect("deactivate", Lifecycle.ACTIVE)
         self.state = Lifecycle.INACTIVE
         self._deactivate()
@@ -150,8 +151,10 @@ class Driver(ABC):
         self.state = Lifecycle.FINALIZED
 
     def _expect(self, what: str, state: Lifecycle) -> None:
+        """Raise DriverError, with `what` as the call that fails, unless the driver is in a state."""
         if self.state is not state:
-            raise DriverError(f"can't {what} while {self.state.value}", where=type(self).__name__)
+            right = f"call it while {state.value}"
+            raise DriverError(f"can't {what} while {self.state.value}", where=type(self).__name__, right=right)
 
     @abstractmethod
     def read(self) -> SensorReading:

@@ -58,7 +58,7 @@ class Decoder:
         self._overlong = False
 
     def feed(self, data: bytes) -> list[SerialFrame]:
-        """Consume the next bytes; return the frames that end in them."""
+        """Consume the next bytes; return the frames that end in them, in order; count rejected ones in `bad`."""
         *ended, self._tail = (self._tail + data).split(b"\0")
         decoded = []
         for piece in ended:
@@ -74,7 +74,7 @@ class Decoder:
 
 
 def _decode_frame(piece: bytes) -> SerialFrame | None:
-    """Return the frame in the bytes between two zeros, or None if it is damaged or of another version."""
+    """Return the frame in the bytes between two zeros; None if of a wrong length or version, or damaged."""
     if not FRAME_HEADER.size + FRAME_CHECKSUM.size < len(piece) <= MAX_FRAME_BYTES:
         return None
     try:
@@ -96,5 +96,5 @@ def pack_words(words: list[int]) -> bytes:
 def unpack_words(payload: bytes) -> tuple[int, ...]:
     """Return the words of a payload; raise WireError if it has an odd number of bytes."""
     if len(payload) % 2:
-        raise WireError(f"a payload of {len(payload)} bytes")
+        raise WireError(f"a payload of {len(payload)} bytes, which are not whole words of 2 bytes")
     return struct.unpack(f">{len(payload) // 2}H", payload)

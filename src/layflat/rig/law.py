@@ -26,8 +26,8 @@ PROBE_DEMANDS = (
 def adapt_to_rig(machine: Machine, late: int = 0) -> Machine:
     """Return the machine as a control law has to model it on a rig.
 
-    The device never stops its dither, and commands arrive `late` control cycles after they are written; only laws that
-    plan their motion model the delay.
+    Its `valve.dither.min` is 1, as the device never stops the dither. For laws that plan their motion, the delay of the
+    valve is longer by `late` control cycles, after which commands arrive. A machine without a valve stays.
     """
     if machine.valve is None:
         return machine

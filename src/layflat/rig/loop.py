@@ -66,6 +66,7 @@ class RigLoop:
 
     Raises:
         MachineError: the machine lacks valve, sensors, controller or gains.
+        KindError: its control law commands fractions of brake, dither or supply.
     """
 
     def __init__(
@@ -92,7 +93,7 @@ class RigLoop:
         self._cycles = 1
 
     def run(self) -> None:
-        """Cycle until the host has ended and the air is out; the driver is left deactivated, whatever happens."""
+        """Cycle until the host has ended and the air is out; finalize the driver at the end, whatever happens."""
         try:
             while not (self.host.ended and self.supervisor.is_vented):
                 self.cycle()
@@ -100,7 +101,7 @@ class RigLoop:
             self.driver.finalize()
 
     def cycle(self) -> None:
-        """Wait for the next deadline, and perform one control cycle."""
+        """Wait for the next deadline, then read, supervise, write, record and publish; a LinkError is a lost reply."""
         now = self.deadlines.wait()
         begun = perf_counter_ns()
         try:
@@ -131,14 +132,17 @@ class RigLoop:
         deadlines.record_compute_time(self._compute)
 
     def _report_once(self, reason: str) -> None:
-        """Add an event about the link, once for each reason; reasons that differ by numbers alone are one."""
+        """Add an event about the link once for each of up to `MAX_REASONS` reasons, digits in them ignored."""
         kind = "".join(letter for letter in reason if not letter.isdigit())
         if reason and kind not in self._reported and len(self._reported) < MAX_REASONS:
             self._reported.add(kind)
             self.supervisor.ledger.events.append(f"link: {reason}")
 
     def _record(self, now: int, link: float) -> None:
-        """Fill the row, pass it to recorder and host, and record the events of the cycle."""
+        """Fill the row, pass it to recorder and host, and record the events of the cycle, which are cleared.
+
+        `now` is the begin of the cycle, ns; `link` the duration of its transaction, s.
+        """
         row, reading, supervisor, deadlines = self.row, self._reading, self.supervisor, self.deadlines
         ledger, begun = supervisor.ledger, deadlines.begun
         worst, since = ledger.worst, now - begun if begun is not None else 0

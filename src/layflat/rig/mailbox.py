@@ -135,12 +135,12 @@ class Mailbox:
         self.snapshot.write(row.tobytes())
 
     def read_row(self) -> Array | None:
-        """Return the last row, as the host or any observer; None before the first."""
+        """Return the last row, as the host or any observer, in a read-only array; None where no whole one is there."""
         message = self.snapshot.read(HOST_READ_ATTEMPTS)
         return np.frombuffer(message[1]) if message is not None else None
 
     def close(self) -> None:
-        """Unmap the memory."""
+        """Unmap the memory and close the file in this process; a second call does nothing."""
         with contextlib.suppress(BufferError):
             self._memory.close()
         if self._handle >= 0:

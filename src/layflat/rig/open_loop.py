@@ -73,11 +73,11 @@ class OpenLoopRig:
         self._obeyed = False
 
     def cycles(self, seconds: float) -> int:
-        """Return the number of control cycles in a time, s."""
+        """Return the number of control cycles in a time (s), to the nearest."""
         return round(seconds / self.cycle)
 
     def read(self) -> SensorReading | None:
-        """Read in the next cycle; return None where the reply was lost."""
+        """Wait for the next cycle and read; return None where the reply was lost, and add its error to `failures`."""
         self.deadlines.wait()
         begun = self.clock.now()
         try:
@@ -119,7 +119,8 @@ class OpenLoopRig:
     def vent(self) -> None:
         """Switch the air off, wait until the hoses are empty, and deactivate the driver.
 
-        Valves are centred for 0.1 s, then opened to one end; those of an arm that would fall stay centred.
+        Valves are centred for 0.1 s, then opened to one end; those of an arm that would fall stay centred. It has no
+        effect unless the driver is active.
         """
         if self.driver.state is not Lifecycle.ACTIVE:
             return
@@ -157,7 +158,10 @@ class ValvePulse(NamedTuple):
 
 
 def check_signs(bench: OpenLoopRig, tell: Callable[[str], object] = str) -> list[CheckResult]:
-    """Supply air to a rig that passed the checks without, test the signs of every joint, and vent it in any case."""
+    """Supply air to a rig that passed the checks without, test the signs of every joint, and vent it in any case.
+
+    `tell` is called with the name of each step. A fault ends the test: it is the last result, no error.
+    """
     findings: list[CheckResult] = []
     bench.driver.activate()
     try:
@@ -178,7 +182,7 @@ def check_signs(bench: OpenLoopRig, tell: Callable[[str], object] = str) -> list
 
 
 def _supply_air(bench: OpenLoopRig) -> CheckResult:
-    """Switch on the air with centred valves; return the time until supply is ready, or its pressure as a failure."""
+    """Supply air with centred valves; return the time until it is ready, or after too long its pressure."""
     safety, supply = bench.machine.safety, bench.machine.supply
     ready, edge = (
         supply.ambient_pressure + safety.supply_ready * supply.pressure_gauge,
@@ -197,7 +201,10 @@ def _supply_air(bench: OpenLoopRig) -> CheckResult:
 
 
 def _apply_pulse(bench: OpenLoopRig, joint: int, direction: int) -> ValvePulse:
-    """Open a valve slowly until any joint moves or a pressure nears the supply's, then centre it at once."""
+    """Open a valve slowly until any joint moves, a pressure nears the supply's, or `MAX_PULSE_TIME` is over; centre it.
+
+    Return the response, after `REST_TIME` with centred valves.
+    """
     recent = [bench.act(bench.centred) for _ in range(AVERAGED_CYCLES)]
     angles, pressures = np.mean([r.angles for r in recent], axis=0), np.mean([r.pressures for r in recent], axis=0)
     voltages, opening = bench.centred.copy(), 0.0
@@ -246,7 +253,7 @@ def judge_pulses(pulses: list[ValvePulse], joint: int, names: list[str]) -> Chec
 
 
 def _find_responding_joint(pulses: list[ValvePulse], joint: int, names: list[str]) -> str:
-    """Return the name of another joint whose pressure responded instead; empty if none did."""
+    """Return the first other joint whose pressure responded 3 times as much as the tested one's; empty if none."""
     for pulse in pulses:
         strongest = int(np.abs(pulse.pressures).argmax())
         response = abs(pulse.pressures[strongest])
@@ -257,4 +264,5 @@ def _find_responding_joint(pulses: list[ValvePulse], joint: int, names: list[str
 
 
 def _sign(value: float, threshold: float) -> int:
+    """Return 1 or -1, the sign of a value of at least the threshold; 0 below it."""
     return int(np.sign(value)) if abs(value) >= threshold else 0

@@ -73,7 +73,8 @@ def check_plan(machine: Machine, plan: DemandPlan, where: str = "plan") -> None:
         where: source of the plan, for messages.
 
     Raises:
-        InputError: times do not grow or end after the plan; a demand is not one number a joint, or outside the stroke.
+        InputError: times do not increase from 0 or later, or reach the duration; a demand or rate is not one finite
+            number a joint and time; a demand is outside the working stroke; accelerations are without velocities.
     """
     joints = list(machine.joints)
     count, duration = len(plan.times), read_number(plan.duration, u.TIME, f"{where}: duration")
@@ -105,7 +106,11 @@ class PlanRunner:
         self.ended = 0.0  # instant of the plan's end, or at which the cause of an early end was read, loop time, s
 
     def start_air(self) -> list[float]:
-        """Start softly; return the angles at which the joints are then held, rad. Raise EarlyEndError without air."""
+        """Start softly, wait until the air is ready, and return the angles at which the joints are then held, rad.
+
+        Raises:
+            EarlyEndError: the start failed or took too long, the user stopped it, or loop or recorder have ended.
+        """
         session, give_up = self._rig.session, time.monotonic() + self._rig.machine.safety.start_time + START_MARGIN
         self._last_snapshot()
         session.start()
@@ -115,14 +120,15 @@ class PlanRunner:
             if starting and shot is not None and shot.state in {RigState.OFF, RigState.STOPPED}:
                 raise EarlyEndError(f"the start was broken off: {shot.fault_text}", fault=True)
             if time.monotonic() > give_up:
-                raise EarlyEndError("the rig did not start", fault=True)
+                within = self._rig.machine.safety.start_time + START_MARGIN
+                raise EarlyEndError(f"the rig did not start within {within:g} s", fault=True)
             time.sleep(POLL_INTERVAL)
         self._running = True
         demands: list[float] = shot["demand"].tolist()
         return demands
 
     def follow(self, plan: DemandPlan) -> None:
-        """Send the plan's demands in time, until it ends.
+        """Send the plan's demands in time, until it ends; of several that are due at once only the last is sent.
 
         Raises:
             EarlyEndError: the user, a fault, or the end of loop or recorder ended it.
@@ -148,7 +154,11 @@ class PlanRunner:
         self._rig.session.ask(plan.demands[row], v, a, at=at)
 
     def _last_snapshot(self) -> RigSnapshot | None:
-        """Return the snapshot of the last cycle; raise EarlyEndError if the run has ended."""
+        """Return the snapshot of the last cycle (None before the first) and set `ended` to its time.
+
+        Raises:
+            EarlyEndError: the user stopped it, loop or recorder have ended, or the rig is in FAULT or STOPPED.
+        """
         shot = self._rig.session.snapshot()
         self.ended = float(shot["time"]) if shot is not None else 0.0
         if self._stopped():

@@ -143,6 +143,8 @@ def run_loop(
 ) -> None:
     """Run the loop, as the main function of its process, until the host has ended or died and the air is out.
 
+    It ignores Ctrl-C, requests real-time privileges, finalizes the driver, and removes the mailbox's file.
+
     Args:
         machine: description of the rig.
         driver: factory of the driver.

@@ -24,7 +24,7 @@ RECORDER_TIMEOUT = 20.0  # without a heartbeat, after which a recorder is killed
 
 
 def free_log_path(folder: Path, name: str) -> Path:
-    """Return the first path for a log whose name is free: NAME.mcap, NAME-2.mcap, and so on."""
+    """Return the first of NAME.mcap, NAME-2.mcap, ... of whose stem the folder holds no file, whatever its suffix."""
     count = 1
     while any(folder.glob(f"{(stem := name if count == 1 else f'{name}-{count}')}.*")):
         count += 1
@@ -93,6 +93,7 @@ class RecordedSession(AbstractContextManager["RecordedSession"]):
 
         Raises:
             OutputError: no log can be written there.
+            RigLoopError: the loop failed to start.
         """
         for _ in range(MAX_NAME_ATTEMPTS):
             try:
@@ -110,7 +111,7 @@ class RecordedSession(AbstractContextManager["RecordedSession"]):
         self.close()
 
     def _finish(self) -> None:
-        """Wait until the recorder finishes; kill one without a heartbeat for `RECORDER_TIMEOUT`."""
+        """Wait until the recorder finishes; kill it after `RECORDER_TIMEOUT` without a heartbeat. Remove empty logs."""
         ring, recorder = self._ring, self.recorder
         ring.end()
         begun = time.monotonic_ns()

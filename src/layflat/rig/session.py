@@ -95,7 +95,7 @@ class RigSnapshot:
 
     @property
     def fault_text(self) -> str:
-        """Return the title of the worst fault for people, with its joint."""
+        """Return the title of the worst fault, with its first joint; "stopped by the loop" without a fault."""
         if self.fault is Fault.NONE:
             return "stopped by the loop"
         each = list(self["joint_fault"])
@@ -237,7 +237,7 @@ class RigSession(AbstractContextManager["RigSession"]):
         self._change_setpoints(ended=True, stops=self._setpoints.stops + 1)
 
     def close(self) -> None:
-        """Stop, wait until the air is out and the loop has ended."""
+        """Stop, and wait until the air is out and the loop has ended; kill its process after `ENDS_WITHIN`."""
         self.end()
         try:
             end_process(self.process, ENDS_WITHIN)
@@ -267,6 +267,7 @@ class RigSession(AbstractContextManager["RigSession"]):
                 self._change_setpoints(**changed)
 
     def _hold(self) -> None:
+        """Request a hold, and drop all demands."""
         nothing = [nan] * len(self._setpoints.demands)
         self._change_setpoints(demands=nothing, velocities=None, accelerations=None, holds=self._setpoints.holds + 1)
 
@@ -278,7 +279,7 @@ class RigSession(AbstractContextManager["RigSession"]):
                 self._change_setpoints()
 
     def _check_lease(self) -> None:
-        """Hold the joints once the lease has lapsed."""
+        """Update `lapsed`; once a lease lapses, count that and hold the joints."""
         with self._guard:
             before, self.lapsed = self.lapsed, self._lease is not None and not self._lease.active
             if self.lapsed and not before:
@@ -290,7 +291,7 @@ class RigSession(AbstractContextManager["RigSession"]):
         return shot is not None and bool(shot["air"])
 
     def _listen(self) -> bool:
-        """Receive a message of the process, and return whether there was one; raise RigLoopError if it has failed."""
+        """Receive a message, if any, and return whether there was one; raise RigLoopError if it is a failure."""
         try:
             if not self._pipe.poll():
                 return False
@@ -308,5 +309,6 @@ class RigSession(AbstractContextManager["RigSession"]):
         if not self._listen():
             self.process.join(0.1)  # so that its status is known
             alive = self.process.is_alive()
-            how = f"is not ready after {STARTS_WITHIN:g} s" if alive else f"ended with status {self.process.exitcode}"
-            raise RigLoopError(f"the loop's process {how}; start again once fewer programs run beside it")
+            slow = f"is not ready after {STARTS_WITHIN:g} s; start again once fewer programs run beside it"
+            how = slow if alive else f"ended with status {self.process.exitcode}; start again, and see what it prints"
+            raise RigLoopError(f"the loop's process {how}")

@@ -53,12 +53,13 @@ def create_shared_file(prefix: str, size: int) -> tuple[Path, int]:
 
 
 def _shared_memory_folder() -> Path:
+    """Return /dev/shm where it is writable, else the folder of temporary files."""
     memory = Path("/dev/shm")
     return memory if os.access(memory, os.W_OK) else Path(tempfile.gettempdir())
 
 
 def remove_orphaned_files(prefix: str) -> None:
-    """Remove the files of shared memory that no process holds locked: their users were killed."""
+    """Remove the files of shared memory that no process holds locked; mailboxes only from `MIN_MAILBOX_AGE` on."""
     min_age = MIN_MAILBOX_AGE if prefix == MAILBOX_PREFIX else 0.0  # a mailbox changes hands before it is locked
     for path in _shared_memory_folder().glob(f"{prefix}*"):
         with suppress(OSError), path.open("r+b") as file:
@@ -98,6 +99,7 @@ def set_fifo_priority() -> None:
 
 
 def _lock_memory() -> None:
+    """Keep all memory of this process, future pages too, out of the swap; raise OSError if that is not granted."""
     if ctypes.CDLL(None).mlockall(MLOCK_FLAGS) != 0:
         raise OSError
 
@@ -111,5 +113,6 @@ def _pin_to_processor() -> None:
 
 
 def _set_timer_slack() -> None:
+    """Set the timer slack of this thread to 1 ns; raise OSError if that is not granted."""
     if ctypes.CDLL(None).prctl(PR_SET_TIMERSLACK, 1, 0, 0, 0) != 0:
         raise OSError

@@ -96,7 +96,7 @@ class Converter(NamedTuple):
         """Return the value whose count begins at index `at` of words; raise WireError if the count exceeds `top`."""
         count = words[at] if self.words == 1 else words[at] << WORD_BITS | words[at + 1]
         if count > self.top:
-            raise WireError(f"count {count} of a converter that ends at {self.top}")
+            raise WireError(f"count {count} where this rig's converter goes from 0 to {self.top}")
         return self.value(count)
 
 
@@ -166,7 +166,7 @@ class Wire(NamedTuple):
         _check_words(words, self.reading_size, STATE_MASK | STOPPED_FLAG)
         flags, each, pair = words[0], self.angle.words, self.angle.words + self.pressure.words
         if flags & STATE_MASK > DeviceState.DUMPED:
-            raise WireError(f"flags {flags:#06x}, which mean nothing")
+            raise WireError(f"flags {flags:#06x}, whose device state is not 0, 1 or 2")
         starts = range(1 + self.supply.words, len(words), pair)
         angles = np.array([self.angle.take(words, i) for i in starts])
         pressures = np.array([self.pressure.take(words, i + each) for i in starts])
@@ -177,9 +177,9 @@ class Wire(NamedTuple):
 def _check_words(words: Sequence[int], size: int, flags: int) -> None:
     """Check the number of words and that the first has no other flags than these; raise WireError."""
     if len(words) != size:
-        raise WireError(f"{len(words)} words; this rig's have {size}")
+        raise WireError(f"{len(words)} words where this rig's messages have {size}")
     if words[0] & ~flags:
-        raise WireError(f"flags {words[0]:#06x}, which mean nothing")
+        raise WireError(f"flags {words[0]:#06x}, of which only {flags:#06x} may be set")
 
 
 class Identity(NamedTuple):
@@ -246,7 +246,7 @@ class Identity(NamedTuple):
         return cls(*struct.unpack("=7H3h4H", struct.pack("=14H", *words)))
 
     def check(self, machine: Machine, where: str) -> Capabilities:
-        """Check that this is the device of a machine, and return its capabilities.
+        """Check that this is a machine's device; return the required capabilities with its own cycle and features.
 
         Args:
             machine: the machine.

@@ -54,7 +54,7 @@ def _instruction(builder: Any, name: str, *args: Any) -> Any:
 
 
 def _negated(builder: Any, _name: str, value: Any) -> Any:
-    # The compiler for CUDA devices has no instruction for it.
+    """Emit -0.0 less the value: the compiler for CUDA devices has no instruction for negation."""
     return builder.fsub(ir.Constant(value.type, [-0.0] * value.type.count), value)
 
 
@@ -63,7 +63,7 @@ def _comparison(builder: Any, sign: str, first: Any, second: Any) -> Any:
 
 
 def _extreme(builder: Any, sign: str, first: Any, second: Any) -> Any:
-    # As the compiler's own min and max of two numbers do it, so that both treat nan and -0 alike.
+    """Emit min ("<") or max (">"): the first operand where both are equal or one is NaN, as numba does it."""
     return builder.select(builder.fcmp_ordered(sign, second, first), second, first)
 
 
@@ -81,6 +81,7 @@ def _call_intrinsic(builder: Any, name: str, value: Any) -> Any:
 
 
 def _call(builder: Any, name: str, value: Any) -> Any:
+    """Emit the call of an external function of one value, which returns the same type."""
     function = ir.FunctionType(value.type, [value.type])
     return builder.call(cgutils.get_or_insert_function(builder.module, function, name), [value])
 
@@ -116,7 +117,7 @@ def _anywhere(context: Any, builder: Any, sig: Any, args: Any) -> Any:  # noqa: 
 
 
 def _slice_lanes(builder: Any, first: Any, second: Any, start: int, count: int) -> Any:
-    # `count` of the lanes of first and second together, from the one numbered `start`.
+    """Emit `count` lanes, from number `start` on, of the lanes of two vectors one after the other."""
     picked = ir.Constant(ir.VectorType(INDEX_TYPE, count), list(range(start, start + count)))
     return builder.shuffle_vector(first, second, picked)
 
@@ -149,6 +150,7 @@ def _join_leaf(context: Any, builder: Any, joined: Any, kinds: Any, values: Any)
 
 @lower_builtin(lanes.halves, types.Any)
 def _halves(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    """Emit the tuple of both halves of lanes, leaf by leaf."""
     parts = [_half_leaf(context, builder, sig.args[0], args[0], which) for which in (0, 1)]
     return context.make_tuple(builder, sig.return_type, parts)
 
@@ -170,7 +172,7 @@ def _abreast(context: Any, builder: Any, sig: Any, args: Any) -> Any:
 
 
 def _abreast_leaf(context: Any, builder: Any, joined: Any, items: Any) -> Any:
-    """Emit the lanes of all items side by side, filled up with the last number, for each leaf of a tuple."""
+    """Emit the lanes of all items side by side, filled up with the last number, for each leaf; a single item stays."""
     if isinstance(joined, types.BaseTuple):
         leaves = zip(*[cgutils.unpack_tuple(builder, item) for item in items], strict=True)
         joined_leaves = [_abreast_leaf(context, builder, *leaf) for leaf in zip(joined.types, leaves, strict=True)]
@@ -186,6 +188,7 @@ def _abreast_leaf(context: Any, builder: Any, joined: Any, items: Any) -> Any:
 
 
 def _numbers_in(builder: Any, value: Any) -> Any:
+    """Return the numbers of a vector, or the only number, as a list."""
     if not isinstance(value.type, ir.VectorType):
         return [value]
     return [builder.extract_element(value, ir.Constant(INDEX_TYPE, i)) for i in range(value.type.count)]
@@ -193,6 +196,7 @@ def _numbers_in(builder: Any, value: Any) -> Any:
 
 @lower_builtin(lanes.apart, types.Any, types.BaseTuple)
 def _apart(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    """Emit `lanes.apart`: the tuple of the items that `lanes.abreast` put side by side."""
     count = sig.return_type.count
     parts = [_part_leaf(context, builder, sig.args[0], args[0], i, count) for i in range(count)]
     return context.make_tuple(builder, sig.return_type, parts)

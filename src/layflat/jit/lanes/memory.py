@@ -33,7 +33,7 @@ def _row_pointer(context: Any, builder: Any, block: Any, array: Any, row: int, l
 
 
 def _alignment(kind: Any) -> int:
-    # Rows of a block begin wherever a number may, bytes.
+    """Return the alignment of a row in bytes: that of one number, since rows begin wherever a number may."""
     return int(BIT_WIDTHS[number_in(kind)]) // 8
 
 
@@ -64,11 +64,13 @@ def _store_leaves(builder: Any, kind: Any, value: Any, place: Callable[[int, Any
 
 
 def _rows(context: Any, builder: Any, block: Any, value: Any) -> Callable[[int, Any], Any]:
+    """Return the function that emits the pointer to a row of a block as one vector of a type of lanes."""
     array = context.make_array(block)(context, builder, value)
     return lambda row, lanes: _row_pointer(context, builder, block, array, row, lanes)
 
 
 def _items(context: Any, builder: Any, kind: Any, value: Any) -> Callable[[int, Any], Any]:
+    """Return the function that emits the pointer to element i of a 1D array."""
     array = context.make_array(kind)(context, builder, value)
     return lambda i, _: cgutils.get_item_pointer(context, builder, kind, array, [context.get_constant(types.intp, i)])
 
@@ -81,6 +83,7 @@ def _read_lanes(context: Any, builder: Any, sig: Any, args: Any) -> Any:
 
 @lower_builtin(lanes.write_lanes, types.Array, types.Any)
 def _write_lanes(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    """Emit the storing of each leaf, a vector, in a row of a block."""
     _store_leaves(builder, sig.args[1], args[1], _rows(context, builder, sig.args[0], args[0]))
     return context.get_dummy_value()
 
@@ -92,5 +95,6 @@ def _read_numbers(context: Any, builder: Any, sig: Any, args: Any) -> Any:
 
 @lower_builtin(lanes.write_numbers, types.Array, types.Any)
 def _write_numbers(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    """Emit the storing of each leaf, a number, in an element of a 1D array, from the first on."""
     _store_leaves(builder, sig.args[1], args[1], _items(context, builder, sig.args[0], args[0]))
     return context.get_dummy_value()

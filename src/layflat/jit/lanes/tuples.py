@@ -42,32 +42,33 @@ class _Pointer(models.PrimitiveModel):
         super().__init__(manager, kind, places.as_pointer())
 
 
-def _slots(items: Any, *value: Any) -> Any:
+def _slots_type(items: Any, *value: Any) -> Any:
+    """Return the type of slots for the items of a tuple, or for as many copies of a value; None for mixed items."""
     if value:
         return SlotsType(value[0], items.count)
     return SlotsType(items.dtype, items.count) if isinstance(items, types.UniTuple) else None
 
 
-def _item_got(kind: Any, _: Any) -> Any:
+def _getitem_signature(kind: Any, _: Any) -> Any:
     return kind.item(kind, types.intp) if isinstance(kind, SlotsType) else None
 
 
-def _item_set(kind: Any, _place: Any, _value: Any) -> Any:
+def _setitem_signature(kind: Any, _place: Any, _value: Any) -> Any:
     return types.none(kind, types.intp, kind.item) if isinstance(kind, SlotsType) else None
 
 
-def _counted(kind: Any) -> Any:
+def _len_signature(kind: Any) -> Any:
     return types.intp(kind) if isinstance(kind, SlotsType) else None
 
 
-register_typing([slots], _slots)
-register_typing([operator.getitem], _item_got)
-register_typing([operator.setitem], _item_set)
-register_typing([len], _counted)
+register_typing([slots], _slots_type)
+register_typing([operator.getitem], _getitem_signature)
+register_typing([operator.setitem], _setitem_signature)
+register_typing([len], _len_signature)
 
 
 @lower_builtin(slots, types.UniTuple)
-def _of_items(context: Any, builder: Any, sig: Any, args: Any) -> Any:  # noqa: ARG001
+def _store_items(context: Any, builder: Any, sig: Any, args: Any) -> Any:  # noqa: ARG001
     return cgutils.alloca_once_value(builder, args[0])
 
 
@@ -81,31 +82,33 @@ def _fill_slots(context: Any, builder: Any, sig: Any, args: Any) -> Any:
 
 
 @lower_builtin(operator.getitem, SlotsType, types.Integer)
-def _get(context: Any, builder: Any, sig: Any, args: Any) -> Any:  # noqa: ARG001
+def _load_item(context: Any, builder: Any, sig: Any, args: Any) -> Any:  # noqa: ARG001
     return builder.load(cgutils.gep_inbounds(builder, args[0], 0, args[1]))
 
 
 @lower_builtin(len, SlotsType)
-def _count(context: Any, builder: Any, sig: Any, args: Any) -> Any:  # noqa: ARG001
+def _slot_count(context: Any, builder: Any, sig: Any, args: Any) -> Any:  # noqa: ARG001
     return context.get_constant(types.intp, sig.args[0].count)
 
 
 @lower_builtin(operator.setitem, SlotsType, types.Integer, types.Any)
-def _set(context: Any, builder: Any, sig: Any, args: Any) -> Any:  # noqa: ARG001
+def _store_item(context: Any, builder: Any, sig: Any, args: Any) -> Any:  # noqa: ARG001
+    """Emit the storing of a value in the slot of an index, without a check of its range."""
     builder.store(args[2], cgutils.gep_inbounds(builder, args[0], 0, args[1]))
     return context.get_dummy_value()
 
 
-def _gathered(like: Any, items: Any) -> Any:
+def _gather_type(like: Any, items: Any) -> Any:
     return types.UniTuple(items.item if isinstance(items, SlotsType) else items.dtype, len(like))
 
 
-register_typing([gather], _gathered)
+register_typing([gather], _gather_type)
 
 
 @lower_builtin(gather, types.BaseTuple, SlotsType)
 @lower_builtin(gather, SlotsType, SlotsType)
 def _gather_slots(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    """Emit a tuple of the first items of slots, as many as the first argument has."""
     items = [builder.load(cgutils.gep_inbounds(builder, args[1], 0, i)) for i in range(len(sig.return_type))]
     return context.make_tuple(builder, sig.return_type, items)
 
@@ -130,6 +133,7 @@ def _total(context: Any, builder: Any, sig: Any, args: Any) -> Any:  # noqa: ARG
 
 @lower_builtin(zero_if_finite, types.BaseTuple)
 def _zero_if_finite(context: Any, builder: Any, sig: Any, args: Any) -> Any:  # noqa: ARG001
+    """Emit the sum of x - x over all leaves x: 0, or NaN if one is not finite."""
     leaves = _leaves(builder, sig.args[0], args[0])
     return reduce(builder.fadd, [builder.fsub(leaf, leaf) for leaf in leaves])
 
@@ -146,14 +150,14 @@ def _is_plain_tuple(kind: Any) -> bool:
     return isinstance(kind, types.BaseTuple) and not isinstance(kind, types.BaseNamedTuple)
 
 
-def _called(law: Any, args: Any, context: Any) -> Any:
+def _call_signature(law: Any, args: Any, context: Any) -> Any:
     """Return the signature of a law for the first items of plain tuples, which represent all, and other arguments."""
     return law.get_call_type(context, tuple(arg.types[0] if _is_plain_tuple(arg) else arg for arg in args), {})
 
 
 def _each_type(context: Any, law: Any, *args: Any) -> Any:
     """Return the type of `each`: a tuple of the law's results, or for a law with several results a tuple of each."""
-    result = _called(law, args, context).return_type
+    result = _call_signature(law, args, context).return_type
     count = next(len(arg) for arg in args if _is_plain_tuple(arg))
     if _is_plain_tuple(result):
         return types.Tuple([types.UniTuple(item, count) for item in result.types])
@@ -167,7 +171,7 @@ register_typing([each], _each_type, in_context=True)
 def _each(context: Any, builder: Any, sig: Any, args: Any) -> Any:
     """Emit `each`: calls of a law with the items of all tuples at each index; other arguments are the same in all."""
     law, *others = sig.args
-    called = _called(law, others, context.typing_context)
+    called = _call_signature(law, others, context.typing_context)
     run = context.get_function(law, called)
     context.add_linking_libs(getattr(run, "libs", ()))
     several, count = _is_plain_tuple(called.return_type), 0

@@ -99,7 +99,7 @@ def width_in(context: Any, number: Any, block: Any = None) -> int:
 
 
 def number_in(kind: Any) -> Any:
-    """Return the type of the numbers in lanes, or of a plain number."""
+    """Return the type of the numbers in lanes, or of a plain float or boolean; float64 for any other type."""
     return kind.number if isinstance(kind, LanesType) else kind if kind in BIT_WIDTHS else types.float64
 
 
@@ -149,12 +149,12 @@ def part_type(joined: Any, count: int) -> Any:
 
 
 def size_of_part(lanes: int, count: int) -> int:
-    """Return the number of lanes in each of `count` parts."""
+    """Return the number of lanes in each of `count` parts: 1 where the lanes are numbers with spare lanes behind."""
     return 1 if lanes == register_lanes(count) else lanes // count
 
 
 def half_type(joined: Any) -> Any:
-    """Return the type of either of `halves(joined)`."""
+    """Return the type of either of `halves(joined)`; numbers keep theirs."""
     if isinstance(joined, types.BaseTuple):
         return _tuple_like(joined, [half_type(leaf) for leaf in joined.types])
     if not isinstance(joined, LanesType):
@@ -180,17 +180,20 @@ def _common_lanes(args: Iterable[Any]) -> Any:
     return lanes.pop() if sound else None
 
 
-def _same(*args: Any) -> Any:
+def _same_signature(*args: Any) -> Any:
+    """Return the signature of an operation that returns lanes of its arguments' type; None where it does not apply."""
     lanes = _common_lanes(args)
     return lanes and lanes(*[lanes] * len(args))
 
 
-def _compared(*args: Any) -> Any:
+def _comparison_signature(*args: Any) -> Any:
+    """Return the signature of a comparison, which returns lanes of booleans; None where it does not apply."""
     lanes = _common_lanes(args)
     return lanes and LanesType(types.boolean, lanes.count, lanes.number)(lanes, lanes)
 
 
-def _combined(first: Any, second: Any) -> Any:
+def _logic_signature(first: Any, second: Any) -> Any:
+    """Return the signature of `and` and `or` of two equal types of lanes of booleans; None for all others."""
     sound = isinstance(first, LanesType) and first == second and first.leaf == types.boolean
     return first(first, second) if sound else None
 
@@ -207,14 +210,15 @@ def _parts(joined: Any, count: int) -> Any:
     return types.UniTuple(part_type(joined, count), count)
 
 
-def _read_lanes(context: Any, like: Any, block: Any, *beside: Any) -> Any:
+def _read_lanes_type(context: Any, like: Any, block: Any, *beside: Any) -> Any:
+    """Return the type of `like` in lanes: as many as `beside`, where passed, else as the target reads of a block."""
     count = width_in(context, *(beside or (like, block)))
     return spread_type(_value(like), lanes_type(count, block.dtype))
 
 
-register_typing((*ARITHMETIC_INSTRUCTIONS, *EXTREME_SIGNS, *INTRINSIC_NAMES, operator.neg), _same)
-register_typing(COMPARISON_SIGNS, _compared)
-register_typing(LOGIC_INSTRUCTIONS, _combined)
+register_typing((*ARITHMETIC_INSTRUCTIONS, *EXTREME_SIGNS, *INTRINSIC_NAMES, operator.neg), _same_signature)
+register_typing(COMPARISON_SIGNS, _comparison_signature)
+register_typing(LOGIC_INSTRUCTIONS, _logic_signature)
 register_typing([lanes.select], _select_signature)
 register_typing([lanes.epsilon], lambda _: types.float64)
 register_typing([lanes.anywhere], lambda _: types.boolean)
@@ -230,4 +234,4 @@ register_typing([lanes.read_numbers], lambda like, _: _value(like))
 register_typing([lanes.in_lanes], spread_type)
 register_typing([lanes.write_numbers, lanes.write_lanes], lambda _place, _values: types.none)
 register_typing([lanes.width], lambda *_: types.intp)
-register_typing([lanes.read_lanes], _read_lanes, in_context=True)
+register_typing([lanes.read_lanes], _read_lanes_type, in_context=True)
