@@ -240,9 +240,10 @@ class Identity(NamedTuple):
     def from_words(cls, words: Sequence[int]) -> Self:
         """Return the identity of words; raise WireError if no rig sent them, or one of another protocol version."""
         if len(words) != IDENTITY_SIZE or words[0] != IDENTITY_MAGIC:
-            raise WireError(f"what answers is not a rig of layflat's{_describe_slip(words)}")
+            raise WireError(f"the device that answers is not a rig of layflat's{_describe_slip(words)}")
         if words[1] != VERSION:
-            raise WireError(f"what answers speaks version {words[1]} of the protocol; this is version {VERSION}")
+            what = f"the rig speaks version {words[1]} of the protocol, layflat version {VERSION}: change its firmware"
+            raise WireError(what)
         return cls(*struct.unpack("=7H3h4H", struct.pack("=14H", *words)))
 
     def check(self, machine: Machine, where: str) -> Capabilities:

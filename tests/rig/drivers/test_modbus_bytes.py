@@ -155,10 +155,10 @@ def test_a_trickle_does_not_hold_up_the_cycle(server: Server, driver: ModbusDriv
         (lambda _: b"HTTP/1.1 400 Bad Request\r\n\r\n", "does not answer as a Modbus station"),
         (
             lambda request: request[:4] + b"\0\3\1\x83\2",
-            "unit 1 does not tell registers 256 to 269: function 3 is refused: exception 2, illegal data address; make",
+            "unit 1 does not report registers 256 to 269: function 3 is refused: exception 2, illegal data address",
         ),
         (lambda request: request[:4] + b"\0\3\1\x83\6", "is driven by another master"),
-        (lambda request: good(request)[:9] + b"\0" + good(request)[10:], "what answers is not a rig of layflat's"),
+        (lambda request: good(request)[:9] + b"\0" + good(request)[10:], "is not a rig of layflat's"),
     ],
 )
 def test_what_else_may_listen_at_a_port(reply: Reply, what: str, monkeypatch: pytest.MonkeyPatch) -> None:

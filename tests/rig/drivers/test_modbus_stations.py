@@ -144,7 +144,7 @@ def test_neither_function_is_told(server: Server) -> None:
         (lambda request: b"\0\1" + good(request)[2:], "(only replies to earlier requests came"),
         (lambda request: good(request)[:20], "(the reply broke off after 20 bytes)"),
         (lambda _: b"SSH-2.0-OpenSSH_9.2\r\n", "(what came is no Modbus: b'SSH-2.0-OpenSSH_')"),
-        (lambda request: told(request, WORDS[:10]), "unit 1 tells 10 registers where 14 were asked"),
+        (lambda request: told(request, WORDS[:10]), "unit 1 reports 10 registers where 14 were requested"),
         (lambda request: told(request, [0] * 14), "is not a rig of layflat's: its registers are all 0"),
         (
             lambda request: told(request, [0, *WORDS[:13]]),

@@ -159,7 +159,7 @@ def test_a_port_that_answers_otherwise(terminal: Terminal, monkeypatch: pytest.M
     for reply, what in (
         (lambda *_: b"", "does not answer; see that the firmware runs"),
         (lambda *_: b"\0ok\n\0", "answers, but not in frames"),
-        (lambda _, sequence: frame(0x81, sequence, [7] * 14), "what answers is not a rig of layflat's"),
+        (lambda _, sequence: frame(0x81, sequence, [7] * 14), "is not a rig of layflat's"),
     ):
         terminal.reply = reply
         with pytest.raises(DriverError, match=what):
@@ -204,7 +204,7 @@ def test_a_port_that_one_may_not_open(terminal: Terminal, monkeypatch: pytest.Mo
 
     monkeypatch.setattr("layflat.rig.drivers.serial.Serial", forbidden)
     monkeypatch.setattr(os, "access", lambda *_: False)
-    with pytest.raises(DriverError, match=r"you may not open it; join the group '\w+'"):
+    with pytest.raises(DriverError, match=r"can't be opened without permission; join the group '\w+'"):
         create_driver(f"serial://{terminal.path}", ARM).configure()
     monkeypatch.setattr(os, "access", lambda *_: True)
     with pytest.raises(DriverError, match="can't be opened"):

@@ -41,7 +41,10 @@ class DeviceStation:
         return self._wire.reading_words(self.device.reading())
 
     def _send(self, reply: bytes, spoil: ReplyFault | None, damaged: int, write: Callable[[bytes], object]) -> None:
-        """Send a reply with a fault; `damaged` is the index of the byte that is altered for a wrong checksum."""
+        """Pass a reply to `write`, with a fault: damaged at the byte of index `damaged`, late, or not at all.
+
+        A wrong number (SEQUENCE) has to be in the reply already.
+        """
         if spoil is ReplyFault.CRC:
             reply = reply[:damaged] + bytes([reply[damaged] ^ 0x40]) + reply[damaged + 1 :]
         if spoil is ReplyFault.LATE:

@@ -46,7 +46,7 @@ class Failure:
             InputError: there is no such joint, the failure has no size, or the size is out of range.
         """
         if self.size is None and size is not None:
-            raise InputError(f"{size:g} was given", where=self.name, right="it has no size")
+            raise InputError(f"{size:g} was given", where=self.name, right="it has no size: leave it out")
         state = self.failed
         if self.size is not None:
             usual, unit, low, high = self.size
@@ -74,7 +74,7 @@ class Failure:
 
 
 def _reply_failure(name: str, what: str, kind: ReplyFault) -> Failure:
-    """Return a failure of the link that spoils a number of replies."""
+    """Return a failure of the link that spoils a number of replies, by default all until it is healed."""
 
     def apply(device: VirtualDevice, _: int, replies: float | None) -> None:
         if replies is None:
@@ -86,6 +86,7 @@ def _reply_failure(name: str, what: str, kind: ReplyFault) -> Failure:
 
 
 def _set_silence(device: VirtualDevice, _: int, there: bool | None) -> None:
+    """Cut the wire, or (None) mend it; either clears faults of replies."""
     device.link.mend()
     device.link.silent = bool(there)
 
@@ -170,7 +171,10 @@ def get_failure(name: str) -> Failure:
 
 
 def execute_line(device: VirtualDevice, words: Sequence[str]) -> str:
-    """Execute the words of a command line (see `LINE_HELP`) and return its answer; raise InputError if invalid."""
+    """Execute the words of a command line (see `LINE_HELP`) and return its answer; raise InputError if invalid.
+
+    Without a joint it acts on joint 0; a single number after a failure is a joint's if there is one, else a size.
+    """
     match words:
         case ["fail", name, *others] if len(others) <= 2:
             # A single number is a size if it is not that of a joint.
@@ -190,7 +194,7 @@ def execute_line(device: VirtualDevice, words: Sequence[str]) -> str:
 
 
 def describe_state(device: VirtualDevice) -> str:
-    """Return a line about the true state of a device, whatever its sensors report."""
+    """Return a line about the true state of a device now, whatever its sensors report; its time is advanced to now."""
     device.tick()
     plant, parts = device.plant, [device.state.name.lower()]
     if device.stopped:

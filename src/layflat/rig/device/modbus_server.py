@@ -40,7 +40,7 @@ class ModbusStation(DeviceStation):
         self.transports: set[asyncio.BaseTransport] = set()
 
     async def listen(self, host: str, port: int) -> int:
-        """Start to serve at a port (0: any that is free), and return the port."""
+        """Start to serve at a port (0: any that is free), and return the port; raise OSError if it can't be used."""
         self._server = await asyncio.get_running_loop().create_server(lambda: _Connection(self), host, port)
         return int(self._server.sockets[0].getsockname()[1])
 
@@ -52,7 +52,7 @@ class ModbusStation(DeviceStation):
             transport.close()
 
     def answer(self, connection: "_Connection", request: ModbusPDU) -> None:
-        """Reply to a request, unless the link is silent."""
+        """Reply to a request with the link's fault, or with an exception if it is invalid; not while it is silent."""
         link = self.device.link
         if link.silent:
             return
@@ -67,7 +67,14 @@ class ModbusStation(DeviceStation):
         self._send(connection.frame(request, reply), spoil, 7, connection.transport.write)
 
     def _reply(self, master: object, request: Any, behind: bool) -> ModbusPDU:
-        """Return the reply to a request, with the number of an older command if `behind`."""
+        """Return the reply to a request, an exception if it is refused; `behind`: with an older command's number.
+
+        The connection becomes the commanding one; others are refused until it ends, or is silent for `dump_after`.
+
+        Raises:
+            LookupError: an address or count that the station does not have.
+            WireError: registers that are no command.
+        """
         now, function = self.device.clock.now(), request.function_code
         if request.dev_id != self._unit:
             return _refusal(request, ExcCodes.GATEWAY_NO_RESPONSE)
@@ -87,11 +94,11 @@ class ModbusStation(DeviceStation):
         return response(registers=self._read_words(address, count, behind))
 
     def _write_words(self, address: int, words: Sequence[int], count: int) -> None:
-        """Apply a command from its registers; raise LookupError for other addresses or counts."""
+        """Obey a command from its registers; raise LookupError for other registers, WireError if it is invalid."""
         if address != self._registers.commands.start or count != len(self._registers.commands):
             raise LookupError
         if len(words) != count:
-            raise WireError(f"{len(words)} registers where {count} were told")
+            raise WireError(f"{len(words)} registers where the request says {count}")
         self._obey(words[0], words[1:])
 
     def _read_words(self, address: int, count: int, behind: bool) -> list[int]:
@@ -146,7 +153,7 @@ class _Connection(asyncio.Protocol):
             self.transport.close()
 
     def frame(self, request: ModbusPDU, reply: ModbusPDU) -> bytes:
-        """Return a reply to a request as a frame."""
+        """Return a reply as a frame, after its number and unit are set to those of the request."""
         reply.transaction_id, reply.dev_id = request.transaction_id, request.dev_id
         return self._framer.buildFrame(reply)
 

@@ -44,7 +44,7 @@ Port = ModbusPort | SerialPort
 
 
 class DeviceProcess:
-    """A device in another process: `with DeviceProcess(...) as device: driver_of(device.address, machine)`.
+    """A device in another process: `with DeviceProcess(...) as device: create_driver(device.address, machine)`.
 
     The factory is pickled. In lockstep time passes there only where a called function waits for the device's clock.
     """
@@ -60,7 +60,7 @@ class DeviceProcess:
         self._theirs.close()
         if not self._control.poll(START_TIMEOUT):
             self.process.kill()
-            raise LayflatError(f"the device was not there after {START_TIMEOUT:g} s")
+            raise LayflatError(f"the device did not start within {START_TIMEOUT:g} s; run fewer programs beside it")
         try:
             self.address = self._receive_result()
         except BaseException:
@@ -89,7 +89,7 @@ class DeviceProcess:
         try:
             well, what = self._control.recv()
         except (EOFError, OSError):
-            raise LayflatError("the device is gone") from None
+            raise LayflatError("the device is gone: its process has ended; start it again") from None
         if not well:
             raise LayflatError(what)
         return what

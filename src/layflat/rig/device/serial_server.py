@@ -22,7 +22,7 @@ class SerialStation(DeviceStation):
         self._link: Path | None = None
 
     def listen(self, link: Path | None = None) -> str:
-        """Open a terminal and start to serve; return its path, or that of the link to it.
+        """Open a terminal and start to serve; return its path, or that of the link to it, which replaces another link.
 
         Raises:
             OutputError: the link can't be created.

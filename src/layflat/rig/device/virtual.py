@@ -54,7 +54,7 @@ class SupplyLine:
         return self.pressure == self.target
 
     def advance(self, seconds: float) -> None:
-        """Advance the pressure by a time, s."""
+        """Advance the pressure by a time, s, with the time constant of the phase: venting, soft start or open valve."""
         if not self.air:
             self._approach(self.ambient, seconds / DUMP_TIME)
             return
@@ -68,6 +68,7 @@ class SupplyLine:
         self._approach(self.regulator, seconds / FILL_TIME)
 
     def _approach(self, end: float, time_constants: float) -> None:
+        """Approach a pressure for a number of time constants; within `ARRIVAL_PRESSURE` it is reached."""
         pressure = end + (self.pressure - end) * exp(-time_constants)
         self.pressure = end if abs(pressure - end) < ARRIVAL_PRESSURE else pressure
 
@@ -91,7 +92,7 @@ class DeviceLink:
         self.mend()
 
     def spoil(self, kind: ReplyFault, replies: float = inf) -> None:
-        """Set the fault of a number of coming replies."""
+        """Set the fault of a number of coming replies, by default of all; it replaces an earlier fault."""
         self._kind, self._left = kind, replies
 
     def mend(self) -> None:
@@ -99,7 +100,7 @@ class DeviceLink:
         self.silent, self._kind, self._left = False, ReplyFault.LOST, 0.0
 
     def next(self) -> ReplyFault | None:
-        """Return the fault of the coming reply; None where it is sent unchanged."""
+        """Return the fault of the coming reply, which then counts as sent; None where it is sent unchanged."""
         if self.silent:
             return ReplyFault.LOST
         if self._left < 1.0:
@@ -131,7 +132,10 @@ class SensorConverters:
         self._fixed.pop((joint, sensor), None)
 
     def convert(self, *samples: Array) -> None:
-        """Replace the values of failed converters in angles and pressures, (joints,) each."""
+        """Replace the values of failed converters in angles and pressures, (joints,) each, in place.
+
+        A converter that repeats its next sample keeps the value of the first call.
+        """
         for (joint, sensor), value in self._fixed.items():
             if value is None:
                 self._fixed[joint, sensor] = float(samples[sensor][joint])
@@ -190,7 +194,10 @@ class VirtualDevice:
             self._dump()
 
     def obey(self, command: RigCommand) -> None:
-        """Receive a command at this instant; one that is not finite is ignored."""
+        """Receive a command at this instant: obey it, and restart the watchdog; one that is not finite is ignored.
+
+        A dumped device only obeys at the rising edge of `reset` with the e-stop released.
+        """
         self.tick()
         if not np.isfinite(command.voltages).all():
             return

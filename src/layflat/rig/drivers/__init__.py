@@ -24,7 +24,8 @@ def create_driver(address: str, machine: Machine) -> Driver:
         split = urlsplit(address)
         port = split.port if split.scheme == "modbus" else None
     except ValueError:
-        raise DriverError("has no port", where=address, right="give one from 1 to 65535: modbus://HOST:PORT") from None
+        right = "give one from 1 to 65535: modbus://HOST:PORT"
+        raise DriverError("has no valid port", where=address, right=right) from None
     if split.scheme not in PROTOCOL_PACKAGES:
         right = "give modbus://HOST:PORT or serial:///dev/NAME"
         raise DriverError("is not a driver's address", where=address, right=right)
@@ -33,7 +34,7 @@ def create_driver(address: str, machine: Machine) -> Driver:
         from layflat.rig.drivers.modbus import ModbusDriver  # noqa: PLC0415  (needs an extra)
 
         if not split.hostname or split.path.strip("/"):
-            raise DriverError("names no station", where=address, right="give modbus://HOST:PORT")
+            raise DriverError("names no station, or a path in it", where=address, right="give modbus://HOST:PORT")
         return ModbusDriver(machine, split.hostname, MODBUS_PORT if port is None else port)
     from layflat.rig.drivers.serial import SerialDriver  # noqa: PLC0415  (needs an extra)
 

@@ -60,7 +60,7 @@ def lock_rig(endpoint: str) -> int:
         file = os.open(path, os.O_RDWR | os.O_CREAT, 0o600)
     except OSError as error:
         what = f"the lock can't be made ({error.strerror})"
-        raise DriverError(what, where=str(path), right="set LAYFLAT_RUNTIME_DIR") from None
+        raise DriverError(what, where=str(path), right="set LAYFLAT_RUNTIME_DIR to another folder") from None
     try:
         lock_file(file)
     except OSError:
@@ -105,12 +105,12 @@ class LinkedDriver(Driver):
         self._kept = self._wire.command_words(command)
 
     def finalize(self) -> None:
-        """Release the device and its lock in any state; a second call does nothing."""
+        """Release the device and its lock in any state, deactivated if active; a second call does nothing."""
         super().finalize()
         self._release_link()
 
     def _transact(self) -> SensorReading:
-        """Send the stored command and return the reading that answers it; raise LinkError if it can't be decoded."""
+        """Send the stored command and return the reading that answers it; raise LinkError if no valid one comes."""
         self._sequence = next_sequence(self._sequence)
         words = self._exchange(self._sequence, self._kept)
         try:
@@ -132,7 +132,7 @@ class LinkedDriver(Driver):
             raise
 
     def _deactivate(self) -> None:
-        """Send the safe command, up to `MAX_DEACTIVATE_ATTEMPTS` times until it is answered."""
+        """Send the safe command until it is answered, but at most `MAX_DEACTIVATE_ATTEMPTS` times; raise nothing."""
         self._kept = self._safe
         for _ in range(MAX_DEACTIVATE_ATTEMPTS):
             with suppress(LinkError):

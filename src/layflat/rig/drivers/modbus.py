@@ -100,7 +100,7 @@ class ModbusDriver(LinkedDriver):
         self._line: socket.socket | None = None
 
     def _connect(self) -> None:
-        """Resolve the host's name and connect; raise the driver's error if it can't be reached."""
+        """Resolve the host's name and connect within `CONNECT_TIMEOUT`; raise DriverError if it can't be reached."""
         try:
             # By number from here on: a cycle must never wait for a name.
             self._host = str(socket.getaddrinfo(self._host, self._port, type=socket.SOCK_STREAM)[0][4][0])
@@ -117,7 +117,7 @@ class ModbusDriver(LinkedDriver):
         return line
 
     def _identify(self) -> Identity:
-        """Return the identity that the station's registers hold; raise the driver's error with advice if it refuses."""
+        """Return the identity that the station's registers hold; raise DriverError with advice if it refuses."""
         at, unit = self._registers.identity, self._link.unit
         request = ReadHoldingRegistersRequest(address=at.start, count=len(at))
         try:
@@ -129,15 +129,17 @@ class ModbusDriver(LinkedDriver):
         if code == SERVER_BUSY:
             raise self._error("is driven by another master (exception 6)", exception_advice(3, SERVER_BUSY))
         if code:
-            what = f"unit {unit} does not tell registers {at.start} to {at.stop - 1}: {describe_refusal(3, code)}"
+            what = f"unit {unit} does not report registers {at.start} to {at.stop - 1}: {describe_refusal(3, code)}"
             raise self._error(what, exception_advice(3, code))
         if len(reply.registers) != len(at):
-            what = f"unit {unit} tells {len(reply.registers)} registers where {len(at)} were asked"
+            what = f"unit {unit} reports {len(reply.registers)} registers where {len(at)} were requested"
             raise self._error(what, "let the station serve as many at once")
         return Identity.from_words(reply.registers)
 
     def _exchange(self, sequence: int, words: list[int]) -> Sequence[int]:
-        """Write the command's words and return the reading's words, after the echo of the sequence number.
+        """Write the command's words and return those of the reading, without the echo of the sequence number.
+
+        Once a station has refused function 23, functions 16 and 3 are used, in the same timeout, and `remark` says so.
 
         Raises:
             LinkError: refused, timed out, or a reply to another command.
@@ -162,14 +164,20 @@ class ModbusDriver(LinkedDriver):
             function = reply.function_code & 0x7F
             raise LinkError("refused", describe_refusal(function, code), exception_advice(function, code))
         if len(reply.registers) != len(readings):
-            raise LinkError("crc", f"{len(reply.registers)} registers came where {len(readings)} were asked")
+            raise LinkError("crc", f"{len(reply.registers)} registers came where {len(readings)} were requested")
         if reply.registers[0] != sequence:
             what = f"register {readings.start} holds {reply.registers[0]} in place of the command's number {sequence}"
             raise LinkError("sequence", what, f"let the station copy register {commands.start} there")
         return reply.registers[1:]
 
     def _request(self, number: int, request: ModbusPDU, patience: float) -> ModbusPDU:
-        """Send a request and return the reply with its number; reconnect first if the device has hung up."""
+        """Send a request and return the reply with its number, which may be an exception; stale bytes are dropped.
+
+        It reconnects first if the device has hung up; `patience` is the timeout, s.
+
+        Raises:
+            LinkError: no reply in time, an invalid one, or the device hung up.
+        """
         request.transaction_id, request.dev_id, tail, seen = number, self._link.unit, b"", b""
         try:
             line = self._line = self._line or self._open(max(patience, 1e-3))

@@ -32,7 +32,7 @@ class SerialDriver(LinkedDriver):
         self._decoder = frames.Decoder()
 
     def _connect(self) -> None:
-        """Open the serial port exclusively and drop what it has received."""
+        """Open the serial port exclusively and drop received bytes; raise DriverError if it can't be opened."""
         try:
             self._port = Serial(self._path, self._link.baud, timeout=0, write_timeout=0, exclusive=True)
             self._port.reset_input_buffer()
@@ -41,7 +41,7 @@ class SerialDriver(LinkedDriver):
         self._file = self._port.fileno()
 
     def _identify(self) -> Identity:
-        """Return the identity of the microcontroller, in up to `MAX_IDENTIFY_ATTEMPTS` requests."""
+        """Return the microcontroller's identity; raise DriverError if `MAX_IDENTIFY_ATTEMPTS` requests bring none."""
         for _ in range(MAX_IDENTIFY_ATTEMPTS):
             self._sequence = next_sequence(self._sequence)
             with suppress(LinkError):
@@ -56,7 +56,11 @@ class SerialDriver(LinkedDriver):
         return self._request(sequence, frames.COMMAND_FRAME, words, frames.READING_FRAME, self._link.timeout)
 
     def _request(self, sequence: int, kind: int, words: list[int], expected: int, patience: float) -> Sequence[int]:
-        """Send a frame and return the words of the one that answers it; frames that answer another are stale."""
+        """Send a frame and return the words of the one that answers it, with this kind and number; others are dropped.
+
+        Raises:
+            LinkError: no such frame came within `patience` seconds; the kind tells what came in its place.
+        """
         bad, why = self._decoder.bad, "lost"
         try:
             os.write(self._file, frames.encode(kind, sequence, frames.pack_words(words)))
@@ -77,7 +81,7 @@ class SerialDriver(LinkedDriver):
             self._file = -1
 
     def _closed(self, error: Exception) -> DriverError:
-        """Return the error of a port that can't be opened, with its cause and remedy."""
+        """Return, without raising it, the error of a port that can't be opened, with cause and remedy."""
         path = Path(self._path)
         if not path.exists():
             there = ", ".join(sorted(port.device for port in comports())) or "none"
@@ -85,7 +89,7 @@ class SerialDriver(LinkedDriver):
         elif not path.is_char_device():
             what, right = "is not a serial port", "give one, such as serial:///dev/ttyACM0"
         elif not os.access(path, os.R_OK | os.W_OK):
-            what, right = "you may not open it", f"join the group {_group_name(path)!r} and log in anew"
+            what, right = "can't be opened without permission", f"join the group {_group_name(path)!r} and log in anew"
         else:
             what, right = f"can't be opened ({error})", "see that no other program has it"
         return self._error(what, right)

@@ -126,7 +126,7 @@ class MessageCodec:
 
 
 def encode_event(stamp: int, event: Event) -> bytes:
-    """Return an event as a message of type Log; `stamp` in ns since 1970."""
+    """Return an event as a message of type Log; `stamp` in ns since 1970 replaces the event's own time."""
     data = bytes((0, 1, 0, 0)) + struct.pack("<iIB", *divmod(stamp, NS_PER_SECOND), event.level)
     for text in ("layflat.rig", event.text, "", ""):
         data = _pad_to_alignment(data, 4) + _encode_string(text)
@@ -154,7 +154,7 @@ class LogHeading:
 
     @classmethod
     def for_machine(cls, machine: "Machine", **notes: str) -> Self:
-        """Return the heading of a machine's log."""
+        """Return the heading of a machine's log; `notes` are further metadata by name."""
         return cls(RowLayout.for_machine(machine), machine.model_dump_json(), machine.name, notes)
 
 
@@ -194,7 +194,7 @@ class BagWriter:
         self._writer.add_attachment(begin, begin, MACHINE_ATTACHMENT, "application/json", heading.machine.encode())
 
     def add(self, rows: Array) -> None:
-        """Add rows, (rows, width)."""
+        """Add rows, (rows, width), each as a message on /cycle and one on /joint_states."""
         if not len(rows):
             return
         columns = {name: self._layout.named(rows, name) for name in (*SHARED_COLUMNS, *self._layout.by_joint)}
@@ -207,7 +207,7 @@ class BagWriter:
             self._writer.add_message(self._state, stamp, state, stamp)
 
     def write_event(self, event: Event) -> None:
-        """Add an event."""
+        """Add an event as a message on /events."""
         stamp = self.begin + round(event.time * NS_PER_SECOND)
         self._writer.add_message(self._events, stamp, encode_event(stamp, event), stamp)
 

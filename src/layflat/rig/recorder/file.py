@@ -18,7 +18,8 @@ class GrowingFile:
     """New or empty file to append to, locked while it is open, so that `log repair` leaves it alone.
 
     A killed process loses nothing that was flushed; a computer that loses power loses what came after the last sync of
-    the disk. A thread syncs, since a slow disk blocks. Raise OSError if the file can't be created, or is not empty.
+    the disk. A thread syncs, since a slow disk blocks. Its folder is created, too. Raise OSError if the file
+    can't be created or locked, or is not empty.
     """
 
     def __init__(self, path: Path) -> None:
@@ -66,12 +67,13 @@ class GrowingFile:
             _sync(self._handle)
 
     def close(self) -> None:
-        """Stop the syncing, and close and unlock the file."""
+        """Stop the syncing, and close and unlock the file; data that were not flushed are lost."""
         self._closing.set()
         self._syncing.join()
         os.close(self._handle)
 
     def _keep_syncing(self) -> None:
+        """Sync every `SYNC_INTERVAL` until the file is closed."""
         while not self._closing.wait(SYNC_INTERVAL):
             self.sync()
 

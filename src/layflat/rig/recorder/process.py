@@ -47,7 +47,10 @@ class BlackBox:
         self._made = 0
 
     def append(self, rows: Array, events: list[Event]) -> None:
-        """Add new rows, (rows, width), and events, and drop those that are too old."""
+        """Add new rows, (rows, width), and events, drop those that are too old, and schedule a file at a new fault.
+
+        Warnings make no file, nor do faults after `MAX_BLACK_BOXES` files.
+        """
         self._events.extend(events)
         if len(rows):
             self._rows.append(rows)
@@ -113,10 +116,10 @@ class BlackBox:
 
 
 def start_recorder(ring: Ring, place: Path, heading: LogHeading) -> SpawnProcess:
-    """Start a recorder; `ring.recorder_alive()` returns True once it runs.
+    """Start a recorder's process and return it; `ring.is_recorder_alive()` returns True once it records.
 
-    It ends by itself when the loop, which fills the ring, ends or has pushed no row for a second. The log is called
-    NAME.mcap.part until it is finished.
+    It ends by itself when the loop, which fills the ring, ends or has pushed no row for a second. Until it is finished
+    the log is called NAME.mcap.part; that file and its folder are created here.
 
     Args:
         ring: ring that the loop fills.
@@ -156,7 +159,7 @@ def part_path(place: Path) -> Path:
 
 
 def _record(ring_path: Path, place: Path, heading: LogHeading) -> None:
-    """Record until the loop ends, then finish the log; exit with 1 if that failed."""
+    """Record until the loop ends, finish the log, and remove the ring; exit with 1 if the log is unfinished."""
     for number in FROM_TERMINAL:
         signal.signal(number, signal.SIG_IGN)
     ring = Ring.attach(ring_path)
@@ -222,7 +225,7 @@ class LogRecorder:
             self._bag.write_event(written)
 
     def _recording_events(self, rows: int) -> list[Event]:
-        """Return new events of the recording itself: rows that are missing, a full disk."""
+        """Return events of the recording since the last call: missing rows, and a disk that is full, or no more."""
         messages: list[tuple[EventLevel, str]] = []
         dropped, trouble = self._ring.head.rows.dropped + self._ring.head.events.dropped, self._file.trouble
         if dropped > self._dropped:
@@ -239,7 +242,10 @@ class LogRecorder:
         return [Event(self._time, level, text) for level, text in messages]
 
     def _finish(self) -> None:
-        """Write the whole log under its own name; where that fails, leave the partial one."""
+        """Finish the black boxes, write the whole log under its own name, and remove the partial one; report DONE.
+
+        It waits up to `FULL_DISK_TIMEOUT` for a full disk. Where writing fails the partial log stays: UNFINISHED.
+        """
         self._ring.beat(RecorderState.FINISHING)
         part, bag = part_path(self._place), self._bag
         if bag is None:

@@ -104,6 +104,8 @@ def check_magic(path: Path) -> bool:
 def write_indexed(source: Path, target: Path, progress: Progress | None = None) -> RepairSummary:
     """Copy the whole records of an MCAP file to another one, in compressed chunks with an index, and sync it to disk.
 
+    Invalid records are left out; the summary that is returned counts their bytes as lost.
+
     Args:
         source: file that may be cut short.
         target: file that is written.
@@ -181,6 +183,7 @@ class _Copy:
         self._writer.finish()
 
     def _start(self, profile: str = "", library: str = "layflat") -> None:
+        """Write the header, unless that has been done."""
         if not self._started:
             self._writer.start(profile, library)
             self._started = True

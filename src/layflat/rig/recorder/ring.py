@@ -80,7 +80,7 @@ class _Queue:
         self._counts, self._items, self._fit = counts, items, len(items)
 
     def append(self, item: Any) -> bool:
-        """Append an item; return False if there was no room."""
+        """Append an item; return False if there was no room, and count it as dropped."""
         counts = self._counts
         written = counts.written
         if written - counts.read >= self._fit:
@@ -160,7 +160,7 @@ class Ring:
         return self._rows.append(row)
 
     def put_event(self, event: Event) -> bool:
-        """Append an event, its text cut between two characters; return False if there was no room."""
+        """Append an event, its text cut to `MAX_EVENT_BYTES` in whole characters; return False if there was no room."""
         text = event.text.encode()[:MAX_EVENT_BYTES].decode(errors="ignore").encode()
         return self._events.append((event.time, event.level, text))
 

@@ -105,6 +105,8 @@ class CycleCore:
             velocities: rad/s, (joints,); None: derived from the angles, as the next.
             accelerations: rad/s2, (joints,).
             since: time since the instant for which they are meant, s.
+
+        Only laws that plan their motion use more than the angles.
         """
         self._host_demands[:] = angles
         if self._plans:
@@ -116,10 +118,10 @@ class CycleCore:
         self, stages: int, supply_now: float, elapsed: float, since: float, level: float, *, follow: bool = False,
         wake: bool = False,
     ) -> int:  # fmt: skip
-        """Perform stages of a cycle.
+        """Perform stages of a cycle on the samples and demands that were loaded.
 
         Args:
-            stages: flags of cycle_numbers.py.
+            stages: flags of cycle_numbers.py; without a law only the detectors run, whatever the flags.
             supply_now: absolute pressure of the supply, Pa.
             elapsed: time since the last samples, s.
             since: time since the last cycle, s.
@@ -161,14 +163,20 @@ class CycleCore:
         return np.clip(angles, -working, working)
 
     def has_air(self, supply_now: float, ready: float) -> bool:
-        """Return whether the supply is at least `ready` (both absolute, Pa) and every joint has the ripple of air."""
+        """Return whether the supply is at least `ready` (both absolute, Pa) and every joint has the ripple of air.
+
+        Where the ripple of a joint can't be detected, the supply alone counts.
+        """
         if not supply_now >= ready:
             return False
         threshold, ripple = self.settings[MIN_RIPPLE_NAME], self.memory[RIPPLE_NAME]
         return not (threshold > 0.0).all() or bool(((threshold < ripple) & (ripple < inf)).all())
 
     def hoses_are_filled(self, supply_now: float) -> bool:
-        """Return whether every pair of hoses holds `MIN_FILL_FRACTION` of the supply's pressure (absolute, Pa)."""
+        """Return whether every joint's hoses hold, on average, `MIN_FILL_FRACTION` of the supply's gauge pressure.
+
+        `supply_now` is absolute, Pa; pressures of hoses are those of the air estimate.
+        """
         empty = self.rig["ambient"][0]
         held = self.memory["air.pressure_a"] + self.memory["air.pressure_b"]
         return bool((held >= 2.0 * (empty + MIN_FILL_FRACTION * (supply_now - empty))).all())
@@ -185,5 +193,5 @@ class CycleCore:
 
     @property
     def max_lead(self) -> float:
-        """Return the greatest distance between a demand and its reference, rad."""
+        """Return the greatest distance of any joint's demand from its reference, rad."""
         return float(np.abs(self.demands - self.memory["demand.reference"]).max())

@@ -49,7 +49,7 @@ MIN_CYCLE_RATIO, MAX_CYCLE_RATIO = 0.5, 2.0
 
 @law
 def _commanded_opening(rig, memory):
-    """Return the opening of the valve that was last commanded, 1."""
+    """Return the last commanded opening of the valve, -1..1, from its estimated neutral voltage."""
     return (memory.voltage - (memory.neutral + rig.centre)) * rig.per_volt
 
 
@@ -65,7 +65,7 @@ def _update_air(rig, settings, memory, samples, opening, supply_pressure, elapse
 
 @composition
 def _write_coupling(arm, rig_numbers, settings, joint_inputs, memory, nothing):
-    """Write the pressure with which each joint stays at rest (see estimator.py), for smallest and greatest payload."""
+    """Write each joint's inertia and pressures at rest (see estimator.py) for either payload into `joint_inputs`."""
     n = len(nothing)
     angles, rates = slots(nothing), slots(nothing)
     turns, mass, work = np.zeros(n), np.empty((n, n)), np.empty((n, n + 1))
@@ -103,7 +103,7 @@ def _write_coupling(arm, rig_numbers, settings, joint_inputs, memory, nothing):
 
 @kernel
 def judge_samples(rig_numbers, settings, inputs, joint_inputs, memory):
-    """Run all detectors on the samples; write faults into `inputs` and `memory`, return FAULT_DETECTED or 0.
+    """Update air and detectors by the samples; write faults into `inputs` and `memory`, return FAULT_DETECTED or 0.
 
     Args: numbers of `RigSettings`, of `JointSettings` (a row a joint, as all that follows but `inputs`), `CycleInputs`,
     `JointInputs` and `JointMemory`.
@@ -216,7 +216,7 @@ def pass_demands(rig_numbers, settings, inputs, joint_inputs, memory):
 
 @kernel
 def estimate_motion(settings, inputs, joint_inputs, memory):
-    """Estimate angles, velocities and pressures from the samples; arguments as of `judge_samples`."""
+    """Write estimates of angle, velocity and pressure into `memory`; arguments as of `judge_samples`."""
     now = read_numbers(INPUTS_TEMPLATE, inputs)
     for j in range(len(settings)):
         samples = read_numbers(JOINT_TEMPLATE, joint_inputs[j])
@@ -231,7 +231,7 @@ def estimate_motion(settings, inputs, joint_inputs, memory):
 
 @kernel
 def pass_voltages(rig_numbers, memory):
-    """Pass voltages within their limits; if one is not, centre all valves and return VOLTAGE_REFUSED, else 0."""
+    """Write the law's voltages into `voltage`; if one is out of range, centre all, return VOLTAGE_REFUSED, else 0."""
     rig, bad = read_numbers(RIG_TEMPLATE, rig_numbers), 0
     for j in range(len(memory)):
         # The comparison refuses NaN.
@@ -247,7 +247,7 @@ def pass_voltages(rig_numbers, memory):
 
 @kernel
 def write_signals(rows, joint_inputs, memory, report, recorded):
-    """Write each joint's signals after a cycle into its part of a row (see `rig.record.RowLayout`), without faults.
+    """Write each joint's signals after a cycle into its part of a row (see `rig.record.RowLayout`), its fault as 0.
 
     Args: `joint_inputs` and `memory` as of `judge_samples`; the control law's report, a row a joint, and its columns
     that are recorded.
@@ -275,7 +275,7 @@ _compiled_cycles: dict[str, Callable[..., int]] = {}
 
 
 def compile_cycle(arm: Any, settings: Any, memory: Any, joints: int) -> Callable[..., int]:
-    """Return the cycle of an arm with a control law, compiled unless the law is plain Python.
+    """Return the cycle of an arm with a control law, compiled unless the law is plain Python; kept for the process.
 
     Args:
         arm: tuple of the arm's parameters; only its class and shape count, as of the next two.

@@ -57,7 +57,10 @@ def demand_lead(now):
 
 @law
 def stop_margin(gate, now, requested):
-    """Return the distance to the mechanical stops from the requested angle or the reference, the smaller one, rad."""
+    """Return the smaller distance to the mechanical stops, from the requested angle or from the reference, rad.
+
+    The present demand counts in place of a requested angle that is outside the working stroke.
+    """
     target = abs(requested) if abs(requested) <= gate.working else abs(now.demand)
     return gate.mechanical - max(target, abs(now.reference))
 
@@ -224,6 +227,9 @@ def is_jump(before, velocity, now, elapsed):
 @law
 def gate_demand(limits, before, requested, now, limited, elapsed):
     """Return the demand that passes after the one before (rad), and its outcome: 0, DEMAND_LIMITED or DEMAND_REFUSED.
+
+    A refused one leaves the demand before it at rest; one faster than `limits.pace` moves at that speed.
+
 
     Args: requested angle (rad), the demand extrapolated to now, whether that was limited, and the time of a cycle (s).
     """

@@ -107,7 +107,7 @@ class FaultLedger:
         self._noted: set[tuple[Fault, int | None]] = set()
 
     def clear(self) -> None:
-        """Clear all latched faults."""
+        """Clear all latched faults, and the reaction to them."""
         self.latched = Fault.NONE  # worst latched fault
         self.joints = [Fault.NONE] * len(self._names)  # worst latched fault of each joint
         self.reaction = Reaction.WARN  # worst reaction of the latched faults
@@ -130,7 +130,10 @@ class FaultLedger:
                 self.joints_now[j] = Fault.NONE
 
     def note(self, fault: Fault, joint: int | None = None) -> None:
-        """Add a fault of this cycle, of a joint by its number or of the machine as a whole (None)."""
+        """Add a fault of this cycle, of a joint by its number or of the whole machine (None); latch one that latches.
+
+        A fault that was not there in the cycle before adds an event.
+        """
         if (fault, joint) in self._noted:
             return
         self._noted.add((fault, joint))

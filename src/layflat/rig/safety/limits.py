@@ -86,7 +86,10 @@ def plans_motion(machine: Machine) -> bool:
 
 
 def demand_pace(machine: Machine, name: str) -> float:
-    """Return the speed of a joint's reference towards its demand, rad/s: one without a fault is at least as fast."""
+    """Return the speed of a joint's reference towards its demand, rad/s: `safety.demand_speed`.
+
+    Under a law that plans its motion it is `DemandLimits.pace`, or `demand_speed` where the machine's file sets less.
+    """
     limit = machine.safety.demand_speed
     if not plans_motion(machine):
         return limit
@@ -146,7 +149,7 @@ def max_held_back_time(machine: Machine, name: str) -> float:
     """Return the time for which a free joint may be slow in spite of its pressure, s; afterwards it is held back.
 
     Under a law that plans its motion such a pressure has to move the joint: the time is twice that which it takes from
-    `-HELD_BACK_SPEED` to `HELD_BACK_SPEED` in the worst configuration.
+    `-HELD_BACK_SPEED` to `HELD_BACK_SPEED` in the worst configuration, within `CERTAIN_CYCLES` and `HELD_BACK_TIME`.
     """
     j = list(machine.joints).index(name)
     able, limits = joint_capabilities(machine), demand_limits(machine)

@@ -50,7 +50,7 @@ class StateMachine:
         return self.state is RigState.OFF or (not MODE_HAS_AIR[self.valve_mode] and self._in_mode >= self._vent_time)
 
     def pass_time(self, elapsed: float) -> None:
-        """Advance by a cycle of `elapsed` seconds."""
+        """Advance the times in state and mode by `elapsed` seconds, and the reset bit by a cycle."""
         self._in_state += elapsed
         self._in_mode += elapsed
         if self._reset_for:
@@ -64,7 +64,10 @@ class StateMachine:
         return MOTION_LEVEL if self.state is RigState.STARTING else ALL
 
     def enter(self, state: RigState, mode: ValveMode) -> None:
-        """Enter a state and a mode of the valves; a change of state adds an event."""
+        """Enter a state and a mode of the valves; a change of state adds an event.
+
+        A mode that switches the air on resets the detectors, and lets the controllers be initialized anew.
+        """
         if state is not self.state:
             self.ledger.events.append(f"{self.state.name.lower()} -> {state.name.lower()}")
             self.state, self._in_state = state, 0.0
@@ -75,7 +78,7 @@ class StateMachine:
             self.valve_mode, self._in_mode = mode, 0.0
 
     def device_state(self, device: DeviceState) -> None:
-        """Note a fault if the device has centred or dumped by itself while air is on."""
+        """Note a fault if the device has centred or dumped by itself while air is on, after it has obeyed once."""
         if not MODE_HAS_AIR[self.valve_mode]:
             return
         if device == DeviceState.RUNNING:
@@ -84,7 +87,10 @@ class StateMachine:
             self.ledger.note(Fault.DEVICE_DUMPED if device == DeviceState.DUMPED else Fault.DEVICE_CENTRED)
 
     def starting(self, supply: float, elapsed: float) -> None:
-        """End a soft start once the supply (absolute, Pa) suffices; note a fault if it takes too long."""
+        """End a soft start in READY once the air has been there for `AIR_READY_TIME`; note NO_AIR after `start_time`.
+
+        The hoses have to be filled, too, until `FILL_TIME_FRACTION` of that time is over. `supply` is absolute, Pa.
+        """
         filled = self.core.hoses_are_filled(supply) or self._in_state > FILL_TIME_FRACTION * self.safety.start_time
         self._there_for = self._there_for + elapsed if self.core.has_air(supply, self._ready) else 0.0
         if self._there_for >= AIR_READY_TIME and filled:
@@ -94,7 +100,10 @@ class StateMachine:
             self.ledger.note(Fault.NO_AIR)
 
     def start(self) -> None:
-        """Start softly, or go from HOLDING to READY; add an event if a fault, e-stop or the recorder forbids it."""
+        """Start softly from OFF or STOPPED, go from HOLDING to READY; without effect in other states.
+
+        If a latched fault, the e-stop or a dead recorder forbids it, it only adds an event.
+        """
         if self.ledger.latched or self.pressed:
             self.ledger.events.append("no start: a fault is latched; give a reset first")
         elif self.barred:
@@ -107,7 +116,7 @@ class StateMachine:
             self.enter(RigState.STARTING, ValveMode.HOLD)
 
     def hold(self) -> None:
-        """Hold the joints, from READY or MOVING."""
+        """Hold the joints where they are or can stop, from READY or MOVING; without effect in other states."""
         if self.state in {RigState.READY, RigState.MOVING}:
             self.core.freeze()
             self.enter(RigState.HOLDING, ValveMode.HOLD)
@@ -129,7 +138,10 @@ class StateMachine:
             self._in_mode = 0.0
 
     def reset(self) -> None:
-        """Clear latched faults that are over."""
+        """Clear all latched faults, pulse the reset bit, and leave FAULT for HOLDING where air is on, else OFF.
+
+        With the e-stop pressed, or a fault from DEVICE_CENTRED on present under air, it only adds an event.
+        """
         if self.pressed or (self.ledger.now >= Fault.DEVICE_CENTRED and MODE_HAS_AIR[self.valve_mode]):
             self.ledger.events.append("no reset: the fault is still there")
             return
@@ -142,7 +154,7 @@ class StateMachine:
             self.enter(RigState.HOLDING if held else RigState.OFF, self.valve_mode if held else ValveMode.CENTRE)
 
     def react(self, angles: Array | None = None) -> None:
-        """Perform the reaction of the worst latched fault; air that is off stays off.
+        """Enter FAULT with the valve mode of the worst reaction to latched faults; air that is off stays off.
 
         Args:
             angles: angles at which the joints are held, rad, (joints,); default: as `CycleCore.freeze`.

@@ -80,7 +80,7 @@ class Supervisor(StateMachine):
             self.wake = False
 
     def cycle(self, reading: SensorReading | None, request: HostRequest, elapsed: float, since: float) -> None:
-        """Perform one control cycle, which sets `demands`, `voltages`, `air`, `resets` and `outputs`.
+        """Perform one control cycle, which sets `demands`, `voltages`, `outputs`, and the state of air and reset bit.
 
         Args:
             reading: reading of the sensors; None where the reply was lost.
@@ -119,7 +119,7 @@ class Supervisor(StateMachine):
         stages = MOTION_STAGES if reading is not None else DEMAND_STAGE
         self._note_changes(self._perform(stages | (GATE_STAGE if self.is_pressurised else 0), supply, elapsed, since))
         if not self.is_pressurised:
-            self._without_air(self.voltages)
+            self._write_voltages_without_air(self.voltages)
 
     def _is_unchanged(self, reading: SensorReading, request: HostRequest) -> bool:
         """Return whether the rig is moving and nothing but the detectors can change its state in this cycle."""
@@ -190,7 +190,10 @@ class Supervisor(StateMachine):
             self.enter(RigState.MOVING, ValveMode.FOLLOW)
 
     def _note_changes(self, outcomes: int) -> None:
-        """Note demands that were limited or refused, a law that gave up, and voltages out of range."""
+        """Note demands that were limited or refused, a law that gave up, and voltages out of range.
+
+        After such a voltage it performs the reaction, which holds the joints, and initializes the controllers anew.
+        """
         if outcomes & MODEL_REJECTED:
             self.ledger.note(Fault.MODEL_DOUBTED)
         if outcomes & DEMAND_CHANGED:
@@ -204,8 +207,11 @@ class Supervisor(StateMachine):
             self.react(self.demands)
             self.wake = True
 
-    def _without_air(self, out: Array) -> None:
-        """Write the voltages of the valves without air into an array, (joints,)."""
+    def _write_voltages_without_air(self, out: Array) -> None:
+        """Write the voltages of the valves by their mode, without air, into an array, V, (joints,).
+
+        VENT_JOINT vents only faulty joints; CENTRE vents the fuller hose of joints whose valve is unresponsive.
+        """
         out.fill(self._vented if self.valve_mode is ValveMode.VENT else self._centre)
         if self.valve_mode is ValveMode.VENT_JOINT:
             for j, fault in enumerate(self.ledger.joints):

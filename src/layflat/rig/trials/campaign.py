@@ -126,7 +126,7 @@ class FaultTrial:
             rig.clock.schedule(instant, lambda: case.switch(rig, self.joint, True))
             delay, by, limit = self._measure_detection(instant)
         swung, sinking = self._may_reach_stops(), find_sinking_joints(rig.machine)
-        safe = self._safe(instant)
+        safe = self._time_to_safe_state(instant)
         turned = np.array(rig.furthest) / resting_angles(rig.machine)
         swung = swung or bool(turned.max() > 1.0 and not (turned[~sinking] > 1.0).any())
         above_supply = rig.above_supply
@@ -170,14 +170,15 @@ class FaultTrial:
         now, rig = self.rig.clock.now(), self.rig
         if now >= self._next:
             self._next = now + round(self.random.uniform(*PAUSE_RANGE) * NS_PER_SECOND)
-            rig.host.demands = self._starting_position()
+            rig.host.demands = self._random_demands()
 
-    def _starting_position(self) -> list[float]:
+    def _random_demands(self) -> list[float]:
+        """Return an angle for each joint, rad, uniform in `STROKE_FRACTION` of its working stroke."""
         return [float(self.random.uniform(-reach, reach)) for reach in self._reaches]
 
     def _start_long_motion(self) -> bool:
         """Demand a long motion of the joint in this cycle; return False if the random demand was too near."""
-        here, demands = self.rig.truth.angles[self.joint], self._starting_position()
+        here, demands = self.rig.truth.angles[self.joint], self._random_demands()
         side = -1.0 if here > 0.0 else 1.0
         demands[self.joint] = float(self.random.uniform(0.0, self._reaches[self.joint])) * side
         if abs(demands[self.joint] - here) < self.case.min_motion:
@@ -203,7 +204,12 @@ class FaultTrial:
         )
 
     def _measure_detection(self, instant: int) -> tuple[float, str, float]:
-        """Return the detection time (s), the title of the detected fault, and the limit of the time (s)."""
+        """Run cycles until the fault is detected or missed.
+
+        Returns:
+            Detection time, s, from `instant` or as `FaultCase.since` tells; title of the fault; limit of the time, s. A
+            missed one has an infinite time and an empty title.
+        """
         rig, case = self.rig, self.case
         limit = case.cycles * rig.period if case.cycles else case.seconds
         since: int | None = None if case.since is not None else instant
@@ -248,7 +254,7 @@ class FaultTrial:
         by = f"by the device: centred, dumped after {1e3 * dumped:.0f} ms"
         return centred, by, interface.watchdog_cycles * rig.period + 1e-3
 
-    def _safe(self, instant: int) -> float:
+    def _time_to_safe_state(self, instant: int) -> float:
         """Run cycles until a safe state is reached; return its time since the failure, s, infinite if too late."""
         rig = self.rig
         slowly = vent_time(rig.machine) if falls_without_air(rig.machine) else 0.0
@@ -260,7 +266,7 @@ class FaultTrial:
         return (rig.clock.now() - instant) / NS_PER_SECOND
 
     def _mend(self) -> None:
-        """Heal the failure, stop, vent, and reset."""
+        """Heal the failure, stop, vent, push joints back towards mid-stroke, and reset."""
         rig = self.rig
         self.case.switch(rig, self.joint, False)
         rig.host.edges = {"stop"}
@@ -275,7 +281,7 @@ class FaultTrial:
 
 
 def summarize_outcomes(outcomes: list[TrialOutcome]) -> dict[str, dict[str, float | int]]:
-    """Return by row the number of trials and of good ones, and the worst value of each measurement."""
+    """Return by row the number of trials and of good ones, and the maximum of each measurement over its trials."""
     rows: dict[str, dict[str, float | int]] = {}
     for row in dict.fromkeys(outcome.row for outcome in outcomes):
         of_row = [outcome for outcome in outcomes if outcome.row == row]

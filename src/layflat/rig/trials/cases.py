@@ -120,12 +120,14 @@ def _bad_voltage_case(value: float, label: str) -> FaultCase:
 
 
 def _push_out(rig: TrialRig, joint: int, on: bool) -> None:
+    """Push a joint away from mid-stroke, or let go."""
     rig.device.call(
         set_failure, "push", joint, on, PUSH_TORQUE_RATIO if rig.truth.angles[joint] > 0.0 else -PUSH_TORQUE_RATIO
     )
 
 
 def _is_supply_too_high(rig: TrialRig, _: int) -> bool:
+    """Return whether the supply's true pressure exceeds `safety.overpressure`."""
     supply, safety = rig.machine.supply, rig.machine.safety
     return rig.truth.supply > supply.ambient_pressure + safety.overpressure * supply.pressure_gauge
 
@@ -139,6 +141,7 @@ def _is_out_of_bounds(rig: TrialRig, joint: int) -> bool:
 
 
 def _is_left_behind(rig: TrialRig, joint: int) -> bool:
+    """Return whether a joint's true angle is farther from its expected angle than `allowed_error`."""
     limit = allowed_error(rig.following[joint], rig.truth.velocities[joint], rig.supervisor.core.max_lead)
     return bool(abs(rig.truth.angles[joint] - rig.reaches[joint]) > limit)
 

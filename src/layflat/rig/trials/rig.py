@@ -55,7 +55,7 @@ class SharedClock:
         return self._now
 
     def wait(self, until: int) -> None:
-        """Advance the device to an instant, ns."""
+        """Advance the device to an instant (ns), unless it has passed, and perform the scheduled action on the way."""
         if self._due is not None and self._due[0] <= until:
             (at, action), self._due = self._due, None
             self.wait(at)
@@ -64,7 +64,7 @@ class SharedClock:
             self._now, self.truth = until, self._device.call(advance_device, until)
 
     def schedule(self, instant: int, action: Callable[[], object]) -> None:
-        """Schedule an action to be performed once, at an instant, ns."""
+        """Schedule an action to be performed once, at an instant, ns; it replaces one that is scheduled."""
         self._due = instant, action
 
 
@@ -79,7 +79,7 @@ class ScriptedHost:
         self.edges: set[str] = set()
 
     def request(self, now: int) -> HostRequest:
-        """Return the host's request at an instant."""
+        """Return the host's request at an instant, ns; each edge is returned once."""
         edges, self.edges = self.edges, set()
         age = 0.0 if self.silent_since is None else (now - self.silent_since) / NS_PER_SECOND
         return HostRequest(self.demands, "start" in edges, "stop" in edges, "reset" in edges, age)
@@ -140,12 +140,12 @@ class TrialRig:
         self.above_supply = -inf  # highest pressure in any hose since then, less the highest that the line ever had, Pa
 
     def cycle(self) -> None:
-        """Perform one control cycle, and update the peaks."""
+        """Perform one control cycle, and update peaks and expected angles."""
         self.loop.cycle()
         self.update_peaks()
 
     def update_peaks(self) -> None:
-        """Update the peaks with the true state of the device."""
+        """Update the peaks, and advance the expected angles by a cycle, with the true state of the device."""
         self._line = max(self._line, self.truth.supply)
         self.above_supply = max(self.above_supply, max(self.truth.pressures) - self._line)
         for j, (angle, demand) in enumerate(zip(self.truth.angles, self.supervisor.demands, strict=True)):
@@ -153,7 +153,7 @@ class TrialRig:
             self.reaches[j] = advance_expected_angle(self.following[j], self.reaches[j], angle, demand, self.period)
 
     def ready(self) -> None:
-        """Start softly; return once the rig obeys, or 0.5 s after the machine's start time."""
+        """Reset, then start softly; return once the rig obeys, or else 0.5 s after the machine's start time."""
         self.host.edges = {"reset"}
         self.cycle()
         self.host.edges = {"start"}

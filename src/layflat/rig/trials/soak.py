@@ -48,7 +48,7 @@ class RandomWork(ScriptedHost):
         self._rows: Iterator[tuple[Array, Array, Array]] = iter(())
 
     def send_due_demand(self, now: int) -> None:
-        """Set the demand that is due in the cycle that begins now (ns)."""
+        """Set the demand that is due in the cycle that begins at `now`, ns: of the present motion, or a new one."""
         if now >= self._next:
             self._next = now + round(self._random.uniform(*PAUSE_RANGE) * NS_PER_SECOND)
             self._rows = iter(())
@@ -77,7 +77,7 @@ class RandomWork(ScriptedHost):
     rates: tuple[list[float], list[float]] | None = None
 
     def _motion(self) -> States | None:
-        """Return a motion from the last demand on, or None for a step."""
+        """Return a random motion from the last demand on; None for a step, also where the motion is not possible."""
         kind, start = self._random.uniform(), np.array(self.demands)
         if not np.isfinite(start).all() or kind > MOTION_FRACTION + BELT_FRACTION:
             return None
@@ -141,7 +141,7 @@ def run_soak(
     progress: Callable[[float], None] | None = None, clock: VirtualClock | None = None,
     driver_of: Callable[[VirtualDevice], Driver] = SimulatedDriver,
 ) -> SoakResult:  # fmt: skip
-    """Move at random for hours of simulated time, and note every fault; after a trip the rig is reset and continues.
+    """Move at random for hours of simulated time, and count the faults that hold or vent the rig; each is then reset.
 
     The payload of an arm that would fall changes only while it rests: in motion that throws it out of its stroke, which
     is no false alarm.

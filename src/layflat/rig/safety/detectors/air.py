@@ -94,7 +94,7 @@ def update_suspicion(limits, memory, before, now, sample):
 
 @law
 def find_pressure_frozen(limits, same_pressure, suspect):
-    """Return the fault if a pressure has been the same for too long (s), else 0; it needs no memory."""
+    """Return PRESSURE_FROZEN if a pressure has been the same for too long (s), less long if it is suspect, else 0."""
     return PRESSURE_FROZEN if same_pressure >= limits.patience or (suspect and same_pressure > limits.sure) else 0
 
 

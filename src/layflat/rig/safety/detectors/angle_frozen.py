@@ -68,7 +68,7 @@ def _range_width(borne):
 
 @law
 def _excess_over_friction(low, high, hides):
-    """Return the differential pressure beyond that which friction holds, Pa, for any payload."""
+    """Return the pressure beyond +-hides, where the whole range low..high is beyond (any payload), else 0, Pa."""
     return low - hides if low > hides else (high + hides if high < -hides else 0.0)
 
 
@@ -80,7 +80,10 @@ def is_blocked(limits, memory, now):
 
 @law
 def find_angle_frozen(limits, memory, doubts, before, now, sample):
-    """Return memory and fault after a sample; `before` and `now` are the traces before and after it."""
+    """Return memory and fault (ANGLE_FAULT or 0) after a sample, from the traces `before` and `now`, after it.
+
+    Any of the conditions in docs/rig-faults.md is a fault; most need an angle that is constant for a time.
+    """
     same, p = is_angle_unchanged(before, sample), sample.averaged_pressure
     bears = same and before.same_angle >= limits.fades
     # The load of the other joints may be smaller than estimated: both ranges have to exceed the limit.

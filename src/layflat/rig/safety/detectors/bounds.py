@@ -105,7 +105,10 @@ def find_outside(limits, before, rails, sample):
 
 @law
 def find_supply(limits, memory, supply, all_still, elapsed, level):
-    """Return memory and fault of the supply (absolute, Pa); it is lost, too, if all of several joints lack a ripple."""
+    """Return memory and fault of the supply (absolute, Pa): PRESSURE_FAULT if too high, SUPPLY_FAULT if lost, else 0.
+
+    It is lost when it is low, or when all of several joints lack a ripple. PRESSURE_FAULT comes first.
+    """
     above = count_samples(memory.above, not supply < limits.high)
     if above >= PRESSURE_SAMPLES:
         return SupplyMemory(above, memory.below, memory.still), PRESSURE_FAULT

@@ -44,13 +44,13 @@ class SampleTrace(NamedTuple):
 
 @law
 def count_samples(before, condition):
-    """Return the count of successive samples for which a condition has held."""
+    """Return the count of successive samples for which a condition has held: 0 where it does not hold now."""
     return before + 1.0 if condition else 0.0
 
 
 @law
 def accumulate_time(before, condition, elapsed):
-    """Return the time for which a condition has held, s."""
+    """Return the time for which a condition has held without a break, s: 0 where it does not hold now."""
     return before + elapsed if condition else 0.0
 
 
