@@ -66,7 +66,13 @@ class CaptionedFigure:
 
 
 def render_page(package: str, template: str, **values: Any) -> str:
-    """Return the HTML of a package's template, which extends `page.html.j2` of this package, with values."""
+    """Return the HTML of a jinja2 template in a package, filled with values that are escaped.
+
+    Args:
+        package: package that holds the template.
+        template: file name; it may extend `page.html.j2` of this package.
+        values: values by their names in the template; jinja2.UndefinedError if one is missing.
+    """
     from importlib.resources import files  # noqa: PLC0415
 
     import jinja2  # noqa: PLC0415

@@ -32,7 +32,7 @@ class DrawnArm(NamedTuple):
 
 
 def arm_figure(arm: DrawnArm, title: str) -> Figure:
-    """Draw an arm from the side and from above, with the target positions of its tip."""
+    """Draw an arm from the side (x, z) and from above (x, y), with the target positions of its tip as crosses."""
     with styled_figure(1, 2, width=9.0, height=VIEW_HEIGHT, above=HEAD_ROOM) as (fig, (side, above)):
         for axes, across, upward in ((side, 0, 2), (above, 0, 1)):
             axes.plot(
@@ -60,7 +60,10 @@ def arm_figure(arm: DrawnArm, title: str) -> Figure:
 
 
 def _draw_cylinder(axes: Axes, body: DrawnCylinder, plane: tuple[int, int], colour: str) -> None:
-    """Draw the projection of a cylinder on a plane of two axes: a rectangle, and circles unless it is parallel."""
+    """Draw the projection of a cylinder on the plane of two axes, given by their indices: horizontal, vertical.
+
+    It is a rectangle unless the cylinder is normal to the plane, with a circle at each end unless it is parallel to it.
+    """
     begin, end = (np.asarray(centre)[list(plane)] for centre in (body.begin, body.end))
     axis, radius = end - begin, 0.5 * body.diameter
     length = float(np.hypot(*axis))
@@ -75,7 +78,7 @@ def _draw_cylinder(axes: Axes, body: DrawnCylinder, plane: tuple[int, int], colo
 
 
 def workspace_figure(arms: Mapping[str, Array], tips: Array, views: Sequence[str]) -> Figure:
-    """Draw an arm in several configurations, with positions of its tip all over its workspace.
+    """Draw an arm in up to seven configurations, with positions of its tip all over its workspace as dots.
 
     Args:
         arms: positions of joints and tip, (points, 3), m, by the name of the configuration.
@@ -106,7 +109,10 @@ class SizedArms(NamedTuple):
 
 
 def sizes_figure(sizes: Sequence[SizedArms], task: tuple[float, float]) -> Figure:
-    """Draw mass over the time of a move, one curve per pressure, and the task's arm (s, kg) as a star."""
+    """Draw mass over the time of a move, one curve per pressure, and the task's arm (s, kg) as a star.
+
+    Markers of Pareto-optimal arms are filled; arms of infinite mass are left out.
+    """
     with styled_figure(width=6.4, height=4.0) as (fig, (axes,)):
         for order, one in enumerate(sizes):
             style, known = SERIES_STYLES[order % len(SERIES_STYLES)], np.isfinite(one.mass)

@@ -21,7 +21,7 @@ def draw_bars(
     axes: Axes, names: Sequence[str], values: Sequence[float], *,
     ends: Sequence[tuple[float, float]] | None = None, kinds: Sequence[int] | None = None, form: str = "{:.2g}",
 ) -> None:  # fmt: skip
-    """Draw horizontal bars, the first on top, each labelled with its value.
+    """Draw horizontal bars from 0, the first on top, each labelled with its value, and set both axes to fit them.
 
     Args:
         axes: axes to draw on.
@@ -50,7 +50,7 @@ def draw_bars(
 
 
 def move_figure(moves: Sequence[str], metrics: Mapping[str, Array]) -> Figure:
-    """Draw metrics of moves as bars, a column for each metric; a value that is not finite has no bar.
+    """Draw metrics of moves as bars, a column for each metric; "never" replaces the bar of an infinite value or NaN.
 
     Args:
         moves: names of the moves.
@@ -92,7 +92,7 @@ def draw_map(axes: Axes, x: Array, y: Array, z: Array, label: str, *, low: float
 
 
 def cell_edges(points: Array, *, log: bool = False) -> tuple[float, float]:
-    """Return the outer edges of the fields of the first and the last point, on a linear or logarithmic scale."""
+    """Return lower and upper edge of a map: half a spacing beyond its end points, on a linear or log scale."""
     scaled = np.log(points) if log else points
     ends = scaled[0] - 0.5 * (scaled[1] - scaled[0]), scaled[-1] + 0.5 * (scaled[-1] - scaled[-2])
     low, high = np.exp(ends) if log else ends
@@ -141,7 +141,11 @@ def _draw_case(axes: Axes, x: Array, y: Array, case: str, order: int) -> None:
 
 
 def binned_medians(x: Array, y: Array) -> tuple[Array, Array]:
-    """Return finite medians of y over x: at each value of x if there are few, else in bins."""
+    """Return medians of x and of y, ascending in x: at each value of x if there are at most `MAX_BINS`, else in bins.
+
+    Bins have about equally many runs, at least `MIN_RUNS_PER_BIN`. A y that is not finite counts as infinite, the
+    median of an even number is the upper one, and bins with an infinite median are left out.
+    """
     distinct = np.unique(x)
     bins = max(1, min(MAX_BINS, len(x) // MIN_RUNS_PER_BIN))
     edges = distinct if len(distinct) <= MAX_BINS else np.quantile(x, np.linspace(0.0, 1.0, bins + 1)[:-1])

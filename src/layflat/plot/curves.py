@@ -16,7 +16,11 @@ DRAWN_STRAP_LINES = 25  # of a cam
 
 
 def hysteresis_curves(drawn: Mapping[str, Any]) -> Figure:
-    """Draw closed curves of torque (N m) against angle (rad) in one frame, with arrows that show their sense."""
+    """Draw closed curves of torque against angle, with arrows that show the direction in which they are traversed.
+
+    Args:
+        drawn: curves by label, with attributes `angle` (rad from mid-stroke, drawn in deg) and `torque` (N m).
+    """
     with styled_figure() as (fig, (axes,)):
         for order, (label, curve) in enumerate(drawn.items()):
             line, half = SERIES_STYLES[order % len(SERIES_STYLES)], len(curve.angle) // 2
@@ -55,7 +59,7 @@ def design_figure(torques: Mapping[str, Curve], cam: Any = None) -> Figure:
 
 
 def _draw_cam(axes: Axes, cam: Any) -> None:
-    """Draw a cam's profile (mm), the points at which the strap leaves the shell, and some lines of the strap."""
+    """Draw a cam's profile, the points at which the strap leaves the shell, and strap lines, in the cam's frame, mm."""
     profile, away = 1e3 * cam.profile, 1e3 * (cam.strap_point - np.array(cam.axis))
     c, s = np.cos(cam.angle), np.sin(cam.angle)
     seen = np.stack([away[:, 0] * c + away[:, 1] * s, away[:, 1] * c - away[:, 0] * s], axis=-1)
@@ -73,7 +77,11 @@ def _draw_cam(axes: Axes, cam: Any) -> None:
 
 
 def valve_sweeps(sweeps: Mapping[str, tuple[Curve, Curve]]) -> Figure:
-    """Draw the mean net opening of a valve against command, on the way up and on the way down."""
+    """Draw the mean net opening of valves against command, in per cent.
+
+    Args:
+        sweeps: curves (command, opening) with rising and with falling command, as fractions, by label.
+    """
     with styled_figure() as (fig, (axes,)):
         for order, (label, (up, down)) in enumerate(sweeps.items()):
             axes.plot(100 * up[0], 100 * up[1], label=label, **SERIES_STYLES[order])
@@ -85,7 +93,13 @@ def valve_sweeps(sweeps: Mapping[str, tuple[Curve, Curve]]) -> Figure:
 
 
 def settling_over_inertia(settling: Mapping[str, Mapping[float, float]], limit: float) -> Figure:
-    """Draw settling time against inertia per torque; crosses above the limit (s) stand for runs that do not settle."""
+    """Draw settling time against inertia per maximum torque, on a logarithmic axis.
+
+    Args:
+        settling: settling time (s) by inertia per torque (kg m2 / (N m)), by label; one that is not finite is a cross
+            above the limit.
+        limit: marked duration of the runs, s.
+    """
     with styled_figure() as (fig, (axes,)):
         for order, (label, times) in enumerate(settling.items()):
             style = {**SERIES_STYLES[order], "marker": "o", "ms": 3}

@@ -76,7 +76,10 @@ def motion_figure(time: Array, begins: Array, views: Sequence[MotionView], joint
 
 
 def _draw_view(axes: Axes, time: Array, begins: Array, view: MotionView) -> None:
-    """Draw path of the tip, reach, arm at start and end, and places where a target leaves the reach, in a view (m)."""
+    """Draw path of the tip, reach, arm at start and end, and places where a target leaves the reach, in a view (m).
+
+    Segments of the path in which the tip moves carry their numbers; closed outlines of the reach are filled.
+    """
     for order, outline in enumerate(view.reach):
         if np.allclose(outline[0], outline[-1]):
             axes.fill(*outline.T, color=SHADE_COLOUR, lw=0)
@@ -98,17 +101,19 @@ def _draw_view(axes: Axes, time: Array, begins: Array, view: MotionView) -> None
 
 
 def _place_legend(axes: Axes) -> None:
+    """Add the legend of a view, in two columns below its axis label."""
     below = -0.12 if axes.get_position().height > 0.5 else -0.17
     axes.legend(loc="upper center", bbox_to_anchor=(0.5, below), ncols=2)
 
 
 def _draw_number(axes: Axes, place: Array, text: str) -> None:
+    """Draw a text in a circle that is centred at a place, (2,), in data coordinates."""
     box = {"boxstyle": "circle,pad=0.2", "facecolor": "white", "edgecolor": SERIES_STYLES[0]["color"], "lw": 0.8}
     axes.annotate(text, tuple(place), ha="center", va="center", fontsize=8, bbox=box)
 
 
 def _draw_curve(axes: Axes, time: Array, begins: Array, curve: LimitedCurve) -> None:
-    """Draw a quantity over time (s) with its limits, and lines where the segments begin."""
+    """Draw a quantity over time (s) with its limits, and lines where the segments after the first begin."""
     for limit in (curve.lower, curve.upper):
         axes.axhline(limit, **LIMIT_STYLE)
     for begin in begins[1:]:
@@ -118,7 +123,7 @@ def _draw_curve(axes: Axes, time: Array, begins: Array, curve: LimitedCurve) -> 
 
 
 def _number_segments(axes: Axes, begins: Array, end: float) -> None:
-    """Write the numbers of the segments above the axes."""
+    """Write the number of each segment above its middle; the last segment ends at `end`, s."""
     for number, middle in enumerate((begins + np.append(begins[1:], end)) / 2, 1):
         place: dict[str, Any] = {"xycoords": axes.get_xaxis_transform(), "textcoords": "offset points"}
         axes.annotate(str(number), (middle, 1.0), (0, 3), **place, ha="center", fontsize=8, color="#555555")

@@ -26,13 +26,13 @@ WARNING_LEVEL = 30  # least level of marked events, as in rcl_interfaces/msg/Log
 
 
 def draw_response(axes: tuple[Axes, Axes], run: xarray.Dataset, label: str, order: int, *, since: float = 0.0) -> None:
-    """Draw the response of one joint: angle and error.
+    """Draw the response of one joint: angle, and error (angle less demand), in deg.
 
     Args:
         axes: axes for the angle, and for the error.
         run: run of one joint, with time, demand and angle.
         label: label of the run.
-        order: index of the line style.
+        order: index of the line style in `SERIES_STYLES`.
         since: time that is drawn as zero, s.
     """
     time, demand, angle = run["time"].to_numpy() - since, np.degrees(run["demand"]), np.degrees(run["angle"])
@@ -54,7 +54,7 @@ def draw_demand(axes: Axes, run: xarray.Dataset, *, since: float = 0.0, named: b
 
 
 def set_error_frame(axes: Axes, band: float, shown: float) -> None:
-    """Set the limits and labels of an error's axes, and shade the settling band.
+    """Set the y limits and the labels of an error's axes, and shade the settling band about 0.
 
     Args:
         axes: axes of the error, deg.
@@ -71,7 +71,7 @@ def set_error_frame(axes: Axes, band: float, shown: float) -> None:
 def angle_figure(
     runs: Mapping[str, xarray.Dataset], joint: str, *, since: float = 0.0, band: float | None = None
 ) -> Figure:
-    """Draw the angle of one joint in several runs, with the demand.
+    """Draw the angle of one joint in several runs, with the demand of the first run.
 
     Args:
         runs: runs by label.
@@ -99,8 +99,8 @@ def angle_figure(
 def run_figure(run: xarray.Dataset) -> Figure:
     """Draw a run: angle with demand, pressures, and control voltage of each joint.
 
-    For a recorded run, the pressure is the sampled differential pressure, faults are shaded, and warnings and errors
-    are marked and listed below by their number among the events.
+    For a recorded run, the pressure is the sampled differential pressure, faults are shaded, and the first `MAX_MARKS`
+    warnings and errors are marked and listed below by their number among the events.
     """
     joints = [str(name) for name in run["joint"].to_numpy()]
     time = run["time"].to_numpy()
@@ -136,7 +136,7 @@ def run_figure(run: xarray.Dataset) -> Figure:
 
 
 def _legend_above(axes: Axes) -> None:
-    """Place a legend in a row above the curves."""
+    """Add a legend in one row at the top of the axes, and raise their upper limit so that it is above the curves."""
     low, high = axes.get_ylim()
     axes.set_ylim(low, high + LEGEND_ROOM * (high - low))
     axes.legend(loc="upper center", ncols=len(axes.get_legend_handles_labels()[0]), columnspacing=1.0)
@@ -150,7 +150,7 @@ def _widen_limits(axes: Axes, span: float) -> None:
 
 
 def _draw_pressures(axes: Axes, part: xarray.Dataset) -> None:
-    """Draw the pressures of both hoses, or the measured differential pressure of a rig."""
+    """Draw the absolute pressures of both hoses, or the measured differential pressure of a rig, in bar."""
     time = part["time"].to_numpy()
     if "pressure_a" in part:
         axes.plot(time, part["pressure_a"] / 1e5, label="hose A", **SERIES_STYLES[0])
@@ -162,7 +162,7 @@ def _draw_pressures(axes: Axes, part: xarray.Dataset) -> None:
 
 
 def _marked_events(run: xarray.Dataset) -> list[tuple[int, str, float]]:
-    """Return index among the events (from 1), text and time (s) of warnings and errors."""
+    """Return index among all events (from 1), text and time (s) of the first `MAX_MARKS` warnings and errors."""
     if "event_time" not in run:
         return []
     events = zip(run["event_level"].values, run["event_text"].values, run["event_time"].values, strict=True)
@@ -183,7 +183,7 @@ def _mark_faults(axes: Axes, run: xarray.Dataset, marked: Sequence[tuple[int, st
 
 
 def _number_events(axes: Axes, marked: Sequence[tuple[int, str, float]], span: float) -> None:
-    """Write the events' numbers at the top; events that are too close share one label."""
+    """Write the events' numbers at the top; events closer than `LABEL_SPACING` of the span (s) share a label."""
     groups: list[list[tuple[int, str, float]]] = []
     for event in sorted(marked, key=lambda event: event[2]):
         if groups and event[2] - groups[-1][-1][2] < LABEL_SPACING * span:
@@ -199,9 +199,9 @@ def _number_events(axes: Axes, marked: Sequence[tuple[int, str, float]], span: f
 
 
 def arm_steps(run: xarray.Dataset, *, band: float) -> Figure:
-    """Draw angles and demands of all joints on one pair of axes, and their errors, enlarged, below.
+    """Draw angles and demands of all joints on one pair of axes, and their errors within 2 deg below.
 
-    `band` is the half-width of the settling band, rad.
+    `band` is the half-width of the settling band, rad; an arm has seven joints at most.
     """
     with styled_figure(2, 1, height=4.8, above=HEAD_ROOM) as (fig, (angle, error)):
         for order, joint in enumerate(run["joint"].to_numpy()):
@@ -231,7 +231,11 @@ class ComparedSignal(NamedTuple):
 
 
 def measured_and_simulated(signals: Sequence[ComparedSignal]) -> Figure:
-    """Draw a row per signal: both on the left, the error (simulated less measured) on the right."""
+    """Draw a row per signal: both on the left, the error (simulated less measured) on the right.
+
+    The time from the first to the last sample that was not fitted is grey. Samples without a finite measurement are a
+    gap in the lines, which up to `MAX_MARKED_SAMPLES` samples bridge.
+    """
     rows = len(signals)
     with styled_figure(rows, 2, width=11.0, height=1.9 * rows + 0.9, above=HEAD_ROOM, beside=0.2, between=0.95) as (
         fig,

@@ -61,7 +61,7 @@ class ShownFigure(Figure):
 
 
 def add_caption(figure: Figure, text: str) -> Figure:
-    """Write a caption below a figure, which grows by it, and return the figure."""
+    """Write a wrapped caption below the content of a figure, which is made higher in place, and return the figure."""
     width, height = figure.get_size_inches()
     lines = wrap(text, int(CAPTION_LETTERS * width))
     more = CAPTION_HEIGHT * len(lines) + CAPTION_MARGIN
@@ -136,7 +136,7 @@ def draw_mark(axes: Axes, value: float, text: str, *, upright: bool = False, ha:
 
 
 def to_svg(figure: Figure) -> str:
-    """Return a figure as SVG text, the same for the same data."""
+    """Return a figure as an `<svg>` element, the same text for the same data."""
     out = StringIO()
     with mpl.rc_context(RC):
         figure.savefig(out, format="svg", metadata={"Date": None})

@@ -18,10 +18,10 @@ LETTER_WIDTH = 0.06  # in the names of a search's parts, inches
 
 
 def response_figure(runs: Mapping[str, xarray.Dataset], *, band: float, since: float) -> Figure:
-    """Draw angle with demand, and error below, of each joint in several runs.
+    """Draw angle with the first run's demand, and error (angle less demand) below, of each joint in up to seven runs.
 
     Args:
-        runs: runs by label.
+        runs: runs of the same joints, by label.
         band: half-width of the settling band, rad.
         since: time that is drawn as zero, s.
     """
@@ -59,10 +59,10 @@ def response_figure(runs: Mapping[str, xarray.Dataset], *, band: float, since: f
 
 
 def settled_fraction_figure(settling: Mapping[str, Array], limit: float | None, window: float) -> Figure:
-    """Draw the fraction of moves that have settled over time.
+    """Draw the percentage of all moves of each label that have settled, over the time since the move began.
 
     Args:
-        settling: times of all moves, s, by label; infinite or NaN for moves that do not settle.
+        settling: settling times of all moves, s, of any shape, by label; infinite or NaN for moves that do not settle.
         limit: marked time, s; default: none.
         window: duration of a move, s.
     """
@@ -86,7 +86,7 @@ def settled_fraction_figure(settling: Mapping[str, Array], limit: float | None, 
 def cost_figure(costs: Sequence[float], parts: Mapping[str, int]) -> Figure:
     """Draw the best cost (s) after each generation, from the initial values on.
 
-    `parts` are the generations after which the parts of the search began, by name.
+    `parts` are the generations after which the parts of the search began, by name; a single one is not drawn.
     """
     names = LETTER_WIDTH * max(map(len, parts)) if len(parts) > 1 else 0.0
     with styled_figure(height=3.6 + names, above=names) as (fig, (axes,)):
