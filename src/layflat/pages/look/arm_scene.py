@@ -75,7 +75,10 @@ class ArmScene:
         self.scene.move_camera(x, y, z, to_x, to_y, to_z, 0.0, 0.0, 1.0, duration=0.0)
 
     def show_pose(self, angles: Sequence[float] | Array) -> None:
-        """Draw the arm at these joint angles, rad, and extend the path of its tip."""
+        """Draw the arm at these joint angles, rad, and extend the path of its tip.
+
+        Nothing is drawn unless a joint has rotated by `MIN_DRAWN_ROTATION` since the last drawing.
+        """
         if float(np.abs(angles - self._posed).max()) < MIN_DRAWN_ROTATION:
             return
         self._posed = np.array(angles, float)
@@ -93,7 +96,7 @@ class ArmScene:
             self._place(self._ghost, angles)
 
     def show_reachable(self, corners: Array, is_reachable: NDArray[np.bool_], *, on_floor: bool = False) -> None:
-        """Show the surface of positions that the tip can reach.
+        """Show the surface of positions that the tip can reach, in place of the previous one.
 
         Args:
             corners: grid of positions in the base frame, m, (rows, columns, 3).
@@ -113,6 +116,7 @@ class ArmScene:
             self._reach = scene.texture(WHITE_PIXEL, grid).material("#2f7a2a", 0.25, "both").with_name("reach")
 
     def _click(self, event: events.SceneClickEventArguments) -> None:
+        """Call `clicked` with the first point of the reachable surface that was hit, if there is one."""
         hits = [hit for hit in event.hits if hit.object_name == "reach"]
         if hits and self._clicked is not None:
             self._clicked(self._shown.level.T @ np.array([hits[0].x, hits[0].y, hits[0].z]))
@@ -136,6 +140,7 @@ class ArmScene:
         return groups
 
     def _place(self, groups: Sequence[Object3D], angles: Sequence[float] | Array) -> None:
+        """Move the groups of an arm, one for each frame, to their poses at joint angles, rad."""
         for group, (axes, origin) in zip(groups, self._shown.frames(angles), strict=True):
             group.move(*origin.round(4).tolist())
             group.rotate_R(axes.round(5).tolist())
@@ -173,7 +178,10 @@ _folder = TemporaryDirectory(prefix="layflat-meshes-", ignore_cleanup_errors=Tru
 
 
 def _mesh_address(piece: Piece) -> str:
-    """Return the address of a mesh, rewritten as binary STL: the user's files are not served themselves."""
+    """Return the URL path of a mesh, scaled and served as binary STL: the user's files are not served themselves.
+
+    The first call for a file and scale writes the copy to a temporary folder.
+    """
     assert piece.file is not None  # of a mesh
     key = piece.file, piece.scale
     if key not in _meshes:

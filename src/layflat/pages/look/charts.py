@@ -88,7 +88,7 @@ REPORT_RENDERED = """() => {
 
 
 def points(across: Iterable[float], up: Iterable[float]) -> list[list[float]]:
-    """Return pairs (x, y) for `LineChart.show`, rounded to `DIGITS` significant digits of the greatest value."""
+    """Return pairs (x, y) for `LineChart.show`, x and y each rounded to `DIGITS` digits of its greatest magnitude."""
     pairs: list[list[float]] = np.column_stack([_round_digits(across), _round_digits(up)]).tolist()
     return pairs
 
@@ -167,12 +167,13 @@ class LineChart:
             self.chart.run_chart_method("setOption", {"series": list(sent.values()), **axes, **top})
 
     def _first_drawn(self) -> None:
+        """Send all options once, with the data shown so far; from now on `show` sends changes at once."""
         self._drawn = True
         # With what was shown since it was sent first. The element has a copy: it would send itself with every change.
         self.chart.props["options"] = _copy_options(self._options)
 
     def bounds(self, up: tuple[float | None, float | None]) -> None:
-        """Set the lower and upper bound of the vertical axis; None follows the data."""
+        """Set the lower and upper bound of the vertical axis from the next `show` on; None follows the data."""
         self._options["yAxis"]["min"], self._options["yAxis"]["max"] = up
 
 
@@ -229,6 +230,7 @@ def _polygon_row(pairs: Points) -> list[list[float]]:
 
 
 def _named_band(band: Band) -> dict[str, Any]:
+    """Return the ECharts legend entry of a band, a rectangle of twice its opacity."""
     return {"name": band.name, "icon": "rect", "itemStyle": {"opacity": min(1.0, 2 * band.opacity)}}
 
 

@@ -22,7 +22,9 @@ MIN_ROUND_GAP = 0.02  # between two rounds, s
 
 
 class TurnQueue:
-    """Queue of tasks that wait for their next piece: one at a time, in order, then as much time is left to all else.
+    """Queue of tasks that wait for their next piece of work: one at a time, in order.
+
+    Each piece is followed by a pause of the same duration, which is left to all else.
 
     A renewal of a lease takes several turns of the event loop, so these must not all be long.
     """
@@ -48,6 +50,7 @@ class TurnQueue:
         asyncio.get_running_loop().call_soon(self._rest, monotonic())
 
     def _rest(self, since: float) -> None:
+        """Remove the first task, whose piece began at `since` (s), and resume the next after as long a pause."""
         self._waiting.popleft()
         if self._waiting:
             asyncio.get_running_loop().call_later(monotonic() - since, self._resume_first)
@@ -57,7 +60,7 @@ _queue = TurnQueue()
 
 
 async def wait_for_browser() -> bool:
-    """Wait for the browser of the page that is built, and for a turn; return whether the page still exists."""
+    """Wait for the browser to connect to the page that is built, then for a turn; return whether the page still exists."""
     client = ui.context.client
     await client.connected()
     await _queue.wait()
@@ -139,4 +142,4 @@ class Rounds:
         try:
             show()
         except Exception:  # one page that can't be shown must not stop the others
-            LOG.exception("a page can't be shown what is so")
+            LOG.exception("a page can't be refreshed")

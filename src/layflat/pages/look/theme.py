@@ -50,7 +50,7 @@ class PageFrame:
 
 
 def text_element(tag: str, text: str = "") -> TextElement:
-    """Return text in an element of a tag, for example "h1"."""
+    """Add text in an element of a tag, for example "h1", to the current element, and return it."""
     return TextElement(tag=tag, text=text)
 
 
@@ -96,7 +96,7 @@ def frame(title: str, subtitle: str = "") -> Iterator[PageFrame]:
 def button(
     text: str, on_click: Callable[..., Any] | None = None, *, icon: str = "", kind: ButtonKind = "plain", hint: str = ""
 ) -> ui.button:
-    """Return a button within the current element.
+    """Add a button to the current element, and return it.
 
     Args:
         text: text on the button; "" needs a `hint`.
@@ -124,7 +124,7 @@ def panel(title: str) -> Iterator[ui.element]:
 
 
 def figure(name: str) -> ui.label:
-    """Add a figure to a list (`dl`) that is the current element; return the label of its value, behind its name."""
+    """Add a name and its value, "-" at first, to the current element, a list (`dl`); return the label of the value."""
     with ui.element("div"):
         text_element("dt", name)
         with ui.element("dd"):
@@ -154,7 +154,7 @@ class LabelTable:
                 await pieces.pause()
 
     def show(self, rows: Sequence[Sequence[str]]) -> None:
-        """Show rows of texts; more than the table has rows are left out."""
+        """Show rows of texts, one text for each column; rows beyond those that the table has are left out."""
         for i, (box, cells) in enumerate(self._rows):
             box.set_visibility(i < len(rows))
             if i < len(rows):
@@ -163,12 +163,13 @@ class LabelTable:
 
 
 def _cell() -> ui.label:
+    """Add an empty cell to the current row of a table, and return its label."""
     with ui.element("td"):
         return ui.label()
 
 
 def note(text: str, tone: str = "info") -> ui.element:
-    """Return a line of text with the icon of a tone: "info", "good", "warning" or "danger"."""
+    """Add a line of text with the icon of a tone, "info", "good", "warning" or "danger", and return its box."""
     with ui.element("div").classes(f"lf-note lf-{tone}").props("role=note") as box:
         ui.icon(TONE_ICONS[tone]).props("aria-hidden=true")
         ui.label(text)
@@ -176,7 +177,7 @@ def note(text: str, tone: str = "info") -> ui.element:
 
 
 def show_message(text: str, tone: str = "good", *, stays: bool = False) -> None:
-    """Show a message at the foot of the page for some seconds, or until it is closed.
+    """Show a message at the foot of the page for 5 s, or until it is closed.
 
     Args:
         text: text of the message.
@@ -200,7 +201,7 @@ def show_errors_on(label: ui.label) -> Iterator[None]:
 
 
 def finite_number(value: Any) -> float | None:
-    """Return the number that a field holds; None where it holds none, or one that is not finite."""
+    """Return the number that a field holds; None for text, a truth value, NaN, or a magnitude of 1e300 or more."""
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         return None
     return float(value) if abs(value) < 1e300 and isfinite(value) else None

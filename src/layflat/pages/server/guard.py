@@ -62,12 +62,12 @@ WRONG_HOST = Refusal(
     400, "The pages are not served at this address. Open the link that layflat printed when it started."
 )
 NO_PATH = Refusal(400, "There can be no page at this address.")
-NO_METHOD = Refusal(405, f"Pages are asked for with {', '.join(ALLOWED_METHODS)}.")
+NO_METHOD = Refusal(405, f"Pages are requested with {', '.join(ALLOWED_METHODS)}.")
 FOREIGN_ORIGIN = Refusal(403, "Another page asked for this one. Open the link that layflat printed when it started.")
 
 
 def find_refusal(scope: "Scope", hosts: frozenset[str]) -> Refusal | None:
-    """Return the refusal of a request that is wrong whoever sent it, or None.
+    """Return the first refusal that holds for a request whoever sent it: of host, path, method or origin; else None.
 
     Args:
         scope: ASGI scope of the request, `http` or `websocket`.
@@ -84,12 +84,12 @@ def find_refusal(scope: "Scope", hosts: frozenset[str]) -> Refusal | None:
 
 
 def header_values(scope: "Scope", name: str) -> list[str]:
-    """Return the values of a header of a request."""
+    """Return the values of a header of a request, in their order; `name` is in lower case."""
     return [value.decode("latin-1") for key, value in scope["headers"] if key.lower() == name.encode()]
 
 
 def _is_plain(path: bytes) -> bool:
-    """Return whether a path holds no "..", backslash or null, decoded up to three times."""
+    """Return whether a path begins with "/", and has no "..", backslash or null, decoded up to three times."""
     if not path.startswith(b"/"):
         return False
     for _ in range(4):
@@ -102,7 +102,10 @@ def _is_plain(path: bytes) -> bool:
 
 
 def _is_foreign(scope: "Scope", host: str) -> bool:
-    """Return whether a request comes from a page of another origin, unless a person followed a link there."""
+    """Return whether a request comes from a page of another origin; a followed link to a document is not foreign.
+
+    A websocket is foreign without an Origin header, too; an HTTP request without one may be our own.
+    """
     socket = scope["type"] == "websocket"
     origins = [origin.lower() for origin in header_values(scope, "origin")]
     secure = scope["scheme"] in ("https", "wss")
@@ -138,7 +141,7 @@ async def send_entry_page(send: "Send", cookie: str) -> None:
 
 
 async def refuse(send: "Send", refused: Refusal) -> None:
-    """Send a refusal as a page, and close the connection."""
+    """Send a refusal as a page with its status; its headers have the server close the connection."""
     extra_headers = [(b"connection", b"close")]
     if refused.status == HTTPStatus.METHOD_NOT_ALLOWED:
         extra_headers.append((b"allow", ", ".join(ALLOWED_METHODS).encode()))
@@ -148,7 +151,7 @@ async def refuse(send: "Send", refused: Refusal) -> None:
 
 
 async def refuse_socket(scope: "Scope", receive: "Receive", send: "Send", refused: Refusal) -> None:
-    """Refuse a websocket before it opens, with a page where the server can send one.
+    """Refuse a websocket before it opens, with a page where the server can send one, else by closing it.
 
     Args:
         scope: ASGI scope of the socket.
@@ -215,7 +218,10 @@ class Guard:
         self._last_slot = 0.0  # time at which the last page is built, s, monotonic
 
     async def __call__(self, scope: "Scope", receive: "Receive", send: "Send") -> None:
-        """Serve a request: the entry point of an ASGI application."""
+        """Answer a request: refuse it, give the cookie to one with the right token, or pass it on to the application.
+
+        Pages at the root are built at least `MIN_PAGE_INTERVAL` apart.
+        """
         refused = find_refusal(scope, self._hosts)
         tokens = self._tokens(scope)
         if refused is None and not (
@@ -244,18 +250,19 @@ class Guard:
             await _serve_limited(self.app, scope, receive, add_security_headers(send))
 
     async def _wait_for_slot(self) -> None:
-        """Wait until a page may be built: pages requested at the same time are built one after the other."""
+        """Wait until a page may be built: in the order of the requests, at least `MIN_PAGE_INTERVAL` apart."""
         now = monotonic()
         slot = self._last_slot = max(now, self._last_slot + MIN_PAGE_INTERVAL)
         await asyncio.sleep(slot - now)
 
     def _tokens(self, scope: "Scope") -> list[str]:
-        """Return the tokens in the query of a request for the pages' root."""
+        """Return the tokens in the query of a GET request for the pages' root; none for any other request."""
         if scope["type"] != "http" or scope["method"] != "GET" or scope["path"] != "/":
             return []
         return parse_qs(scope["query_string"].decode("latin-1")).get("token", [])
 
     def _cookies(self, scope: "Scope") -> list[str]:
+        """Return the values of all cookies of a request that have this guard's name."""
         pairs = [pair.strip().partition("=") for value in header_values(scope, "cookie") for pair in value.split(";")]
         return [value for name, _, value in pairs if name == self._cookie]
 
@@ -278,7 +285,10 @@ def _holds_secret(values: list[str], secret: str) -> bool:
 
 
 async def _serve_limited(app: "ASGIApp", scope: "Scope", receive: "Receive", send: "Send") -> None:
-    """Serve a request, and refuse it once its body exceeds `MAX_BODY_SIZE`, whatever its header states."""
+    """Serve a request, and refuse it once its body exceeds `MAX_BODY_SIZE`, whatever its header states.
+
+    An application that has begun its answer sees a disconnection instead; its errors after that are suppressed.
+    """
     length = header_values(scope, "content-length")
     if length and int(length[0]) > MAX_BODY_SIZE:
         await refuse(send, TOO_LARGE)

@@ -45,7 +45,10 @@ class OneLineHandler(logging.Handler):
 
 
 def format_record(record: logging.LogRecord) -> str:
-    """Return a record as one line of at most `MAX_LENGTH` characters, without control characters."""
+    """Return the first line of a record's message, with type, text and source line of its error, as printable text.
+
+    Text beyond `MAX_LENGTH` characters is replaced by "...".
+    """
     text = record.getMessage().partition("\n")[0]
     error = record.exc_info[1] if record.exc_info else None
     if error is not None:
@@ -58,7 +61,7 @@ def format_record(record: logging.LogRecord) -> str:
 
 
 def log_in_lines() -> None:
-    """Replace the log handlers of every library that serves pages by a `OneLineHandler`."""
+    """Replace the handlers of the loggers in `LOGGER_NAMES` by one `OneLineHandler`; their records go nowhere else."""
     handler = OneLineHandler()
     for name in LOGGER_NAMES:
         logger = logging.getLogger(name)
@@ -74,7 +77,7 @@ class Turn(NamedTuple):
         duration: s.
         work: processor time of the loop's thread in it, s.
         handler: qualified name of our function that the loop called, or of the library's; empty where unknown.
-        inside: qualified name of the innermost of our functions that was sampled.
+        inside: qualified name of the innermost of our functions, in the most frequent sample.
     """
 
     start: float
@@ -123,12 +126,12 @@ class TurnMonitor(AbstractContextManager["TurnMonitor"]):
         self._thread.join()
 
     def begin_turn(self) -> None:
-        """Note the start of a turn; called in the loop's thread."""
+        """Store the start of a turn; called in the loop's thread."""
         self._loop_thread = threading.get_ident()
         self._work, self._turn_start = thread_time(), monotonic()
 
     def end_turn(self) -> None:
-        """Report the turn that has ended, if one was begun."""
+        """Report the turn that has ended with its most frequent sample, if one was begun and `reports` is True."""
         start, self._turn_start = self._turn_start, None
         if start is not None and self.reports:
             samples, self._samples = self._samples, Counter()
@@ -162,7 +165,10 @@ class _TurnSelector(DefaultSelector):
 
 
 def _names(frame: FrameType | None) -> tuple[str, str]:
-    """Return the names of a turn's handler and of its innermost function, ours in preference to those of libraries."""
+    """Return the qualified names of a turn's handler and of its innermost function; "" for both without a frame.
+
+    They are names of this package, if the stack has one, else of libraries other than asyncio.
+    """
     all_names: list[str] = []
     while frame is not None and frame.f_code.co_name != "_run_once":
         all_names.append(f"{frame.f_globals.get('__name__', '?')}.{frame.f_code.co_qualname}")

@@ -66,16 +66,19 @@ def _read_json(text: str) -> Any:
 
 
 def _refuse(constant: str) -> None:
+    """Raise ValueError: a constant such as NaN is no JSON."""
     raise ValueError(constant)
 
 
 def _finite(text: str) -> float:
+    """Return the number that a text holds; raise ValueError if it is not finite."""
     if not isfinite(value := float(text)):
         raise ValueError(text)
     return value
 
 
 def _whole(text: str) -> int:
+    """Return the integer that a text holds; raise ValueError if it is too large for a float."""
     _finite(text)
     return int(text)
 
@@ -138,7 +141,7 @@ def _problem_of_event(event: list[Any], judge: Judge) -> str:
 
 
 def socket_problem(scope: "Scope") -> str:
-    """Return the problem of a request for a socket; "" where a page may open it."""
+    """Return the problem of the query of a request for a socket; "" where a page may open it."""
     query = parse_qs(scope["query_string"].decode("latin-1"), keep_blank_values=True)
     if any(len(values) != 1 for values in query.values()):
         return "names a value twice"
@@ -154,7 +157,10 @@ def socket_problem(scope: "Scope") -> str:
 
 
 def filter_messages(receive: "Receive", judge: Judge) -> "Receive":
-    """Return a `receive` that passes only messages that a page may send; others are reported and ignored.
+    """Return a `receive` that passes only messages that a page may send; others are logged and ignored.
+
+    The first `MAX_REPORTED` of a connection are logged. A message that is too long, or the malformed one with number
+    `MAX_MALFORMED`, ends the connection: "websocket.disconnect" is received in its place.
 
     Args:
         receive: receives all messages.
@@ -180,7 +186,7 @@ def filter_messages(receive: "Receive", judge: Judge) -> "Receive":
                 continue
             malformed += 1
             if malformed <= MAX_REPORTED:
-                more = "; further ones are not told" if malformed == MAX_REPORTED else ""
+                more = "; further ones are not reported" if malformed == MAX_REPORTED else ""
                 LOG.warning("a message that %s was ignored%s", problem, more)
             if malformed == MAX_MALFORMED or problem == "is too long":
                 return {"type": "websocket.disconnect", "code": 1008}

@@ -57,7 +57,7 @@ class Listener(socket.socket):
 
         Raises:
             BlockingIOError: there is none, or one was accepted in this turn.
-            ConnectionAbortedError: there was no room for it.
+            ConnectionAbortedError: all `MAX_CONNECTIONS` are admitted; it was closed.
         """
         if self._accepted:
             self._accepted = False
@@ -72,7 +72,7 @@ class Listener(socket.socket):
         return accepted, peer
 
     def admit(self, peer: Peer) -> None:
-        """Mark a connection as admitted: it is not ended to make room, nor by `sweep`."""
+        """Mark the connection of a peer as admitted, if it is open: it is not ended to make room, nor by `sweep`."""
         if peer in self._open:
             self._open[peer].is_admitted = True
 
@@ -103,7 +103,8 @@ class Endpoint:
         key: key of the certificate, PEM file, without a password.
 
     Raises:
-        InputError: other computers would reach the host without a certificate, or certificate and key can't be used.
+        InputError: other computers would reach the host without a certificate, the host is a wildcard such as 0.0.0.0,
+            or certificate and key can't be used or one of them is missing.
     """
 
     host: str = LOOPBACK_ADDRESS
@@ -126,7 +127,7 @@ class Endpoint:
 
     @property
     def is_loopback(self) -> bool:
-        """Return whether the host is a loopback address."""
+        """True if the host is localhost or a loopback address."""
         if self.host.lower() == "localhost":
             return True
         try:
@@ -140,7 +141,7 @@ class Endpoint:
         return "http" if self.certificate is None else "https"
 
     def listen(self) -> Listener:
-        """Return a socket that listens at the endpoint.
+        """Return a non-blocking socket that listens at the endpoint.
 
         Raises:
             InputError: the host is not this computer, or the port is in use.
@@ -169,7 +170,10 @@ class Endpoint:
         return f"{self.scheme}://{_url_host(self._address)}:{port}"
 
     def hosts(self, port: int) -> frozenset[str]:
-        """Return the hosts that a request for the pages at a port may name, with their ports, in lower case."""
+        """Return the hosts that a request for the pages at a port may name, in lower case, as "host:port".
+
+        At the usual port of the scheme, a host may be named without the port, too.
+        """
         names = {_url_host(self._address)}
         if self.is_loopback:
             names |= {_url_host(self.host), LOOPBACK_ADDRESS, "localhost", "[::1]"}
@@ -182,6 +186,7 @@ class Endpoint:
         return LOOPBACK_ADDRESS if self.host.lower() == "localhost" else self.host
 
     def _not_here(self, error: Exception) -> InputError:
+        """Return the error for a host that is no address of this computer."""
         what = f"{self.host!r} can't be had ({_reason(error)})"
         return InputError(what, where="host", right="give an address of this computer, or its name")
 

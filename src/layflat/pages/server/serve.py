@@ -105,7 +105,7 @@ async def _serve_browsers(
     app: "FastAPI", server: "Server", listener: Listener,
     started: Callable[[], object] | None, ended: Callable[[], object] | None,
 ) -> AsyncIterator[None]:  # fmt: skip
-    """Serve browsers within the context."""
+    """Start application and server on a listener, then call `started`; at the end call `ended` and shut both down."""
     async with app.router.lifespan_context(app):
         await server.startup(sockets=[listener])
         try:
@@ -120,7 +120,10 @@ async def _serve_browsers(
 
 
 async def _watch(listener: Listener, turns: TurnMonitor, stopped: Callable[[], bool], idle: Callable[[], bool]) -> None:
-    """Wait until `stopped`; meanwhile end connections that are not admitted and, when idle, collect garbage."""
+    """Wait until `stopped` returns True, polled every `POLL_PERIOD`; until then sweep the listener.
+
+    Garbage is collected while `idle` returns True, every `COLLECTION_INTERVAL` at most.
+    """
     due = monotonic() + COLLECTION_INTERVAL
     while not stopped():
         listener.sweep()
@@ -137,7 +140,7 @@ def report_slow_turn(turn: Turn) -> None:
 
 
 def _spare_collector() -> None:
-    """Exempt all present objects from garbage collection: each pass over them holds everything up for 0.3 s."""
+    """Exempt all present objects from garbage collection, each pass over which takes 0.3 s; switch full ones off."""
     gc.collect()
     gc.freeze()
     # Young objects of pages are collected in small parts; a full collection, of 0.1 s, happens where no page waits.
@@ -145,7 +148,7 @@ def _spare_collector() -> None:
 
 
 async def _collect_garbage(turns: TurnMonitor) -> None:
-    """Collect all garbage, without a report of the slow turn."""
+    """Collect all garbage, without a report of this slow turn; later turns are reported."""
     turns.reports = False
     gc.collect()
     await asyncio.sleep(0)
@@ -170,7 +173,10 @@ def _server(guard: Guard, place: Endpoint) -> "Server":
 
 
 def _application(root: Callable[[], object], title: str) -> "FastAPI":
-    """Return an application with the page at its root; it prints nothing and loads nothing from other hosts."""
+    """Return an application with the page at its root; it prints nothing and loads nothing from other hosts.
+
+    It changes NiceGUI's global configuration and the log handlers of all libraries that serve pages.
+    """
     nicegui = extras.import_extra("panel", "nicegui")
     ui = nicegui.ui
     from fastapi import FastAPI  # noqa: PLC0415

@@ -55,7 +55,10 @@ class ProcessWorker:
         self._ended = False
 
     def warm_up(self, function: Callable[..., object], *arguments: Any) -> None:
-        """Start the process with a call whose result is dropped, such as one that loads modules for later calls."""
+        """Queue a call that starts the process, such as one that loads modules for later calls; return at once.
+
+        Its result or error is dropped.
+        """
         self._caller.submit(self._run_call, WorkerCall(function, arguments, START_TIMEOUT, "the beginning"))
 
     async def call(
@@ -71,7 +74,8 @@ class ProcessWorker:
             by: caller, as for `cancel`.
 
         Raises:
-            LayflatError: the function raised it, or the call took too long, or was cancelled.
+            LayflatError: the function raised any error, the call took too long or was cancelled, the process has ended,
+                or the worker is ended; an InputError of the function stays one.
         """
         call = WorkerCall(function, arguments, limit, what, by)
         self._calls.add(call)
@@ -95,13 +99,13 @@ class ProcessWorker:
                 self._kill()
 
     def forget(self, by: object) -> None:
-        """Cancel the waiting calls of a caller that was closed; a running call goes on."""
+        """Cancel the waiting calls of a caller that was closed; its running call is completed."""
         with self._guard:
             for call in self._calls:
                 call.cancelled |= call.by is by and call is not self._current
 
     def _run_call(self, call: WorkerCall) -> Any:
-        """Return the result of a call, or raise its error; a call over its time limit ends the process.
+        """Return the result of a call, or raise its error; a call over its limit ends the process. It blocks until then.
 
         Raises:
             LayflatError: the call took too long or was cancelled, or its process has ended.
@@ -126,19 +130,24 @@ class ProcessWorker:
         return result
 
     def _kill(self) -> None:
+        """Kill the process, if there is one; the next call starts another."""
         process, self._process = self._process, None
         if process is not None:
             process.kill()
 
     def end(self) -> None:
-        """End the process; later calls fail."""
+        """Kill the process and drop the waiting calls; later calls raise LayflatError."""
         self._ended = True
         self._caller.shutdown(wait=False, cancel_futures=True)
         with self._guard:
             self._kill()
 
     def _connect(self, call: WorkerCall) -> tuple[Connection, float]:
-        """Return the pipe for a call, and the time that the process may take to start, s; start it if need be."""
+        """Return the pipe for a call, and the time that the process may take to start, s; start it if need be.
+
+        Raises:
+            LayflatError: the worker is ended, or the call was cancelled while it waited.
+        """
         with self._guard:
             if self._ended:
                 raise LayflatError(CLOSING_TEXT)
