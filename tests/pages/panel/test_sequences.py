@@ -62,11 +62,11 @@ def test_names_stay_in_the_folder(tmp_path: Path, name: str) -> None:
     [
         ("no toml = = =", "can't be read"),
         ('machine = "paper-arm"', "holds no steps"),
-        ('[[step]]\nangles = {large = "1 deg"}', "other joints"),
+        ('[[step]]\nangles = {large = "1 deg"}', "one angle for each joint"),
         ('[[step]]\nangles = {large = "1 deg", small = "200 deg"}', "outside the working stroke"),
         ('[[step]]\nangles = {large = "1 kg", small = "0 deg"}', "step 1: large"),
         ('[[step]]\npause = "-1 s"\nangles = {large = "1 deg", small = "0 deg"}', "pause"),
-        ("step = [3]", "other joints"),
+        ("step = [3]", "one angle for each joint"),
     ],
 )
 def test_nonsense_is_named(tmp_path: Path, text: str, words: str) -> None:

@@ -83,5 +83,5 @@ def test_what_can_not_be_simulated_is_said(design: Design) -> None:
     with pytest.raises(InputError, match="outside the working stroke"):
         simulate_cloud(design.machine, JointStep("large", size=3.0), runs=2)
     design.edit("controller.cycle", "0.1 ms")
-    with pytest.raises(InputError, match="too many control cycles"):
+    with pytest.raises(InputError, match="control cycles, more than 4000"):
         simulate_cloud(design.machine, STEP, runs=2)

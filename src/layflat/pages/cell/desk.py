@@ -21,7 +21,7 @@ class RunFeed:
         snapshot: newest snapshot.
         numbers: counts of the images received, by image name; 0 before the first.
         rounds: refresh of all open pages.
-        over: whether the run's process has closed the pipe.
+        is_over: whether the run's process has closed the pipe.
     """
 
     def __init__(self, about: RunSubject, requests: RunRequests) -> None:
@@ -36,7 +36,7 @@ class RunFeed:
         Thread(target=self._receive, args=(pipe,), daemon=True).start()
 
     def store(self, kind: str, what: object) -> None:
-        """Store a snapshot, or an image (JPEG) under its name."""
+        """Store a snapshot, or an image (JPEG) of the name `kind`, which is counted in `numbers`; ignore all else."""
         if isinstance(what, RunSnapshot):
             self.snapshot = what
         elif isinstance(what, bytes):

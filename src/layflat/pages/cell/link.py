@@ -47,7 +47,8 @@ def serve_run(about: RunSubject, place: Endpoint, pipe: Connection, requests: Ru
 class PageLink(AbstractContextManager["PageLink"]):
     """Link of a run to the process of its page: starts it, and ends it at the end of a `with` block.
 
-    Raises InputError if the endpoint can't be used.
+    The constructor waits until the page is served. It raises InputError if the endpoint can't be used, and LayflatError
+    if the process ends before that.
 
     Attributes:
         link: start link of the page.
@@ -71,12 +72,12 @@ class PageLink(AbstractContextManager["PageLink"]):
             raise
 
     def show(self, **changes: Any) -> None:
-        """Change fields of the snapshot."""
+        """Change fields of the snapshot, and queue it for the page in place of one that was not sent yet."""
         self.snapshot = replace(self.snapshot, **changes)
         self._post("snapshot", self.snapshot)
 
     def image(self, name: str, jpeg: bytes) -> None:
-        """Replace the image "overview" or "camera"."""
+        """Queue the image "overview" or "camera" for the page, in place of one that was not sent yet."""
         self._post(name, jpeg)
 
     def wait(self) -> None:
@@ -84,7 +85,7 @@ class PageLink(AbstractContextManager["PageLink"]):
         self._process.join()
 
     def close(self) -> None:
-        """Wait until the page shows the last message, and end the process."""
+        """Send the last messages, for which `EXIT_TIMEOUT` is allowed, and end the process."""
         with self._changed:
             self._closed = True
             self._changed.notify()
@@ -101,25 +102,27 @@ class PageLink(AbstractContextManager["PageLink"]):
 
         Raises:
             InputError: the process can't serve the page.
-            LayflatError: the process has ended.
+            LayflatError: the process has ended before that.
         """
         try:
             kind, what = self._pipe.recv()
         except (EOFError, OSError):
             self._process.join(EXIT_TIMEOUT)
-            raise LayflatError(f"the page's process is gone (status {self._process.exitcode})") from None
+            status = self._process.exitcode
+            raise LayflatError(f"the page's process has ended (status {status}): start the run again") from None
         if kind == "failed":
             problem, where, right = what
             raise InputError(problem, where=where, right=right)
         return str(what)
 
     def _post(self, kind: str, what: object) -> None:
+        """Queue a message for the sender, in place of one of its kind that was not sent yet; return at once."""
         with self._changed:
             self._newest[kind] = what
             self._changed.notify()
 
     def _send(self) -> None:
-        """Send the newest message of each kind, as fast as the page's process reads them; older ones are dropped."""
+        """Send the newest message of each kind, as fast as the page's process reads them, until closed."""
         while True:
             with self._changed:
                 self._changed.wait_for(lambda: self._newest or self._closed)

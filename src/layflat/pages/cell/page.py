@@ -67,5 +67,6 @@ class RunPage:
             view.refresh(shot)
 
     async def _stop(self) -> None:
+        """Request the end of the run, after a question."""
         if await confirm(STOP_QUESTION, "End the run"):
             self._feed.requests.stop = True

@@ -94,11 +94,11 @@ class RunRequests(Structure):
 
     @classmethod
     def shared(cls) -> Self:
-        """Return requests in memory that processes share."""
+        """Return requests, none of them made, in memory that processes share without a lock."""
         requests: Self = RawValue(cls)
         return requests
 
 
 def format_counts(things: Iterable[str]) -> str:
-    """Return how many there are of each thing, such as "apple 2, tomato 5"; "nothing" where there is none."""
+    """Return the count of each text, in alphabetical order, such as "apple 2, tomato 5"; "nothing" without texts."""
     return ", ".join(f"{thing} {count}" for thing, count in sorted(Counter(things).items())) or "nothing"

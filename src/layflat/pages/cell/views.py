@@ -55,7 +55,7 @@ class NowView:
             self.bar.props("id=cell-progress instant-feedback")
 
     def refresh(self, shot: RunSnapshot) -> None:
-        """Show the present pick, the action of the arm, and the progress."""
+        """Show the present pick, the action of the arm, and the progress; hide the view once the run has ended."""
         self._box.set_visibility(shot.stage is not RunStage.ENDED)
         done = shot.figures.picks
         if shot.stage is RunStage.CALIBRATES:
@@ -93,7 +93,7 @@ class EndView:
         self._box.set_visibility(False)
 
     def refresh(self, shot: RunSnapshot) -> None:
-        """Show the results once the run has ended."""
+        """Show the results, or the error that ended the run early; nothing before the run has ended."""
         if shot.stage is not RunStage.ENDED:
             return
         done = f"{RunStage.ENDED.value}: {shot.figures.picks} of {self._about.picks} picks."
@@ -138,7 +138,10 @@ class LiveImage:
         self.box.on("load", self._loaded, args=[])
 
     def refresh(self, text: str) -> None:
-        """Load the newest image, and set its description for screen readers."""
+        """Load the newest image, and set its description for screen readers.
+
+        No image is requested while the last one is being loaded, for `IMAGE_TIMEOUT` at most.
+        """
         number, now = self._feed.numbers[self._name], monotonic()
         self.box.props["alt"] = text
         if number > self._shown and not (self._waits and now - self._since < IMAGE_TIMEOUT):
@@ -235,7 +238,7 @@ class PicksView:
             self._list = ui.element("ul").classes("ce-list").props("id=cell-remarks")
 
     def refresh(self, shot: RunSnapshot) -> None:
-        """Show the last picks of a snapshot."""
+        """Show the last picks of a snapshot, and the remarks on them."""
         self._table.show(shot.rows)
         if shot.remarks != self._remarks:
             self._remarks = shot.remarks
@@ -246,4 +249,5 @@ class PicksView:
 
 
 def _format_results(results: Counter[str]) -> str:
+    """Return the counts of results, the most frequent first, such as "7 correct, 1 dropped"; "-" without picks."""
     return ", ".join(f"{count} {word}" for word, count in results.most_common()) or "-"

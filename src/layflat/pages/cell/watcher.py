@@ -44,7 +44,7 @@ def encode_jpeg(picture: Picture) -> bytes:
 
 
 def draw_observation(observation: Observation, chosen: Fruit | None) -> Picture:
-    """Draw the detections on the picture of an observation, and a ring around the chosen fruit; return the picture."""
+    """Return a copy of an observation's picture with its detections, and a ring around the chosen fruit if detected."""
     assert observation.picture is not None
     picture = draw_detections(observation.picture, observation.detections)
     detection = None if chosen is None else detection_of(observation, chosen)
@@ -54,7 +54,7 @@ def draw_observation(observation: Observation, chosen: Fruit | None) -> Picture:
 
 
 def detection_of(observation: Observation, fruit: Fruit) -> Detection | None:
-    """Return the detection nearest to a fruit; None where none is within `SAME_FRUIT_DISTANCE`."""
+    """Return the detection nearest to a fruit in x and y; None where none is nearer than `SAME_FRUIT_DISTANCE`."""
 
     def distance(detection: Detection) -> float:
         return hypot(detection.position[0] - fruit.x, detection.position[1] - fruit.y)
@@ -64,7 +64,7 @@ def detection_of(observation: Observation, fruit: Fruit) -> Detection | None:
 
 
 def _draw_mark(picture: Picture, outline: Array) -> None:
-    """Draw a ring around an outline, (N, 2) px, and "chosen" above it, or below where there is no room."""
+    """Draw a ring around an outline, (N, 2) px, on a picture in place, and "chosen" above it, or below without room."""
     cv2 = opencv()
     (x, y), radius = outline.mean(axis=0), float(np.linalg.norm(outline - outline.mean(axis=0), axis=1).max())
     for colour, thickness in ((MARK_OUTLINE_COLOUR, 8), (MARK_COLOUR, 4)):
@@ -118,7 +118,7 @@ class RunImages:
         return self._now() >= self._frame_at
 
     def show(self) -> None:
-        """Show an overview, and the camera's pending image if the previous one was shown long enough."""
+        """Show an overview, due or not, and the camera's pending image if the previous one was shown long enough."""
         self._frame_at = self._now() + (MIN_FAST_FRAME_TIME if self._display.requests.full_speed else MIN_FRAME_TIME)
         if self._camera is not None:
             self._display.image("overview", encode_jpeg(self._camera.picture("overview")))
@@ -132,7 +132,7 @@ class RunImages:
             self._show_image()
 
     def choose(self, fruit: Fruit, observation: Observation) -> None:
-        """Show the image by which a fruit was chosen, with a ring around it."""
+        """Show the image by which a fruit was chosen at once, with a ring around the fruit."""
         self._last, self._chosen = observation, fruit
         self._show_image()
 
@@ -162,7 +162,10 @@ class Pace:
         self._marks.clear()
 
     def hold(self, cell: float, *, fast: bool) -> None:
-        """Wait until real time has reached the cell's time (s since the delivery began); with `fast` do not wait."""
+        """Wait until real time has reached the cell's time (s since the delivery began).
+
+        With `fast`, or if the cell is late by more than `MAX_CATCH_UP`, do not wait, and count from now on.
+        """
         ahead = cell + self._offset - self.now()
         if fast or ahead < -MAX_CATCH_UP:
             self._offset -= ahead
@@ -170,7 +173,10 @@ class Pace:
             self._sleep(ahead)
 
     def ratio(self, cell: float) -> float:
-        """Return cell time over real time, averaged over the last `PACE_WINDOW`; NaN at first."""
+        """Return cell time over real time since the oldest call within `PACE_WINDOW`; NaN at the first call.
+
+        `cell` is the cell's time, s since the delivery began.
+        """
         now = self.now()
         self._marks.append((now, cell))
         while now - self._marks[0][0] > PACE_WINDOW:
@@ -205,7 +211,11 @@ class Watcher(Observer):
         self._frame(0.0)
 
     def on_control_cycle(self, time: float) -> None:
-        """Show a frame if one is due; hold the run back to real time, or end it, as people request."""
+        """Hold the run back to real time unless full speed is requested, and show a frame if one is due.
+
+        Raises:
+            KeyboardInterrupt: the end of the run is requested.
+        """
         requests = self._display.requests
         if requests.stop:
             raise KeyboardInterrupt
@@ -265,7 +275,10 @@ class Watcher(Observer):
     def _show_picks(
         self, picks: Sequence[Pick], verdicts: Sequence[Verdict], figures: PickFigures
     ) -> tuple[list[tuple[str, ...]], list[str]]:
-        """Show the figures and the last picks; return rows and troubles of all picks so far."""
+        """Show the figures, summed with those of earlier deliveries, and the last picks; return rows and troubles.
+
+        Those are of all picks of this delivery, after the last `MAX_PICK_ROWS` of earlier ones.
+        """
         named = [(f"{self._deliveries + 1}.{pick.number}", pick) for pick in picks]
         rows = self._rows + [pick_row(name, pick, one) for (name, pick), one in zip(named, verdicts, strict=True)]
         troubles = self._troubles + [text for name, pick in named if (text := describe_trouble(name, pick))]
@@ -274,7 +287,7 @@ class Watcher(Observer):
         return rows, troubles
 
     def _frame(self, time: float) -> None:
-        """Show the cell as it is at a time of this delivery, s."""
+        """Show images, time and pace at a time of this delivery, s."""
         self._frames.show()
         self._display.show(time=self._before.time + time, pace=self._pace.ratio(time))
 

@@ -60,7 +60,7 @@ _queue = TurnQueue()
 
 
 async def wait_for_browser() -> bool:
-    """Wait for the browser to connect to the page that is built, then for a turn; return whether the page still exists."""
+    """Wait until a browser has connected to the page that is built, then for a turn; return whether the page exists."""
     client = ui.context.client
     await client.connected()
     await _queue.wait()

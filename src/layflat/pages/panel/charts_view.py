@@ -41,7 +41,7 @@ class ChartsView:
                         self._charts[kind] = LineChart(TIME, axis, self._chart_lines(kind), label=label, height="13rem")
 
     def refresh(self) -> None:
-        """Draw the samples so far in the chart that is open."""
+        """Draw the samples so far in the open chart; its range covers them in whole steps of `KINDS`."""
         samples = self._desk.pilot.history.samples()
         kind = str(self._panels.value)
         if samples is None:

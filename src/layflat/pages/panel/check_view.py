@@ -38,7 +38,7 @@ class CheckView:
         self.results = ui.element("div")
 
     def refresh(self) -> None:
-        """Enable the buttons that may be used now."""
+        """Enable the buttons that may be used now: with air only after a passed check, and with all points ticked."""
         free = not self._busy and self._controls.drives and self._desk.link.is_at_rest
         self.without.set_enabled(free)
         self.with_air.set_enabled(free and self._sound and all(one.value for one in self._points))
@@ -104,6 +104,7 @@ class FailuresView:
         self.status = ui.label("").props("role=status")
 
     async def _do(self, word: str) -> None:
+        """Send "fail" or "heal" with the chosen failure and joint to the virtual rig, and show its answer."""
         with theme.show_errors_on(self.status):
             line = f"{word} {self.failure.value} {self.joint.value}"
             self.status.set_text(await asyncio.to_thread(self._command, line))

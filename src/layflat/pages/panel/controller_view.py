@@ -106,7 +106,11 @@ def describe_path(path: str) -> str:
 
 
 def _changed_value(field: Field, value: Any, before: float) -> Any:
-    """Return a changed number as a description holds it; None where it was not changed."""
+    """Return an entered number as a description holds it; None where it shows the SI value `before`.
+
+    Raises:
+        LayflatError: the entry holds no finite number.
+    """
     typed = finite_number(value)
     if typed is None:
         raise LayflatError(f"{describe_path(field.path)}: holds no number; give one")

@@ -30,7 +30,7 @@ NOT_OBEYING = "The rig does not obey now: see State."
 
 
 def written_values(machine: Machine) -> Plain:
-    """Return the values of a machine as its description has them, with their units; none where it can't be read."""
+    """Return the values of a machine as its description has them, with their units; {} where it can't be read."""
     with suppress(LayflatError):
         return tables(machine.origin)[0]
     return {}
@@ -86,7 +86,7 @@ class Desk(AbstractContextManager["Desk"]):
         return self.link.snapshot()
 
     def close(self) -> None:
-        """Stop the rig, vent the air, finish the log."""
+        """End the worker processes and the pilot, stop the rig, vent the air, finish the log; it blocks until then."""
         self.worker.end()
         self.painter.end()
         self.pilot.close()
@@ -138,33 +138,33 @@ class Controls:
         return self._desk.operators.drives(self._key)
 
     def start(self) -> None:
-        """Turn the air on, or go on after the joints were held."""
+        """Request the air, or to go on after the joints were held, if this page drives."""
         if self.drives:
             self._desk.pilot.start()
 
     def hold(self) -> None:
-        """Hold the joints where they are, with air."""
+        """End the motion and hold the joints where they are, with air, if this page drives."""
         if self.drives:
             self._desk.pilot.hold()
             self._desk.rounds.hurry()
 
     def controlled_stop(self) -> None:
-        """Hold the joints, then vent the air."""
+        """End the motion, hold the joints, then vent the air, if this page drives."""
         if self.drives:
             self._desk.pilot.controlled_stop()
 
     def reset(self) -> None:
-        """Reset faults that are over."""
+        """Reset faults that are over, if this page drives."""
         if self.drives:
             self._desk.pilot.reset()
 
     def switch(self, output: str, on: bool) -> None:
-        """Switch a digital output of the machine."""
+        """Switch a digital output of the machine, if this page drives."""
         if self.drives:
             self._desk.pilot.switch(output, on)
 
     def jog(self, velocities: Sequence[float]) -> None:
-        """Move joints at these velocities, rad/s, (joints,), until zero is demanded."""
+        """Move joints at these velocities, rad/s, (joints,), until zero is demanded, if this page drives."""
         if self.drives:
             self._desk.pilot.jog(velocities)
 

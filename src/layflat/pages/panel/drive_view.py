@@ -44,7 +44,7 @@ class Minder(Element, component="minder.js"):
 
 
 def _read(event: GenericEventArguments) -> tuple[int, Jogs]:
-    """Return beat and jogged joints of a renewal; 0 and none where it is malformed."""
+    """Return beat and jogged joints of a renewal, whose texts are "joint:direction"; 0 and [] where it is malformed."""
     args: Any = event.args
     try:
         jogs = [
@@ -84,7 +84,10 @@ class JogView:
         self.buttons.append(button)
 
     def speeds(self, jogs: Jogs) -> list[float]:
-        """Return the demanded velocity of each joint, rad/s."""
+        """Return the demanded velocity of each joint, rad/s: plus or minus the slider's speed, or 0.
+
+        Opposite directions of a joint cancel each other, and indices of no joint are ignored.
+        """
         speed = radians(clamp_number(self.speed.value, *JOG_SPEEDS))
         directions = [0.0] * self._count
         for joint, direction in jogs:
@@ -132,6 +135,7 @@ class OutputsView:
         self._on = on
 
     def _switch(self, name: str) -> None:
+        """Switch an output to the opposite of its state in the last cycle, if there is one."""
         shot = self._desk.snapshot()
         if shot is not None:
             self._controls.switch(name, name not in active_outputs(self._desk.first, shot))
@@ -174,7 +178,7 @@ class TargetView:
         )
 
     async def clicked(self, place: Array) -> None:
-        """Compute angles for a clicked position of the tip in the base frame, m, (3,)."""
+        """Enter a clicked position of the tip in the base frame, m, (3,), and compute and enter angles for it."""
         for axis, coordinate in zip(self.place, place.tolist(), strict=False):
             self.place[axis].value = round(1e3 * coordinate, 1)
         await self._find()
@@ -253,12 +257,13 @@ class TargetView:
         self._show_entered()
 
     def _take_present_angles(self) -> None:
+        """Enter the present angles as the target, if the rig is connected."""
         shot = self._desk.snapshot()
         if shot is not None:
             self._enter_angles(np.array(shot["averaged_angle"]))
 
     def _start_motion(self) -> None:
-        """Start a motion to the entered target; without effect while a field is invalid."""
+        """Start a motion to the entered target, or show why it is refused; without effect while a field is invalid."""
         if (target := self.target_angles()) is None:
             return  # the field shows the problem
         with theme.show_errors_on(self.status):

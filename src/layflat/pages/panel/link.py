@@ -77,14 +77,18 @@ class RigLink:
         return shot is not None and shot.state in {RigState.OFF, RigState.STOPPED, RigState.FAULT} and not shot["air"]
 
     def change(self, machine: Machine) -> None:
-        """Use another controller, in a new session and log (LayflatError: the rig is not at rest)."""
+        """Request a new session and log with a machine that has another controller; return before they begin.
+
+        Raises:
+            LayflatError: the rig is not at rest, without air.
+        """
         if not self.is_at_rest:
             raise LayflatError(NOT_AT_REST)
         self.machine = machine
         self._anew.set()
 
     def lend(self) -> None:
-        """Release the rig, and wait until it is free for a check; `reconnect` ends that.
+        """End the session, and wait until the rig is free for a check or the link is closed; `reconnect` ends that.
 
         Raises:
             LayflatError: it is not at rest, or another check has it.
@@ -98,17 +102,17 @@ class RigLink:
             pass
 
     def reconnect(self) -> None:
-        """Connect again after `lend`."""
+        """Request that the link connects again after `lend`; return at once."""
         self._free.set()
 
     def close(self) -> None:
-        """Stop the rig, vent the air, finish the log."""
+        """Stop the rig, vent the air, finish the log; it blocks until then."""
         self._over.set()
         self._free.set()
         self._thread.join()
 
     def _keep_connected(self) -> None:
-        """Connect, and connect again after a loss, until the link is closed; no connection while the rig is lent."""
+        """Connect, and again `RETRY_DELAY` after an error, until the link is closed; not while the rig is lent."""
         while not self._over.is_set():
             if not self._free.is_set():
                 self.state = LinkState.LENT
@@ -140,8 +144,12 @@ class RigLink:
         self._recorded = None
 
     def _watch_session(self, rig: RecordedSession) -> None:
-        """Check session and recorder until the link is closed or reconnects; raise RigLoopError if one has ended."""
+        """Check session and recorder until the link is closed or reconnects.
+
+        Raises:
+            RigLoopError: the loop has ended, or the recorder has and the rig is at rest.
+        """
         while not self._over.wait(LINK_CHECK_PERIOD) and not self._anew.is_set():
             rig.session.check()
             if not rig.is_recording and self.is_at_rest:
-                raise RigLoopError("the recorder is gone")
+                raise RigLoopError("the recorder has ended, so that nothing is recorded")

@@ -34,7 +34,7 @@ class LogsView:
         self.cancel.set_visibility(False)
 
     async def list_logs(self) -> None:
-        """List the newest logs."""
+        """List the newest logs in the table, or show an error as the status."""
         with theme.show_errors_on(self.status):
             call = partial(self._desk.worker.call, limit=LISTING_TIMEOUT, what="the list", by=self)
             await self._draw_list(await call(newest_logs, self._desk.folder))
@@ -97,7 +97,7 @@ class LogsView:
 
 
 def newest_logs(folder: Path) -> list[tuple[Path, int]]:
-    """Return the newest logs of a folder, and their sizes in bytes, the newest first."""
+    """Return the `MAX_LISTED` newest MCAP files of a folder with their sizes in bytes, the last modified first."""
     logs = []
     for path in folder.glob("*.mcap"):
         with suppress(OSError):  # it was deleted meanwhile

@@ -69,7 +69,9 @@ class JogMotion:
         self._last_time: float | None = None
 
     def send_demand(self, session: RigSession, shot: RigSnapshot, now: float) -> None:  # noqa: ARG002  (as of `Move`)
-        """Advance the demand by the time since the last call.
+        """Advance the demand by the time since the last call, at most `JOG_RISE_TIME`, and send it with its velocity.
+
+        A velocity takes `JOG_RISE_TIME` to rise from 0 to its greatest demanded value; it is 0 at the end of the stroke.
 
         Args:
             session: session of the rig.
@@ -118,7 +120,9 @@ class SequenceMotion:
         return self._steps[self.step].angles
 
     def send_demand(self, session: RigSession, shot: RigSnapshot, now: float) -> None:
-        """Send the demand of the present motion, or go on with the next step.
+        """Send the demand of the present motion; after it, wait for arrival, switch outputs, pause, and go on.
+
+        Without arrival within `ARRIVAL_TIMEOUT`, outputs stay as they are.
 
         Args:
             session: session of the rig.
@@ -142,6 +146,7 @@ class SequenceMotion:
             self._begin_next_step(now)
 
     def _has_arrived(self, shot: RigSnapshot) -> bool:
+        """Return whether all joints are within `ARRIVAL_ANGLE` of their targets and slower than `ARRIVAL_SPEED`."""
         deviation = np.abs(shot["averaged_angle"] - np.array(self.target)).max()
         return bool(deviation < ARRIVAL_ANGLE and np.abs(shot["averaged_velocity"]).max() < ARRIVAL_SPEED)
 
@@ -153,7 +158,7 @@ class SequenceMotion:
                 session.switch(name, name in outputs)
 
     def _begin_next_step(self, now: float) -> None:
-        """Begin the motion to the next step at time now (s); after the last step begin again, or end."""
+        """Begin the motion to the next step at time `now`, s; after the last step count a round, and restart or end."""
         start = np.array(self.target)
         if self.step + 1 == len(self._steps):
             self.rounds += 1
@@ -164,11 +169,12 @@ class SequenceMotion:
             self._rows = self._motion(start)
 
     def _motion(self, start: Array) -> States:
+        """Return the states of the motion from angles `start` to the present target, a row for each control cycle."""
         return plan_smooth_motion(self._machine, start, np.array(self.target), self._share, self._limits)
 
 
 def newest_names(folder: Path) -> tuple[list[str], int]:
-    """Return the names of the newest sequences in a folder, in order, and how many older ones there are."""
+    """Return the `MAX_LISTED` newest names of sequences in a folder, sorted by name, and the number of older ones."""
     files = []
     for path in folder.glob(f"*{SUFFIX}"):
         with suppress(OSError):  # it was deleted meanwhile
@@ -178,7 +184,7 @@ def newest_names(folder: Path) -> tuple[list[str], int]:
 
 
 def sequence_file(folder: Path, name: str) -> Path:
-    """Return the file of a sequence; raise InputError if the name can't be that of a file."""
+    """Return the path of a sequence, existing or not; raise InputError if the name can't be that of a file."""
     return folder / f"{file_name(name, 'name')}{SUFFIX}"
 
 
@@ -188,7 +194,7 @@ def is_saved(folder: Path, name: str) -> bool:
 
 
 def save_sequence(folder: Path, name: str, machine: Machine, steps: Sequence[SequenceStep]) -> Path:
-    """Write a sequence of a machine's joints, and return its file.
+    """Write a sequence of a machine's joints, in place of one of its name, and return its path.
 
     Args:
         folder: folder of the sequences.
@@ -207,6 +213,7 @@ def save_sequence(folder: Path, name: str, machine: Machine, steps: Sequence[Seq
 
 
 def _step_table(step: SequenceStep, machine: Machine) -> dict[str, Any]:
+    """Return a step as a table of its file: angles in degrees by joint, pause in s, and outputs if it has some."""
     angles = {joint: f"{degrees(at):.3f} deg" for joint, at in zip(machine.joints, step.angles, strict=True)}
     outputs = {} if step.outputs is None else {"outputs": sorted(step.outputs)}
     return {"angles": angles, "pause": f"{step.pause:.3f} s", **outputs}
@@ -221,7 +228,8 @@ def load_sequence(folder: Path, name: str, machine: Machine) -> list[SequenceSte
         machine: machine of the arm.
 
     Raises:
-        InputError: the file is missing or no sequence, names other joints, or leaves the working stroke.
+        InputError: the file is missing or no sequence, its joints or outputs are not those of the machine, an angle is
+            outside the working stroke, or a pause is not 0 to `MAX_PAUSE`.
     """
     path = sequence_file(folder, name)
     try:
@@ -230,18 +238,23 @@ def load_sequence(folder: Path, name: str, machine: Machine) -> list[SequenceSte
         raise InputError(f"can't be read ({error})", where=str(path)) from None
     rows = table.get("step")
     if not isinstance(rows, list) or not 0 < len(rows) <= MAX_STEPS:
-        raise InputError("holds no steps", where=str(path), right=f"give 1 to {MAX_STEPS} tables [[step]]")
+        count_text = f"{len(rows)} steps" if isinstance(rows, list) and rows else "no steps"
+        raise InputError(f"holds {count_text}", where=str(path), right=f"give 1 to {MAX_STEPS} tables [[step]]")
     return [_read_step(row, machine, f"{path}: step {count}") for count, row in enumerate(rows, 1)]
 
 
 def _read_step(row: Any, machine: Machine, where: str) -> SequenceStep:
-    """Return a step of a sequence file; raise InputError unless it has an angle inside the stroke for every joint."""
+    """Return a step of a sequence file.
+
+    Raises:
+        InputError: it has not one angle inside the stroke for each joint, or its pause or outputs are wrong.
+    """
     from layflat.description import units as u  # noqa: PLC0415
 
     angles = row.get("angles") if isinstance(row, Mapping) else None
     if not isinstance(angles, Mapping) or set(angles) != set(machine.joints):
         right = f"give angles of {', '.join(machine.joints)}"
-        raise InputError("names other joints than the machine has", where=where, right=right)
+        raise InputError("does not give one angle for each joint of the machine", where=where, right=right)
     values = [u.quantity(angles[name], u.ANGLE, f"{where}: {name}") for name in machine.joints]
     for name, angle in zip(machine.joints, values, strict=True):
         check_inside_stroke(machine, name, angle, where)
@@ -261,14 +274,18 @@ def _read_outputs(names: Any, machine: Machine, where: str) -> frozenset[str] | 
 
 
 def check_pause(seconds: float, where: str) -> float:
-    """Return a pause, s; raise InputError if it is not 0 to `MAX_PAUSE`."""
+    """Return a pause, s; raise InputError unless it is 0 to `MAX_PAUSE`, both included."""
     if not 0.0 <= seconds <= MAX_PAUSE:
-        raise InputError(f"a pause of {seconds:g} s", where=where, right=f"give 0 to {MAX_PAUSE:g} s")
+        raise InputError(f"the pause is {seconds:g} s", where=where, right=f"give 0 to {MAX_PAUSE:g} s")
     return seconds
 
 
 def read_target(machine: Machine, values: Mapping[str, float | None]) -> tuple[float, ...]:
-    """Return the angles (rad) of a target, from degrees by joint; raise InputError if one is outside its stroke."""
+    """Return the angles (rad) of a target in the machine's order, from degrees by joint.
+
+    Raises:
+        InputError: an angle is missing or None, or outside its joint's working stroke.
+    """
     values_rad = []
     for name in machine.joints:
         value = values.get(name)

@@ -39,7 +39,12 @@ class Operators:
         self.requested_by: Visitor | None = None  # page that requests control
 
     def register(self, key: str, on_drive: Callable[[], object] = lambda: None) -> Visitor:
-        """Register a page that was opened; it drives if no other does. `on_drive` is called once it drives."""
+        """Register a page that was opened, and return it; it drives if no other does.
+
+        Args:
+            key: key of the page.
+            on_drive: called each time the page gets control, maybe before this returns.
+        """
         with self._guard:
             self._count += 1
             visitor = self._visitors[key] = Visitor(key, f"page {self._count}", on_drive)
@@ -107,7 +112,10 @@ class Operators:
             return number
 
     def renew(self, key: str, beat: int) -> bool:
-        """Renew the lease for a page that drives and has received this beat; return whether it was renewed."""
+        """Renew the lease for a page that drives and names a beat sent at most `MAX_BEAT_AGE` ago.
+
+        Return whether it was renewed.
+        """
         with self._guard:
             sent_at = self._beats.get(beat)
             if sent_at is None or time.monotonic() - sent_at > MAX_BEAT_AGE or not self.drives(key):
@@ -117,5 +125,6 @@ class Operators:
             return True
 
     def _set_operator(self, key: str) -> None:
+        """Make a registered page the operator, drop the request for control, and call the page's `on_drive`."""
         self._operator, self._silent_at, self.requested_by = key, time.monotonic() + FIRST_CONTACT_TIMEOUT, None
         self._visitors[key].on_drive()

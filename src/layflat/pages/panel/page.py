@@ -138,7 +138,7 @@ class PanelPage:
             return build()
 
     async def _show_reach(self) -> None:
-        """Compute and show the reachable surface at the newest height of the slider, in another process."""
+        """Compute the reachable surface at the slider's newest height in another process; show it unless that fails."""
         desk = self._desk
         self._height = 1e-3 * (finite_number(self.height.value) or 0.0) if desk.inverse.directions > 2 else 0.0
         if self._seeks_reach:
@@ -192,5 +192,6 @@ class PanelPage:
         await self.target.clicked(place)
 
     def _renewed(self, beat: int, jogs: Jogs) -> None:
+        """Renew the lease with a returned beat; if that succeeds, jog these joints and stop jogging the others."""
         if self._desk.operators.renew(self._key, beat) and self._speeds is not None:
             self.controls.jog(self._speeds(jogs))

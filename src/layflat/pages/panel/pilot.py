@@ -50,7 +50,10 @@ class History:
         self.worst_lateness = 0.0  # s, since the rig was reached
 
     def add(self, shot: RigSnapshot, machine: Machine) -> None:
-        """Keep a cycle as a sample, if one is due."""
+        """Store a cycle as a sample if one is due, and update the worst lateness, without the session's first second.
+
+        A cycle older than the last sample is of another session, and clears the history first.
+        """
         now = float(shot["time"])
         if self._rows and now < self._rows[-1][0]:
             self.pause()  # another session
@@ -98,7 +101,7 @@ def air_taken(samples: RecentSamples) -> Array:
 
 
 def air_rate(samples: RecentSamples) -> float:
-    """Return the mean air consumption of all joints over the samples, normal litres a minute."""
+    """Return the mean air consumption of all joints together over the samples, normal litres/min; 0 for one sample."""
     duration = -float(samples.times[0])
     return float(air_taken(samples)[-1].sum()) * 60.0 / duration if duration > 0.0 else 0.0
 
@@ -132,17 +135,20 @@ class Pilot:
         return move if isinstance(move, SequenceMotion) else None
 
     def start(self) -> None:
-        """Turn the air on, or go on after the joints were held."""
+        """Request the air, or to go on after the joints were held; carried out while the lease is active.
+
+        The request lapses after `START_REQUEST_TIME`.
+        """
         self._start_until = time.monotonic() + START_REQUEST_TIME
 
     def hold(self) -> None:
-        """Hold the joints where they are, with air."""
+        """Drop the motion and a requested start, and hold the joints where they are, with air."""
         self._acknowledge_lapses()
         self._drop_motion()
         self._send_command(RigSession.hold)
 
     def controlled_stop(self) -> None:
-        """Hold the joints, then vent the air."""
+        """Drop the motion and a requested start, hold the joints, then vent the air."""
         self._acknowledge_lapses()
         self._drop_motion()
         self._send_command(RigSession.stop)
@@ -156,7 +162,10 @@ class Pilot:
         self._send_command(lambda session: session.switch(output, on))
 
     def jog(self, velocities: Sequence[float]) -> None:
-        """Move joints at these velocities, rad/s, (joints,), until zero is demanded."""
+        """Move joints at these velocities, rad/s, (joints,), until zero is demanded.
+
+        Velocities other than zero replace a sequence, if the rig obeys; zero leaves a sequence alone.
+        """
         with self._guard:
             jog = self._move if isinstance(self._move, JogMotion) else None
             if jog is None and any(velocities) and (shot := self._obeying()) is not None:
@@ -167,7 +176,7 @@ class Pilot:
     def start_sequence(
         self, steps: Sequence[SequenceStep], *, share: float = DEFAULT_SPEED_FRACTION, repeats: bool = False
     ) -> bool:
-        """Move through the steps of a sequence, from the present configuration.
+        """Move through the steps of a sequence, from the present demand, in place of any other motion.
 
         Args:
             steps: steps, one after the other; without any nothing changes.
@@ -175,7 +184,7 @@ class Pilot:
             repeats: whether the sequence restarts at its end.
 
         Returns:
-            True if the motion has begun; False if the rig does not obey.
+            True if the motion has begun; False if the rig does not obey, or there are no steps.
         """
         with self._guard:
             shot = self._obeying()
@@ -205,7 +214,7 @@ class Pilot:
         return cached[1]
 
     def _note_reason(self, session: RigSession, shot: RigSnapshot) -> None:
-        """Set `hold_reason` once the joints are held, or the air is vented."""
+        """Set `hold_reason` once joints are held or vented without a command; clear it in the other states."""
         before, self._before = self._before, shot.state
         if shot.state in MOVABLE_STATES or shot.state in {RigState.OFF, RigState.STARTING}:
             self.hold_reason = ""
@@ -217,10 +226,12 @@ class Pilot:
             self.hold_reason = LEASE_LAPSED_TEXT
 
     def _obeying(self) -> RigSnapshot | None:
+        """Return the last cycle if the rig is in one of `MOVABLE_STATES` and the lease is active, else None."""
         shot = self._link.snapshot()
         return shot if shot is not None and shot.state in MOVABLE_STATES and self._lease.active else None
 
     def _drop_motion(self) -> None:
+        """Drop the motion and a requested start."""
         with self._guard:
             self._move, self._start_until = None, 0.0
 

@@ -28,7 +28,7 @@ _known: list[tuple[Machine, InverseKinematics]] = []
 
 
 def prepare_search(machine: Machine) -> None:
-    """Load the inverse kinematics of a machine, and compile them where need be."""
+    """Load and cache the inverse kinematics of a machine, and compile them where need be."""
     inverse = _inverse(machine)
     inverse.solve_near(inverse.tips[:1], np.zeros(inverse.joints))
 
@@ -42,7 +42,7 @@ def find_angles(machine: Machine, place: Array, near: Array) -> Array:
         near: angles from which the search begins, rad, (joints,).
 
     Raises:
-        InputError: as of `InverseKinematics.compute_configuration`.
+        InputError: the position is out of reach, or reached by singular configurations alone.
     """
     return _inverse(machine).compute_configuration(place, near, "tip")
 
@@ -53,6 +53,7 @@ def find_reachable(machine: Machine, height: float) -> tuple[Array, NDArray[np.b
 
 
 def _inverse(machine: Machine) -> InverseKinematics:
+    """Return the inverse kinematics of a machine, cached until another machine is searched."""
     if not _known or _known[0][0] != machine:
         _known[:] = [(machine, InverseKinematics(machine))]
     return _known[0][1]

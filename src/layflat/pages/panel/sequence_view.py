@@ -75,7 +75,7 @@ class SequenceView:
         self.progress.set_text(text)
 
     async def list_saved(self, chosen: str | None = None) -> None:
-        """List the names of saved sequences, and select one."""
+        """List the names of the newest saved sequences, and select `chosen` if it is among them, else none."""
         with theme.show_errors_on(self.status):
             names, older = await self._files(newest_names, by=self)
             if older:
@@ -116,6 +116,7 @@ class SequenceView:
         self._draw()
 
     def _run(self, *, repeats: bool) -> None:
+        """Start the sequence of the present steps, or show why it is refused."""
         with theme.show_errors_on(self.status):
             self._controls.start_sequence(self.steps, repeats=repeats)
             self.status.set_text("")

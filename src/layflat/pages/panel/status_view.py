@@ -203,7 +203,7 @@ class OperatorView:
         self._name = name
 
     def refresh(self) -> None:
-        """Show which page drives."""
+        """Show which page drives or requests control, and the buttons that this page may use."""
         operator, requester = self._operators.operator, self._operators.requested_by
         drives = operator is not None and operator.key == self._key
         if operator is None:
@@ -232,7 +232,7 @@ class TimingView:
             self._values = {name: theme.figure(name) for name in names}
 
     def refresh(self, shot: RigSnapshot | None) -> None:
-        """Show the last cycle."""
+        """Show the figures of the last cycle, and the mean air consumption; "-" for all without a cycle."""
         if shot is None:
             for label in self._values.values():
                 label.set_text("-")

@@ -105,7 +105,7 @@ class ProcessWorker:
                 call.cancelled |= call.by is by and call is not self._current
 
     def _run_call(self, call: WorkerCall) -> Any:
-        """Return the result of a call, or raise its error; a call over its limit ends the process. It blocks until then.
+        """Return the result of a call, or raise its error; it blocks, and ends the process of a call over its limit.
 
         Raises:
             LayflatError: the call took too long or was cancelled, or its process has ended.

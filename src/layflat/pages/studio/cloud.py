@@ -66,7 +66,7 @@ class StepCloud:
     pressure_b: Array
     settling: Array  # s; infinite where a run does not settle, NaN where it diverged
     overshoot: Array  # rad
-    air: Array  # normal litres of all joints
+    air: Array  # normal litres, the sum of all joints
     hysteresis: float  # of the nominal run, fraction
     plant_step: float  # s
     seconds: float  # computing time
@@ -87,7 +87,7 @@ class StepCloud:
         return {name: np.quantile(getattr(self, name)[self.sound], QUANTILE_LEVELS, axis=0) for name in SIGNALS}
 
     def rank(self) -> Self:
-        """Compute all quantiles, which takes long, so that they travel between processes; return the cloud."""
+        """Compute and cache `levels`, which takes long, so that they travel between processes; return this cloud."""
         if self.sound.any():
             _ = self.levels
         return self
@@ -99,7 +99,7 @@ class StepCloud:
 
     @property
     def late(self) -> int:
-        """Number of runs that have not settled by the end."""
+        """Number of runs that have not settled by the end, diverged ones included."""
         return int(np.sum(~np.isfinite(self.settling)))
 
     @property
@@ -132,20 +132,20 @@ class StepCloud:
 
 
 def default_step(machine: Machine) -> JointStep:
-    """Return the step that is shown first: of the joint at the base, shorter where the simulation takes long."""
+    """Return the step that is shown first: of the first joint, 0.8 s long with more than `MAX_FINE_JOINTS` joints."""
     duration = JointStep.duration if len(machine.joints) <= MAX_FINE_JOINTS else 0.8
     return JointStep(next(iter(machine.joints)), duration=duration)
 
 
 def step_scenario(machine: Machine, step: JointStep) -> Scenario:
-    """Return the scenario of a step on a machine."""
+    """Return the scenario of a step after `STEP_DELAY`, from minus to plus half its size; other joints stay at 0 rad."""
     half_size = step.size / 2
     before, after = ({**dict.fromkeys(machine.joints, 0.0), step.joint: sign * half_size} for sign in (-1.0, 1.0))
     return Scenario(demand=[(0.0, before), (STEP_DELAY, after)], duration=STEP_DELAY + step.duration)
 
 
 def vary_parameters(machine: Machine, tolerances: Tolerances, runs: int) -> dict[str, Array]:
-    """Return the values that vary from run to run, (runs,), by path; the first run is nominal, the rest Sobol points.
+    """Return the varied values by path, SI, (runs,) each; the first run is nominal, the others are Sobol points.
 
     Args:
         machine: nominal machine.
@@ -177,27 +177,30 @@ def simulate_cloud(
     machine: Machine, step: JointStep, tolerances: Tolerances | None = None, *, runs: int = DEFAULT_RUNS,
     overtaken: Callable[[], bool] = lambda: False,
 ) -> StepCloud:  # fmt: skip
-    """Simulate a step over all tolerances; the controller's model is the nominal machine.
+    """Simulate a step in many runs with other tolerances; the controller's model is the nominal machine in all.
 
     Args:
         machine: nominal machine.
         step: step of a joint.
-        tolerances: ranges of the values that vary.
+        tolerances: ranges of the values that vary; None for the defaults.
         runs: number of runs, a power of two.
         overtaken: called from time to time; True ends the simulation.
 
     Raises:
-        InputError: the machine can't be simulated, or the step leaves the joint's stroke.
+        InputError: the machine lacks controller or valve, the step leaves the joint's stroke, or has more control
+            cycles than `MAX_CYCLES`.
         OvertakenError: `overtaken` returned True.
     """
     if machine.controller is None or machine.valve is None:
         right = "open a machine with a valve and a controller to see its step response"
-        raise MachineError("has no controller", where=machine.origin, right=right)
+        missing = "controller" if machine.controller is None else "valve"
+        raise MachineError(f"has no {missing}", where=machine.origin, right=right)
 
     scenario = step_scenario(machine, step)
     if scenario.cycles(machine.cycle) > MAX_CYCLES:
         right = f"give a shorter time, or a cycle of at least {1e3 * (STEP_DELAY + step.duration) / MAX_CYCLES:.2g} ms"
-        raise InputError("has too many control cycles to show at once", where="step response", right=right)
+        problem = f"has {scenario.cycles(machine.cycle)} control cycles, more than {MAX_CYCLES}"
+        raise InputError(problem, where="step response", right=right)
 
     def go_on(_done: int) -> None:
         if overtaken():

@@ -47,7 +47,7 @@ class KeptView:
             self._return.set_enabled(kept.changes != self._session.design.changes)
 
     def _restore_kept(self) -> None:
-        """Replace the changes of the design by those of the kept design A."""
+        """Replace the changes of the design by those of the kept design A, as one edit; show an error as a message."""
         kept = self._session.kept
         if kept is None:
             return
@@ -97,6 +97,7 @@ class DiskView:
             await self._reread()
 
     def _go_on(self) -> None:
+        """Hide the notice until a file changes again."""
         self._dismissed = self._changed
         self._box.set_visibility(False)
 
@@ -105,6 +106,8 @@ async def save_as(
     title: str, explained: str, name: str, root: Path, suffix: str, write: Write, *, warned: str = ""
 ) -> str:
     """Ask for a name below a folder and write there; return the message of `write`, "" if nothing was written.
+
+    A question precedes the replacement of an existing file, and errors are shown in the dialog, which stays open.
 
     Args:
         title: title of the dialog.
@@ -147,6 +150,7 @@ async def save_as(
 
 
 def _error_text(error: LayflatError) -> str:
+    """Return the message of an error, without the place of an InputError."""
     if isinstance(error, InputError) and error.what:
         return f"{error.what}; {error.right}" if error.right else error.what
     return str(error)
@@ -200,7 +204,7 @@ class Commands:
             self._edited()
 
     async def _save_description(self) -> None:
-        """Ask for a file name and save the design as a description."""
+        """Ask for a file name and save the design as a description in the folder of results."""
         design = self._session.design
         own_file = design.opened.file
         explained = "Writes what differs from what was opened, as a description that extends it."
@@ -276,7 +280,7 @@ class Commands:
             theme.show_message(message)
 
     def _design_error(self) -> str:
-        """Return the error with which `layflat machine check` would refuse the design."""
+        """Return a warning with the error by which `layflat machine check` would refuse the design; "" without one."""
         try:
             refuse_errors(self._session.findings)
         except DesignError as error:

@@ -45,7 +45,7 @@ class OpenedDescription:
         return [Path(path) for path in self.digests]
 
     def as_rewritten(self) -> Self:
-        """Return the same description, marked as saved over its own file."""
+        """Return a copy that is marked as saved over its own file, with the file's present digest."""
         digests = {
             path: digest(Path(path)) if Path(path) == self.file else recorded for path, recorded in self.digests.items()
         }
@@ -139,7 +139,7 @@ class Design:
         return self.opened.sources.get(whole_path(self.opened.plain, path), Provenance("default"))
 
     def edit(self, path: str, value: Any, *, going_on: bool = False) -> None:
-        """Replace the value at a path.
+        """Replace the value at a path and add an undo step, unless the machine stays the same.
 
         Args:
             path: dotted path of the value.
@@ -160,7 +160,11 @@ class Design:
         self._apply(dict(changes))
 
     def revert(self, path: str) -> None:
-        """Revert one value to the opened one (InputError: it is refused together with the other changes)."""
+        """Revert one value to the opened one, as an edit.
+
+        Raises:
+            InputError: it is refused together with the other changes; nothing changes.
+        """
         self._apply({key: change for key, change in self.changes.items() if key != path})
 
     def hold(self) -> None:
@@ -190,7 +194,7 @@ class Design:
             self._show(self._future.pop())
 
     def reload(self) -> list[str]:
-        """Read the description again and overlay the changes.
+        """Read the description again and overlay the changes; there is nothing to undo or redo after that.
 
         Returns:
             Paths of changes that are refused now and were dropped.
@@ -218,7 +222,13 @@ class Design:
         self.__dict__.update(other.__dict__)
 
     def _apply(self, changes: Changes, *, held: str = "") -> None:
-        """Set the changes of the design and add an undo step, unless the edit `held` goes on."""
+        """Set the changes of the design and add an undo step, unless the edit of the path `held` goes on.
+
+        Changes that equal the opened values are dropped. Nothing happens if the machine stays the same.
+
+        Raises:
+            InputError: the changes are refused.
+        """
         machine, plain = _build_changed(self.opened, changes)
         effective = {path: one for path, one in changes.items() if _differs(machine, self.opened.machine, path)}
         if machine == self.machine:
@@ -230,6 +240,7 @@ class Design:
         self._set(effective, machine, plain)
 
     def _show(self, changes: Changes) -> None:
+        """Set changes that were accepted before, without an undo step."""
         self._held = ""
         self._set(changes, *_build_changed(self.opened, changes))
 
@@ -239,7 +250,7 @@ class Design:
 
 
 def sources_of(opened: OpenedDescription, changes: Changes) -> Sources:
-    """Return the sources of all values of a description with changes."""
+    """Return the sources of all values of a description, those of changed values replaced, by path."""
     return {**opened.sources, **{whole_path(opened.plain, path): one.source for path, one in changes.items()}}
 
 
@@ -270,7 +281,7 @@ def set_at_path(tables: Plain, path: str, value: Any) -> None:
 
 
 def _build_changed(opened: OpenedDescription, changes: Changes) -> tuple[Machine, Plain]:
-    """Return the validated machine of an opened description with changes, and its tables."""
+    """Return the machine of an opened description with changes, and its tables; raise InputError if it is refused."""
     plain = deepcopy(opened.plain)
     for path, change in changes.items():
         set_at_path(plain, path, change.value)

@@ -30,6 +30,7 @@ class EditorSection:
         _caption(self.box, changed)
 
     def _opened(self) -> None:
+        """Start to make the rows when the section is opened for the first time."""
         if self.box.value and not self._filled:
             self._filled = True
             background_tasks.create(self._fill(self._fields), context=self.box)
@@ -119,7 +120,7 @@ class Editor:
             hose.open()
 
     def refresh(self) -> None:
-        """Update all rows and counts on the page."""
+        """Update all rows and counts on the page, and repeat a search for changed values whose matches differ now."""
         for row in (*self._rows, *self._matches):
             row.refresh()
         for group in self._groups.values():
@@ -128,7 +129,7 @@ class Editor:
             self._start_search()
 
     def reset_typed(self) -> bool:
-        """Discard typed text that was not accepted yet; return whether there was any."""
+        """Replace typed text that was not accepted yet by the design's values; return whether there was any."""
         dirty = [row for row in (*self._rows, *self._matches) if row.has_unaccepted_text]
         for row in dirty:
             row.reset()
@@ -182,6 +183,7 @@ class Editor:
 
 
 def _caption(box: ui.expansion, changed: int) -> None:
+    """Show a number of changed values below the title of an expansion; nothing for 0."""
     text = f"{changed} changed" if changed else ""
     if box.props.get("caption", "") != text:  # the page receives every property that is set
         box.props["caption"] = text
@@ -198,5 +200,6 @@ def _section_title(section: str) -> str:
 
 
 def _words(field: Field) -> str:
+    """Return the text in which a field is searched: path, section, label and meaning, in lower case."""
     names = f"{field.path} {field.path.replace('_', ' ')} {section_name(field.section)}"
     return f"{names} {field.label} {field.meaning}".lower()

@@ -110,7 +110,9 @@ class Field:
     def slider(self, value: float) -> tuple[float, float, float] | None:
         """Return min, max and step of a slider about an SI value, in the unit of the field; None if none makes sense.
 
-        It goes from half of the value to twice the value, inside the limits.
+        It goes from half of the value to twice the value, inside the limits; from minus to plus twice its magnitude
+        where there is no lower limit; over all limits of a dimensionless value with limits at most 1 apart. There is
+        none for zero otherwise.
         """
         lower, lower_excluded, upper, upper_excluded = self.bounds
         if self.shape not in {"number", "whole"}:
@@ -136,6 +138,7 @@ class Field:
         return (_tidy(first * step), _tidy(last * step), step) if last > first else None
 
     def _edge(self, bound: float) -> float:
+        """Return an SI bound in the unit of the field; an infinite one as it is."""
         return bound if abs(bound) == inf else self.number(bound)
 
 
@@ -210,7 +213,10 @@ def fields_of(machine: Machine, plain: Plain) -> list[Field]:
 
 
 def _leaves(part: Any, path: str) -> Iterator[tuple[str, Any]]:
-    """Yield path and value of all leaves of a part; a list of numbers or texts is one leaf."""
+    """Yield path and value of all leaves of a part; a list of numbers or texts is one leaf.
+
+    None, empty lists, and shapes of links are left out.
+    """
     below: list[tuple[str, Any]]
     if isinstance(part, BaseModel):
         below = [(key, getattr(part, key)) for key in type(part).model_fields if key != "shapes"]
@@ -255,13 +261,14 @@ def field_at(machine: Machine, plain: Plain, path: str) -> Field:
 
 
 def _choices(annotation: Any) -> tuple[str, ...]:
+    """Return the values of a Literal, annotated or not, as texts; () for any other type."""
     while get_origin(annotation) is not Literal and get_args(annotation) and hasattr(annotation, "__metadata__"):
         annotation = get_args(annotation)[0]
     return tuple(map(str, get_args(annotation))) if get_origin(annotation) is Literal else ()
 
 
 def _unit(written: Any, quantity: Quantity | None) -> str:
-    """Return the unit in which a value is written, or the usual one of its quantity."""
+    """Return the unit in which a value is written, else the usual one of its quantity; "" without a quantity."""
     if quantity is None:
         return ""
     try:
@@ -271,7 +278,7 @@ def _unit(written: Any, quantity: Quantity | None) -> str:
 
 
 def _annotated_bounds(annotation: Any) -> Bounds:
-    """Return the tightest bounds of an annotated number: lower, is it excluded, upper, is it excluded."""
+    """Return the tightest bounds of an annotated number, infinite where it has none; see `Bounds`."""
     lower, lower_excluded, upper, upper_excluded = -inf, False, inf, False
     for note in get_args(annotation)[1:]:
         for name, excluded in (("ge", False), ("gt", True)):
@@ -284,7 +291,7 @@ def _annotated_bounds(annotation: Any) -> Bounds:
 
 
 def _meaning(machine: Machine, path: str) -> str:
-    """Return the description of a value by its model class; an item of a list has that of the list."""
+    """Return the description of a value by its model class, "" if there is none; an item of a list has the list's."""
     part: Any = machine
     meaning = ""
     for key in path.split("."):

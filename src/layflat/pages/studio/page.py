@@ -40,9 +40,11 @@ class TabSessions:
         self._sessions: OrderedDict[str, tuple[StudioSession, Client]] = OrderedDict()
 
     async def session(self, client: Client, begin: Callable[[], StudioSession]) -> StudioSession:
-        """Return the session of a connected client's tab, or a new one if another page shows that session.
+        """Return the session of a client's tab; a new one if the tab has none, or another page shows it.
 
-        A duplicated tab has the id of the first, whose page stays connected.
+        The previous page of a reloaded tab has `RELOAD_TIMEOUT` to disconnect; a duplicated tab has the id of the
+        first, whose page stays connected. Listeners of the session are removed, and sessions beyond `MAX_SESSIONS`
+        forgotten, the least recent first.
 
         Args:
             client: client of the page.
@@ -69,7 +71,7 @@ class TabSessions:
 
 @lru_cache(maxsize=1)
 def shared_worker() -> StudioProcesses:
-    """Return the processes that work for all tabs."""
+    """Return the processes that work for all tabs, made by the first call."""
     return StudioProcesses()
 
 
@@ -79,7 +81,7 @@ def _tabs() -> TabSessions:
 
 
 async def studio_page(machine: str, folder: Path | None = None) -> None:
-    """Build the page of a tab, with a session of its own, within the present client.
+    """Build the page of a tab, with a session of its own, within the present client; an error is shown as the page.
 
     Args:
         machine: built-in name or file.
@@ -184,7 +186,7 @@ class StudioPage:
             self.results.step.wait(f"Simulating for {seconds}: compiling, the first time only for such a machine.")
 
     def _handle_key(self, event: events.KeyEventArguments) -> None:
-        """Undo on Ctrl-Z, redo on Ctrl-Y or Ctrl-Shift-Z, outside dialogs; if text is being typed, reset it instead."""
+        """Undo on Ctrl-Z, redo on Ctrl-Y or Ctrl-Shift-Z, outside dialogs; reset text being typed instead."""
         if (
             not event.action.keydown
             or not (event.modifiers.ctrl or event.modifiers.meta)

@@ -53,19 +53,19 @@ class JointFigures:
 
     @cached_property
     def torque(self) -> tuple[Array, Array]:
-        """Angle from mid-stroke (deg) and torque of one hose (N m) at the supply's pressure."""
+        """Angle from mid-stroke (deg) and torque of one hose (N m) at the supply's pressure; empty without a design."""
         return ((0.0 * np.zeros(0),) * 2) if self.design is None else _centre_angle(self.design, *self.design.torque)
 
     @cached_property
     def roller_torque(self) -> tuple[Array, Array]:
-        """Angle (deg) and torque (N m) on a round roller in place of the cam; empty where the joint has no cam."""
+        """Angle from mid-stroke (deg) and torque (N m) on a round roller in place of the cam; empty without a cam."""
         if self.design is None or self.design.cam is None:
             return (np.zeros(0), np.zeros(0))
         return _centre_angle(self.design, *self.design.roller_torque)
 
     @cached_property
     def quantities(self) -> list[DesignQuantity]:
-        """Quantities that are compared between designs."""
+        """Quantities that are compared between designs, NaN for unknown ones; none without a design."""
         design = self.design
         if design is None:
             return []
@@ -85,6 +85,7 @@ class JointFigures:
 
 
 def _centre_angle(design: JointDesign, angle: Array, torque: Array) -> tuple[Array, Array]:
+    """Return an angle from the collapsed hose (rad) as one from mid-stroke (deg), with its torque."""
     return np.degrees(angle - design.stroke / 2), torque
 
 
@@ -95,7 +96,7 @@ class Designer:
     _designs: dict[str, tuple[Joint, float, JointDesign | Finding]] = field(default_factory=dict)
 
     def figures(self, machine: Machine, joint: str) -> JointFigures:
-        """Return the statics of a joint, and the findings of the design rules in all joints."""
+        """Return the statics of a joint, with the findings of the design rules in all joints, worst first."""
         designs = {name: self._cached_design(machine, name) for name in machine.joints}
         findings = [
             one for each in designs.values() for one in ((each,) if isinstance(each, Finding) else each.findings)
@@ -108,7 +109,10 @@ class Designer:
         )
 
     def _cached_design(self, machine: Machine, name: str) -> JointDesign | Finding:
-        """Return the design of a joint, or the finding that it can't be made; recomputed only after a change."""
+        """Return the design of a joint, or the finding that it can't be made.
+
+        It is recomputed only if the joint's values or the supply's gauge pressure have changed.
+        """
         joint, pressure = machine.joint[name], machine.supply.pressure_gauge
         entry = self._designs.get(name)
         if entry is None or entry[0] != joint or entry[1] != pressure:
@@ -146,13 +150,13 @@ def design_drawing(figures: JointFigures, beside: JointFigures | None = None, la
 def differences(
     now: list[DesignQuantity], other: list[DesignQuantity]
 ) -> list[tuple[DesignQuantity, DesignQuantity | None, str]]:
-    """Return each quantity, that of another design by the same name, and the difference as text."""
+    """Return each quantity of `now`, that of the same name in `other` or None, and the difference as text."""
     others: Mapping[str, DesignQuantity] = {one.name: one for one in other}
     return [(one, others.get(one.name), _difference_text(one, others.get(one.name))) for one in now]
 
 
 def relative_difference(now: DesignQuantity, other: DesignQuantity | None) -> str:
-    """Return the relative difference of a quantity from another as text; "" where it is undefined."""
+    """Return the relative difference of a quantity from A's as text, "as A" below 0.05 %; "" where it is undefined."""
     if other is None or not (now.is_known and other.is_known) or other.value == 0.0:
         return ""
     difference = f"{100 * (now.value / other.value - 1):+.1f} %"
@@ -160,7 +164,7 @@ def relative_difference(now: DesignQuantity, other: DesignQuantity | None) -> st
 
 
 def _difference_text(now: DesignQuantity, other: DesignQuantity | None) -> str:
-    """Return the difference from design A's quantity, absolute and in percent; "same" below the shown digits."""
+    """Return the absolute and relative difference from A's quantity; "same" below the shown digits, "" if unknown."""
     if other is None or not (now.is_known and other.is_known):
         return ""
     difference = now.value - other.value

@@ -56,7 +56,7 @@ class Tiles:
                         self._more[name] = ui.label().classes("st-more")
 
     def show(self, now: list[DesignQuantity], other: list[DesignQuantity]) -> None:
-        """Show quantities, and beneath them their relative differences from those of A."""
+        """Show the quantities of `TILE_NAMES`, and beneath them their relative differences from those of A, `other`."""
         by_name = {
             quantity.name: (quantity, relative_difference(quantity, beside))
             for quantity, beside, _ in differences(now, other)
@@ -101,7 +101,7 @@ class FindingsView:
         self._shown: list[Finding] | None = None
 
     def show(self, findings: list[Finding], origin: str, *, checked: bool = True) -> None:
-        """List findings.
+        """List findings, unless they are those shown already.
 
         Args:
             findings: findings, worst first.
@@ -123,7 +123,7 @@ class FindingsView:
 
 
 def quantities(session: StudioSession) -> tuple[list[DesignQuantity], list[DesignQuantity]]:
-    """Return the quantities of a session's design, and of design A."""
+    """Return the quantities of a session's shown results, and those of design A; none for results to come."""
     return _quantities_of(session.shown), [] if session.kept is None else _quantities_of(session.kept.shown)
 
 
@@ -153,17 +153,20 @@ class StepSettings:
             ).classes("lf-quiet lf-small")
 
     def _step(self) -> None:
+        """Simulate the step with the size and duration in the fields."""
         step = self._session.step
         size, duration = _number_in(self._size, degrees(step.size)), _number_in(self._lasts, step.duration)
         self._session.simulate(step=replace(step, size=radians(size), duration=duration))
 
     def _vary(self) -> None:
+        """Simulate with the tolerances in the fields."""
         before = self._session.tolerances
         shares = {name: _number_in(field, 100 * getattr(before, name)) / 100 for name, field in self._shares.items()}
         self._session.simulate(tolerances=Tolerances(**shares))
 
 
 def _add_number(label: str, value: float, lower: float, upper: float, changed: Callable[[], object]) -> ui.number:
+    """Add a field for a number; `changed` is called when it loses the focus or Enter is pressed."""
     field = ui.number(label, value=round(value, 6), min=lower, max=upper, format="%.4g").props("outlined dense")
     field.on("blur", changed).on("keydown.enter", changed)
     return field.classes("st-setting")

@@ -138,6 +138,7 @@ class Row:
             self._control.set_value(value)
 
     def _slid(self, event: Any) -> None:
+        """Apply the value of the moved slider, in one undo step until it is released."""
         if not self._is_setting and event.value is not None:
             self._apply(self.field.read(f"{event.value:.7g}"), going_on=True)
 

@@ -55,7 +55,7 @@ def refuse_base(design: Design, path: Path) -> None:
     """Raise InputError if a path is a file that the design extends: saved there it would extend itself."""
     opened = design.opened
     if path.resolve() in opened.files and path.resolve() != opened.file:
-        raise InputError(f"{path.name!r} is what this design extends", where=NAME_FIELD, right="give another name")
+        raise InputError(f"this design extends {path.name!r}", where=NAME_FIELD, right="give another name")
 
 
 def save(design: Design, path: Path) -> Path:
@@ -74,14 +74,18 @@ def save(design: Design, path: Path) -> Path:
         temporary.write_text(_description_text(design, path), encoding="utf-8")
         if load(str(temporary)).model_copy(update={"name": design.machine.name}) != design.machine:
             right = "reload what was opened, or give another name"
-            raise InputError("can't be saved: what it extends is not as it was opened", where=str(path), right=right)
+            problem = "can't be saved: a file that it extends has changed since it was opened"
+            raise InputError(problem, where=str(path), right=right)
     if is_own_file:
         design.opened = design.opened.as_rewritten()
     return path
 
 
 def list_stale(design: Design) -> list[Finding]:
-    """Return the findings of `layflat machine check` about values that belong to other sizes than the design has."""
+    """Return the findings of `layflat machine check` about values that belong to other sizes than the design has.
+
+    They are those of the description that `save` would write; none for a design without changes.
+    """
     if not design.changes:
         return []
     with tempfile.TemporaryDirectory() as folder:
@@ -118,7 +122,7 @@ def _description_text(design: Design, path: Path) -> str:
 
 
 def _differences(design: Design) -> list[tuple[str, Any, dict[str, str] | None]]:
-    """Return path, value and source (None if the file states none) of all differences; lists as a whole."""
+    """Return path, value and source table of all changes; lists as a whole. The source is None where it is "given"."""
     differences: dict[str, tuple[str, Any, dict[str, str] | None]] = {}
     for path, change in design.changes.items():
         key = whole_path(design.opened.plain, path)

@@ -70,20 +70,23 @@ class StudioSession:
         self._listeners.clear()
 
     def simulate(self, step: JointStep | None = None, tolerances: Tolerances | None = None) -> None:
-        """Simulate another step, or with other tolerances; None keeps the present ones."""
+        """Request the simulation of another step, or with other tolerances, and drop the results of A.
+
+        None keeps the present step or tolerances.
+        """
         self.step, self.tolerances = step or self.step, tolerances or self.tolerances
         if self.kept is not None:
             self.kept.shown = ShownResults()
         self.renew()
 
     def show_joint(self, joint: str) -> None:
-        """Show another joint."""
+        """Clear the results and request those of another joint; nothing for the joint that is shown."""
         if joint != self.step.joint:
             self.shown = ShownResults()
             self.simulate(replace(self.step, joint=joint))
 
     def keep_as_a(self) -> None:
-        """Keep the design as A, with its results if they are up to date."""
+        """Keep the design as A, in place of an earlier A, with its results if they are up to date; request new ones."""
         shown = ShownResults()
         if self.shown.figures_number == self.number:
             shown.figures = self.shown.figures
@@ -99,7 +102,10 @@ class StudioSession:
         self._notify("kept")
 
     def renew(self) -> None:
-        """Request new results: the design, the step or the tolerances have changed."""
+        """Request new results: the design, the step or the tolerances have changed.
+
+        A simulation that runs is ended if the last one took longer than `QUICK_CLOUD_TIME`.
+        """
         self.number += 1
         if isinstance(self.shown.cloud, StepCloud) and self.shown.cloud.seconds > QUICK_CLOUD_TIME:
             self.worker.overtake(self._tab, self._requests + 1)
@@ -124,7 +130,11 @@ class StudioSession:
                 return dropped
 
     async def save(self, path: Path) -> None:
-        """Write the design as a description, without changes made meanwhile; errors are those of `saving.save`."""
+        """Write the design as a description in another process, without changes made meanwhile.
+
+        Raises:
+            LayflatError: one of `saving.save`, or the process took too long or has ended.
+        """
         opened = self.design.opened
         saved = await self.worker.perform(write_design, self.design, path, what="the saving")
         if self.design.opened is opened:
@@ -181,7 +191,7 @@ class StudioSession:
         return await self.worker.perform(work, *arguments, what="the design of a joint")
 
     async def _update_cloud(self, number: int) -> None:
-        """Simulate the step with the cloud, and of design A if its step differs; keep the present one if overtaken."""
+        """Simulate the cloud of the design, then of A if it has none of this step; change nothing if overtaken."""
         self.waiting_since = time.monotonic()
         cloud = await self._cloud(self.design.machine)
         if cloud is None:
@@ -194,6 +204,7 @@ class StudioSession:
             self._notify("kept")
 
     async def _cloud(self, machine: Machine) -> StepCloud | LayflatError | None:
+        """Return the cloud of a machine for the present step and tolerances, its error, or None if overtaken."""
         self._requests += 1
         return await self.worker.cloud(self._tab, self._requests, machine, self.step, self.tolerances)
 

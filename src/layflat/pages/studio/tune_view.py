@@ -112,12 +112,13 @@ class TuneView:
         self._refresh(text)
 
     def _stop(self) -> None:
+        """Request that the run ends after the present generation, and hide the button."""
         if self._run is not None:
             self._run.cancel()
             self._cancel.set_visibility(False)
 
     def _apply(self) -> None:
-        """Apply the tuned gains to the design as one edit and close the dialog."""
+        """Apply the tuned gains to the design as one edit and close the dialog; if refused, show the error instead."""
         if self._run is None:
             return
         try:
@@ -131,7 +132,7 @@ class TuneView:
         self._refresh("")
 
     def _close(self) -> None:
-        """End the run and close the dialog."""
+        """End the run without a result and close the dialog."""
         self.end()
         self._timer.deactivate()
         self._refresh("")

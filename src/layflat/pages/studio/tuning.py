@@ -61,12 +61,12 @@ class TuningRun:
         self._cancelled.set()
 
     def close(self) -> None:
-        """End the process at once."""
+        """End the process at once; nothing more is stored in `progress`."""
         self._process.terminate()
 
     @property
     def progress(self) -> TuningProgress:
-        """Progress by now."""
+        """Progress by now, always the same object: each access stores the messages received since the last one."""
         now = self._progress
         try:
             while not now.has_ended and self._ours.poll():
@@ -77,7 +77,7 @@ class TuningRun:
 
 
 def _store_message(progress: TuningProgress, message: tuple[str, Any]) -> None:
-    """Store a message of the tuning process in its progress: best cost, result or error."""
+    """Store a message of the tuning process in `progress`: "best" (generations, cost), "found" (changes) or error."""
     kind, value = message
     if kind == "best":
         progress.done, progress.best = value

@@ -121,6 +121,7 @@ class CamView(ResultPanel):
                                 "There is no such cam; the design rules say why.")  # fmt: skip
 
     def _again(self) -> None:
+        """Draw the results that are shown again, if there are some, as cam or layout."""
         figures, kept = self._session.shown.figures, self._session.kept
         if figures is not None:
             self.show(figures, kept.shown.figures if kept else None)
@@ -181,6 +182,7 @@ class StressBar:
 
 
 def _thin_points(across: Array, up: Array) -> list[list[float]]:
+    """Return every tenth point of a curve for `LineChart.show`."""
     return points(across[::10], up[::10])
 
 
@@ -229,12 +231,15 @@ class StepView(ResultPanel):
         self._caption.set_text(f"{cloud.summary} {cloud.runs} runs, step {1e3 * cloud.plant_step:g} ms.")
 
     def wait(self, text: str) -> None:
-        """Show the reason of a wait."""
+        """Show the reason of a wait in place of the caption."""
         self._caption.set_text(text)
 
 
 def _kept_levels(kept: StepCloud | None) -> dict[str, list[list[float]]]:
-    """Return the 5 %, 50 % and 95 % levels of design A's angle (deg) over time, empty without valid runs."""
+    """Return the 5 %, 50 % and 95 % levels of design A's angle (deg) over time, by the name of their line.
+
+    They are empty without a cloud, or if all its runs diverged.
+    """
     names = [f"{KEPT_PREFIX}5 %", f"{KEPT_PREFIX}median", f"{KEPT_PREFIX}95 %"]
     if kept is None or not kept.sound.any():
         return {name: [] for name in names}
@@ -275,6 +280,10 @@ class PressureView(ResultPanel):
 
 
 def _pressures(cloud: object, hose: str) -> tuple[Array, Array]:
+    """Return quantile levels of a hose's absolute pressure, bar, (levels, instants), and the instants, s.
+
+    There are no instants without a cloud, or if all its runs diverged.
+    """
     if not isinstance(cloud, StepCloud) or not cloud.sound.any():
         return np.zeros((len(QUANTILE_LEVELS), 0)), np.zeros(0)
     return cloud.levels[f"pressure_{hose.lower()}"] / 1e5, cloud.time

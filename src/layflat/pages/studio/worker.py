@@ -31,14 +31,14 @@ _wanted: dict[str, Any] = {}
 
 
 def open_design(machine: str) -> Design:
-    """Return the design of a built-in machine or a file, with its fields computed; errors are those of `load`."""
+    """Return the design of a built-in machine or a file, with its fields computed; raise MachineError as `load`."""
     design = Design(open_description(machine))
     _ = design.fields
     return design
 
 
 def find_figures(tab: int, kept: bool, machine: Machine, joint: str) -> JointFigures:
-    """Return the statics of a joint.
+    """Return the statics of a joint, computed in full, from a cache of unchanged joints of the tab.
 
     Args:
         tab: number of the tab: its joints that have not changed are not redesigned.
@@ -56,7 +56,7 @@ def find_figures(tab: int, kept: bool, machine: Machine, joint: str) -> JointFig
 
 
 def find_stale(design: Design) -> list[Finding]:
-    """Return the findings about values that belong to other sizes than the design has; none where the check fails."""
+    """Return the findings of `list_stale`; none where the design can't be loaded."""
     try:
         return list_stale(design)
     except LayflatError:  # its base is missing or broken by now, which other checks report
@@ -64,7 +64,7 @@ def find_stale(design: Design) -> list[Finding]:
 
 
 def write_design(design: Design, path: Path) -> OpenedDescription:
-    """Write a design as a description, and return its opened description afterwards; errors are those of `save`."""
+    """Write a design by `save`, whose errors it raises, and return the design's opened description afterwards."""
     save(design, path)
     return design.opened
 
@@ -85,11 +85,11 @@ class StudioProcesses:
         self._tabs = count()
 
     def start_simulator(self) -> None:
-        """Start the process that simulates, so that it is ready when it is needed."""
+        """Begin to start the process that simulates, so that it is ready when it is needed; return at once."""
         self._simulator.warm_up(int)
 
     def tab(self) -> int:
-        """Return a number for a tab."""
+        """Return the next number for a tab, 0 to `MAX_TABS` - 1, after which numbers repeat."""
         return next(self._tabs) % MAX_TABS
 
     async def perform(self, work: Callable[..., Result], *arguments: Any, what: str) -> Result:
@@ -97,7 +97,7 @@ class StudioProcesses:
         return await self.helper.call(work, *arguments, limit=CALL_TIMEOUT, what=what)
 
     def overtake(self, tab: int, number: int) -> None:
-        """End requests of a tab with a lower number, without a result."""
+        """End the simulations of a tab whose requests have a lower number, without a result."""
         self._newest[tab] = number
 
     async def cloud(
