@@ -68,7 +68,9 @@ def test_arms_in_space_get_a_sequence_that_they_can_carry_out(tmp_path: Path) ->
     heavy = 'extends = "picking-arm"\nname = "heavy"\n[arm]\npayload = "6 kg"\n'
     (tmp_path / "heavy.toml").write_text(heavy, encoding="utf-8")
     told = refused("excite", "heavy.toml", "-o", "h.csv", cwd=tmp_path)
-    assert told.startswith("layflat: --reach: joint 'wrist' can't move 6 kg against gravity where 0.3 leads it; give ")
+    assert told.startswith(
+        "layflat: --reach: joint 'wrist' can't move a payload of 6 kg against gravity at a reach of 0.3; give "
+    )
     told = refused("tune", "heavy.toml", "--out", "out", cwd=tmp_path)
     assert told.startswith("layflat: heavy.toml: joint 'wrist' can't hold ")
     assert not (tmp_path / "h.csv").exists()

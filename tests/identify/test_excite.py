@@ -106,12 +106,14 @@ def test_all_joints_accelerate_at_once_and_have_the_torque_for_it() -> None:
 
 def test_what_an_arm_can_not_lift_is_refused_with_what_it_can() -> None:
     arm = load("picking-arm")
-    with pytest.raises(InputError, match=r"reach: joint 'wrist' can't move 6 kg .* give the arm a smaller payload"):
+    with pytest.raises(
+        InputError, match=r"reach: joint 'wrist' can't move a payload of 6 kg .* give the arm a smaller payload"
+    ):
         plan_sequence(changed(arm, "arm.payload", 6.0))
     upright = changed(arm, "arm.gravity", ("-9.81 m/s^2", "0 m/s^2", "0 m/s^2"))
     heavy = changed(upright, "arm.payload", 4.5)
     with pytest.raises(
-        InputError, match=r"can't move 4.5 kg against gravity where 0.3 leads it; give 0.(\d+), or"
+        InputError, match=r"can't move a payload of 4.5 kg against gravity at a reach of 0.3; give 0.(\d+), or"
     ) as no:
         plan_sequence(heavy)
     smaller = float(str(no.value).partition("; give ")[2].partition(", or")[0])

@@ -106,7 +106,7 @@ def test_a_log_that_lacks_a_signal(missing: str, expected: str, tmp_path: Path) 
         ("paper-arm", r"has no angle of joint 'large'.*every joint: large, small"),
         ("rig-kevlar", r"rig-kevlar: has no valve; give a machine with a valve; or logs with torque"),
         ("friction-rig", r"has no force; map a column to the signal force"),
-        ("blow-down-vessel", r"has no pressure"),
+        ("blow-down-vessel", r"has fewer than 3 samples of pressure"),
         ("regulated-elbow", r"has no setpoint_a; a regulated joint needs setpoint_a, setpoint_b, angle"),
         ("nosuch", r"nosuch: no such machine"),
         ("nosuch.rig.yml", r"nosuch.rig.yml: can't be read"),
@@ -278,7 +278,7 @@ def test_a_result_that_could_not_be_written_is_refused_before_the_search(tmp_pat
     signals = {"setpoint_a": 5 + swing, "setpoint_b": 5 - swing, "pressure_a": 5 + swing, "pressure_b": 5 - swing}
     table = {"time": time, "angle": angle} | signals
     log = written(tmp_path / "log.csv", table, **{name: f"{name} [bar]" for name in signals}, angle="angle [deg]")
-    with pytest.raises(InputError, match=r"e-identified.toml: what will be found could not be written there \(name: "):
+    with pytest.raises(InputError, match=r"e-identified.toml: the result could not be written there \(name: "):
         prepare_identification([log], rig, tmp_path)
 
 

@@ -31,27 +31,27 @@ FIT_DURATION, VALIDATION_DURATION = 28.0, 14.0  # s
 
 
 def _step_levels(t: Array, duration: float, random: np.random.Generator) -> Array:
-    """Return steps of all sizes, with pauses, as fractions of the reach at times t (s)."""
+    """Return levels -1 to 1 in random order, then 0, each held about 0.9 s: fractions of the reach at times t (s)."""
     count = max(3, round(duration / 0.9))
     levels = np.append(random.permutation(np.linspace(-1.0, 1.0, count - 1)), 0.0)
     return np.asarray(levels[np.minimum((count * t / duration).astype(int), count - 1)])
 
 
 def _chirp_levels(t: Array, duration: float, random: np.random.Generator) -> Array:
-    """Return a swept sine, 0.3 to 3 Hz."""
+    """Return a swept sine from 0.3 to 3 Hz with a random amplitude of 0.24 to 0.36 of the reach."""
     swept = chirp(t, 0.3, duration, 3.0, method="logarithmic", phi=-90)
     return np.asarray(0.3 * random.uniform(0.8, 1.2) * swept)
 
 
 def _ramp_levels(t: Array, duration: float, random: np.random.Generator) -> Array:
-    """Return slow ramps over 0.9 and 0.45 of the reach in both directions."""
+    """Return ramps of one speed to 0.9 and 0.45 of the reach, to both sides, and to 0; the first side is random."""
     corners = np.array([0.0, 0.9, -0.9, 0.45, -0.45, 0.0]) * random.choice([-1.0, 1.0])
     ways = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(corners)))])
     return np.asarray(np.interp(t / duration, ways / ways[-1], corners))
 
 
 def _small_step_levels(t: Array, duration: float, random: np.random.Generator) -> Array:
-    """Return steps of 0.04 to 0.1 of the reach, with pauses."""
+    """Return equally long steps to 0.1 and 0.04 of the reach, to both sides, then to 0; the first side is random."""
     levels = np.array([0.1, -0.1, 0.04, -0.04, 0.0]) * random.choice([-1.0, 1.0])
     return np.asarray(levels[np.minimum((len(levels) * t / duration).astype(int), len(levels) - 1)])
 
@@ -78,7 +78,8 @@ def plan_sequence(
         seed: seed of amplitudes and order, which differ from joint to joint.
 
     Returns:
-        Times, s, (cycles,), and demands, rad, (cycles, joints).
+        Times, s, (cycles,), and demands, rad from the middle of the stroke, (cycles, joints): 28 s to be fitted, then
+        14 s for validation.
 
     Raises:
         InputError: the machine has no controller with gains, can't hold itself against gravity, or an argument is out
@@ -112,15 +113,15 @@ def plan_sequence(
 
 
 def _joint_accelerations(machine: Machine, configurations: Array, reach: float) -> Array:
-    """Return the accelerations that all joints have together in the worst configuration, rad/s2, (joints,).
+    """Return `ACCELERATION_FRACTION` of what all joints reach together in the worst configuration, rad/s2, (joints,).
 
     Args:
         machine: machine with its payload.
-        configurations: joint angles over the reach, rad, (configurations, joints).
-        reach: reach by which they are multiplied.
+        configurations: joint angles for a reach of 1, rad, (configurations, joints).
+        reach: factor of these angles.
 
     Raises:
-        InputError: a joint can't hold itself against gravity in one of them.
+        InputError: in one of them a joint has less than `MIN_TORQUE_RESERVE` of its torque left for motion.
     """
     limits = joint_capabilities(machine)
     payload = machine.arm.payload
@@ -136,13 +137,13 @@ def _joint_accelerations(machine: Machine, configurations: Array, reach: float) 
             (value for value, reserve in reserves if np.all(reserve >= MIN_TORQUE_RESERVE * limits.torque)), None
         )
         advice = "" if possible is None else f"give {possible:g}, or "
-        problem = f"joint {name!r} can't move {payload:g} kg against gravity where {reach:g} leads it"
+        problem = f"joint {name!r} can't move a payload of {payload:g} kg against gravity at a reach of {reach:g}"
         raise InputError(problem, where="reach", right=f"{advice}give the arm a smaller payload or more pressure")
     return np.asarray(ACCELERATION_FRACTION * simultaneous_accelerations(inertia, reserve))
 
 
 def _limit_motion(demand: Array, speed: float, acceleration: Array, cycle: float) -> Array:
-    """Return the demand (cycles, joints) within the limits of speed and acceleration, without overshoot."""
+    """Return the demand (cycles, joints) within limits of speed (rad/s) and acceleration (rad/s2), not overshooting."""
     limited, increment = demand.copy(), np.zeros(demand.shape[1])  # increment of a cycle
     change = acceleration * cycle**2
     for k in range(1, len(demand)):
@@ -156,7 +157,7 @@ def _limit_motion(demand: Array, speed: float, acceleration: Array, cycle: float
 
 
 def _sequence_levels(duration: float, cycle: float, *seeds: int) -> Array:
-    """Return all parts, one after the other, in fractions of the reach, (cycles,)."""
+    """Return all `SEQUENCE_PARTS` in turn, random by `seeds`, in fractions of the reach, (cycles,)."""
     random = np.random.default_rng(seeds)
     parts = []
     for share, part in SEQUENCE_PARTS:

@@ -75,7 +75,7 @@ def fit_logs(
         out: folder for the fitted description, NAME-identified.toml, and all figures as JSON.
         blocks: groups of parameters to fit, such as "valve, hose"; default: those of the bench.
         validate: logs that are only predicted; without any, the last third of each log is.
-        mapping: file that says what the logs' columns are; not needed for the names that layflat writes.
+        mapping: file with the signal, unit and sign of each column; not needed for the names that layflat writes.
         starts: random starts of the search, besides the description's values.
         seed: seed of the starts and intervals.
         progress: called with the fraction that is done and a text.

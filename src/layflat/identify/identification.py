@@ -43,10 +43,10 @@ class LawCandidate:
 
 
 def compare_candidates(candidates: Sequence[LawCandidate], fit_candidate: Callable[[int, LawCandidate], Fit]) -> Fit:
-    """Fit every candidate, the simplest first, and return the fit that is chosen; its remarks say why.
+    """Fit every candidate, the simplest first, and return the chosen fit; its model gets a remark on the choice.
 
-    Candidates are compared by their errors in the validation, or in the fitted samples where nothing was kept for
-    validation. A search that the user stops ends the comparison, and its fit is returned.
+    The simplest whose error is equivalent to the least (`choose_simplest`) is chosen, by errors in the validation, or
+    in the fitted samples where there is none. A search that the user stops ends the comparison: its fit is returned.
     """
     fits: list[Fit] = []
     for number, candidate in enumerate(candidates):
@@ -149,12 +149,12 @@ class Identification:
         return self.write_description(result)
 
     def write_description(self, result: Fit) -> Machine | BenchDescription:
-        """Write the fitted description and return it as loaded again; raise InputError as `keep` does."""
+        """Write the fitted description and return it as loaded again; raise InputError as `write_results` does."""
         candidate = self.fitted_candidate(result)
         return write_identified(self.source, candidate.described, result, self.checksums, self.path, candidate.replaces)
 
     def check_writable(self) -> None:
-        """Write the description with its first values to a temporary folder, so that no long fit is lost.
+        """Try to write each candidate's description, with its first values, to a temporary folder before a long fit.
 
         Raises:
             InputError: no description can be written for the result.
@@ -171,7 +171,7 @@ class Identification:
                 try:
                     write_identified(self.source, candidate.described, trial, self.checksums, path, candidate.replaces)
                 except InputError as error:
-                    problem = f"what will be found could not be written there ({str(error).replace(f'{path}: ', '')})"
+                    problem = f"the result could not be written there ({str(error).replace(f'{path}: ', '')})"
                     right = "mend the description, or give a copy with another name"
                     raise InputError(problem, where=str(self.path), right=right) from None
 
@@ -207,6 +207,8 @@ def prepare_identification(
 ) -> Identification:
     """Read and check logs and description, and return the session that fits them.
 
+    For a bench on an even clock each log begins where all its signals are known; a warning states the cut.
+
     Args:
         logs: files to fit.
         described: built-in name or file of a machine or a bench.
@@ -217,6 +219,7 @@ def prepare_identification(
 
     Raises:
         InputError: a log, the description or an argument is wrong.
+        OutputError: the folder can't be written to.
     """
     start = load_description(described)
     path = identified_path(str(described), start, out)
@@ -254,7 +257,7 @@ def prepare_identification(
 
 
 def _index_files(files: Sequence[Path]) -> dict[str, Path]:
-    """Return files by the names of their logs; raise InputError if two have one name."""
+    """Return files by the names of their logs, without folder and suffix; raise InputError if two have one name."""
     file_by_name: dict[str, Path] = {}
     for file in files:
         if file.stem in file_by_name:
@@ -269,7 +272,7 @@ def _index_files(files: Sequence[Path]) -> dict[str, Path]:
 
 
 def _cut_unknown_start(log: Dataset) -> tuple[Dataset, list[Issue]]:
-    """Cut a log to begin where every signal is known, as a simulation needs; return it and a note on the cut."""
+    """Return a log from where every signal is known, its time from 0, and a warning; as it is where no cut helps."""
     channels = [channel for channel in prepare_log(log, None).channels.values() if channel.samples.size]
     finite = np.isfinite(np.stack([channel.values for channel in channels]))
     if finite[:, 0].all() or not finite.all(axis=0).any():
@@ -302,6 +305,6 @@ def _json_values(figures: Any) -> Any:
 
 
 def _name_first(names: Sequence[str], between: str = ", ") -> str:
-    """Return the first names as a list, with the number of the others."""
+    """Return the first `MAX_NAMED_VALUES` names as one text, with the number of the others."""
     more = len(names) - MAX_NAMED_VALUES
     return between.join(names[:MAX_NAMED_VALUES]) + (f" and {more} more" if more > 0 else "")

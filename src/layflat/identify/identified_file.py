@@ -59,7 +59,7 @@ def format_values(described: Part, values: Mapping[str, float], before: Mapping[
 
 
 def holds_other_value(described: Part, path: str, text: str | float, value: float) -> bool:
-    """Return whether a text at a path holds another value than this one (SI), beyond rounding.
+    """Return whether a text at a path holds another value than this one (SI), beyond rounding; False if it is refused.
 
     Args:
         described: the description.
@@ -107,7 +107,10 @@ def format_value(described: Part, path: str, value: float, before: Any, digits: 
 
 
 def _allowed_values(annotation: Any, value: float) -> Iterator[float]:
-    """Yield the value if its key allows it, then the nearest allowed ones, the nearest first."""
+    """Yield candidates near a value: 0 where it is too small, the value within its bounds, then it shifted a little.
+
+    A value that is not finite is the only candidate.
+    """
     if not isfinite(value):
         yield value
         return
@@ -154,7 +157,7 @@ class WrittenValue:
 
     @property
     def identified(self) -> bool:
-        """True if the logs identify the value."""
+        """True if the logs identify the value, or it follows from fitted ones."""
         return self.estimate is None or self.estimate.identified
 
     @property
@@ -164,7 +167,7 @@ class WrittenValue:
 
 
 def identified_path(source: str, described: Machine | BenchDescription, folder: Path) -> Path:
-    """Return the path of the fitted description.
+    """Return the path of the fitted description: NAME-identified.toml in the folder.
 
     Args:
         source: built-in name or file of the first description.
@@ -178,7 +181,9 @@ def identified_path(source: str, described: Machine | BenchDescription, folder: 
         return derived_path(source, folder, SUFFIX)
     path = folder / f"{Path(source).stem.removesuffix('.rig')}-{SUFFIX}.toml"
     if path.resolve() == Path(source).resolve():
-        raise InputError("would be overwritten, and is what is begun with", where=source, right="give another folder")
+        raise InputError(
+            "is the description to begin with, and would be overwritten", where=source, right="give another folder"
+        )
     return path
 
 
@@ -254,7 +259,7 @@ def _value_sources(rows: Sequence[WrittenValue], origin: str) -> dict[str, Prove
 
 
 def _value_provenance(rows: Sequence[WrittenValue], origin: str) -> Provenance:
-    """Return the provenance of values: kind of source, intervals, and the logs they come from."""
+    """Return the common provenance of values: "identified" if the logs identify all of them, else "assumed"."""
     intervals = ", ".join(row.interval for row in rows if row.interval)
     interval = f"95 %: {intervals}; " if intervals else ""
     fitted = ", ".join(row.moved_from for row in rows if row.moved_from)
@@ -283,7 +288,7 @@ def _written_value(
     estimate: FittedParameter | None,
     before: Any,
 ) -> WrittenValue:
-    """Return one value as it stands in a file, with its interval in the same unit."""
+    """Return one value as it stands in a file, with its interval, within the searched range, in the same unit."""
     unit = si_unit(described, path)
     fitted = str(u.quantity_text(before, value, unit)) if holds_other_value(described, path, text, value) else ""
     if estimate is None:

@@ -63,7 +63,7 @@ def factor_range(factor: float, usual: float = 1.0, upper: float = inf, *, log: 
 
     Args:
         factor: above 1.
-        usual: upper bound where the description's value is zero, SI; the range then begins at zero.
+        usual: upper bound where the description's value is zero, SI; the range then begins at zero, and is linear.
         upper: limit of the upper bound, SI.
         log: search on a logarithmic scale.
     """
@@ -105,10 +105,14 @@ class Scaling:
         for unknown in unknowns:
             low, high, where = unknown.low, unknown.high, unknown.path
             if not (low < high and (low > 0.0 or not unknown.log)):
-                raise InputError(f"{low:g} to {high:g} is not a range", where=where, right="give low < high")
+                raise InputError(
+                    f"{low:g} to {high:g} is not a range",
+                    where=where,
+                    right="give low < high, and low > 0 for a log scale",
+                )
             if not low <= unknown.guess <= high:
                 where = f"{where}: {unknown.guess:g} {unknown.unit}"
-                raise InputError("lies outside what is searched", where=where, right=f"{low:g} to {high:g}")
+                raise InputError("lies outside the searched range", where=where, right=f"give {low:g} to {high:g}")
         self.plain: Scaling = self  # of the unknowns themselves, where this one scales functions of them
         self.log = np.array([unknown.log for unknown in unknowns], dtype=bool)
         self.low = np.array([unknown.low for unknown in unknowns])
@@ -236,12 +240,12 @@ class Model(ABC):
         return other
 
     def described_values(self, values: Array) -> dict[str, float]:
-        """Return the description's values (SI) by path from those of the unknowns; items of lists by their number."""
+        """Return the description's values (SI) by path from those of the unknowns, without nuisances."""
         columns = self.columns(values)
         return {unknown.path: float(columns[unknown.path]) for unknown in self.unknowns if not unknown.nuisance}
 
     def columns(self, values: Array) -> dict[str, Array]:
-        """Return the last axis of `values`, a row or (candidates, unknowns), by the unknowns' paths."""
+        """Return the values of each unknown, a number or (candidates,), by its path, of `values`, (..., unknowns)."""
         return dict(zip((unknown.path for unknown in self.unknowns), values.T, strict=True))
 
     @cached_property
@@ -264,7 +268,7 @@ class Model(ABC):
 
     @cached_property
     def used(self) -> Flags:
-        """Mask of the samples that are fitted, (all samples,)."""
+        """Mask of the samples that are fitted and not NaN, (all samples,)."""
         return np.concatenate([output.fitted & np.isfinite(output.measured) for output in self.outputs])
 
     @cached_property

@@ -58,7 +58,7 @@ def issue_table(issues: Mapping[str, Sequence[Issue]]) -> ReportTable:
 
 
 def experiment_rows(values: Sequence[WrittenValue]) -> list[Row]:
-    """Return rows of experiments to record, and the parameters that each would identify."""
+    """Return rows of an experiment to record, and the unidentified parameters that it would identify."""
     missed: dict[str, list[str]] = {}
     for value in values:
         if value.estimate is not None and not value.identified and value.estimate.unknown.excitation:
@@ -104,7 +104,7 @@ def count_identified(values: Sequence[WrittenValue]) -> str:
 
 
 def distrust_reason(fit: Fit, values: Sequence[WrittenValue]) -> str | None:
-    """Return why a fit is not to be trusted; None if it is."""
+    """Return the first reason why a fit is not to be trusted; None if it is."""
     if fit.trusted:
         return None
     at_bounds = [value.path for value in values if value.at_bound]
@@ -124,12 +124,12 @@ def distrust_reason(fit: Fit, values: Sequence[WrittenValue]) -> str | None:
 
 
 def display_unit(unit: str) -> tuple[str, float]:
-    """Return the display unit for an SI unit, and its size in SI."""
+    """Return the display unit for an SI unit, and its size in SI; the unit itself and 1 where it has none."""
     return DISPLAY_UNITS.get(unit, ("" if unit == "1" else unit.replace("*", " "), 1.0))
 
 
 def format_short(value: str | float | None) -> str:
-    """Return a value with five digits and its unit; "" for None."""
+    """Return a value with five significant digits and its unit; "" for None."""
     if value is None:
         return ""
     number, _, unit = str(value).partition(" ")
@@ -137,7 +137,7 @@ def format_short(value: str | float | None) -> str:
 
 
 def format_percent(share: float) -> str:
-    """Return a fraction in per cent with three digits, without the sign."""
+    """Return a fraction in per cent with three significant digits, without the sign."""
     return f"{100.0 * share:.3g}"
 
 
@@ -214,7 +214,7 @@ def write_page(session: Identification, fit: Fit, path: Path) -> Path:
 
 
 def draw_logs(fit: Fit) -> list[CaptionedFigure]:
-    """Return a figure for each log of its measured and simulated signals; logs that were not fitted come first."""
+    """Return figures of the signals of up to `MAX_FIGURES` logs, measured and simulated; logs not fitted come first."""
     outputs = fit.model.outputs
     logs = list(dict.fromkeys(output.log for output in outputs))
     logs.sort(key=lambda log: any(output.fitted.any() for output in outputs if output.log == log))
@@ -227,7 +227,7 @@ def draw_logs(fit: Fit) -> list[CaptionedFigure]:
 
 
 def compared_signals(fit: Fit, log: str) -> list[ComparedSignal]:
-    """Return the signals of a log, with their simulation, in the units that people use."""
+    """Return the signals of a log, with their simulation, in display units."""
     signals = []
     for place, output in zip(fit.model.slices, fit.model.outputs, strict=True):
         if output.log == log:
@@ -238,7 +238,7 @@ def compared_signals(fit: Fit, log: str) -> list[ComparedSignal]:
 
 
 def describe_figure(signals: list[ComparedSignal]) -> str:
-    """Return the caption of the figure of a log's signals."""
+    """Return the caption of the figure of a log's signals, which states whether all, part or none was fitted."""
     fitted = np.concatenate([signal.fitted for signal in signals])
     some = "On a grey ground, what was not fitted but predicted."
     kept = (

@@ -169,7 +169,7 @@ def test_progress_grows_and_stays_below_one() -> None:
 def test_bounds_without_room_are_refused() -> None:
     model = Decay(TRUTH, 0.05, 0)
     model.unknowns = (replace(model.unknowns[0], guess=9.0), *model.unknowns[1:])
-    with pytest.raises(InputError, match="height: 9 V: lies outside what is searched"):
+    with pytest.raises(InputError, match="height: 9 V: lies outside the searched range"):
         fit(model)
 
 

@@ -152,7 +152,7 @@ def simulate_candidates(
         shapes: shapes of each case's results.
 
     Returns:
-        Results of each case, (candidates, *shape), not numbers where `run` wrote none.
+        Results of each case, (candidates, *shape), NaN where `run` wrote none.
     """
     results = [np.full((count, *shape), np.nan) for shape in shapes]
 

@@ -41,7 +41,7 @@ class CurveModel(Model, Generic[Described]):
         return insert_columns(self.origin, self._described_columns(self.columns(values)))
 
     def describe(self, values: Array) -> Described:
-        """Return the description with values of the unknowns (SI) in their places."""
+        """Return the validated description with values of the unknowns (SI) in their places, weights rounded."""
         columns = self._described_columns({path: float(value) for path, value in self.columns(values).items()})
         if self._weights in columns:
             columns[self._weights] = round_weights(np.array(columns[self._weights]))
@@ -175,7 +175,7 @@ def read_signal(log: Dataset, name: str, where: str, joint: str = "") -> Array:
 
 
 def read_moving_signal(log: Dataset, name: str, where: str, joint: str = "") -> Array:
-    """Return a motion without spikes and gaps, (samples,).
+    """Return a motion with its gaps interpolated and spikes of one sample removed, (samples,).
 
     Args:
         log: data set over `time`.
@@ -255,6 +255,7 @@ def effort_outputs(
 
 
 def _values(log: Dataset, name: str, joint: str) -> Array:
+    """Return the samples of a joint's signal, or of one that all joints share, gaps as NaN, (samples,)."""
     values = log[name].sel(joint=joint) if "joint" in log[name].dims else log[name]
     return np.array(values.to_numpy(), dtype=np.float64)
 

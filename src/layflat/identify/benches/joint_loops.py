@@ -197,6 +197,7 @@ def _find_moved_joints(machine: Machine, logs: Logs) -> list[str]:
 
 
 def _build_model(machine: Machine, logs: Logs, validation: Logs, *, blocks: Sequence[str]) -> LoopModel:
+    """Return the model of the one joint whose torques the logs hold; raise InputError if a log lacks a signal."""
     moved = _find_moved_joints(machine, logs)
     require_samples({**logs, **validation}, ("torque", "angle", "pressure_a"), moved[:1])
     return LoopModel(machine, logs, validation, joint=moved[0], blocks=blocks)
@@ -205,7 +206,10 @@ def _build_model(machine: Machine, logs: Logs, validation: Logs, *, blocks: Sequ
 def _build_alternatives(
     machine: Machine, logs: Logs, blocks: Sequence[str]
 ) -> dict[str, tuple[Machine, dict[str, Any]]]:
-    """Return the machine with each kind of losses to be compared; with its own kind as they are described."""
+    """Return the machine by kind of losses to compare, its own as described, and the file's parts that change.
+
+    There are none where the losses are not fitted, or are of a kind outside `STARTING_LOSSES`.
+    """
     (joint,) = _find_moved_joints(machine, logs)
     described = machine.joint[joint].losses.kind
     if "losses" not in blocks or described not in STARTING_LOSSES:

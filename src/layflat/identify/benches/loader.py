@@ -24,7 +24,10 @@ HYDDOWN = {".yml", ".yaml"}  # suffixes of HydDown's input files, which describe
 
 
 def is_bench(where: str | Path) -> bool:
-    """Return whether a built-in name or a file is that of a test bench that is not a machine."""
+    """Return whether a built-in name or a file is that of a test bench that is not a machine.
+
+    A file of HydDown is. Of others the `kind` counts, their own or that of the descriptions that they extend.
+    """
     place, visited = str(where), set[str]()
     if Path(place).suffix in HYDDOWN:
         return True
@@ -43,17 +46,17 @@ def load_description(where: str | Path) -> Machine | BenchDescription:
 
 
 def description_tables(where: str | Path) -> tuple[Plain, Sources]:
-    """Return the plain values of a machine or a test bench as its file has them, and their sources."""
+    """Return the plain values of a machine or a test bench, with those that it extends, and their sources."""
     return bench_tables(where) if is_bench(where) else tables(where)
 
 
 def load_bench(where: str | Path) -> Any:
-    """Return a test bench from its built-in name or file (HydDown's too); raise MachineError if anything is wrong."""
+    """Return a test bench from its built-in name or file (HydDown's too); raise InputError if anything is wrong."""
     return build_bench(bench_tables(where)[0], str(where))
 
 
 def bench_tables(where: str | Path) -> tuple[Plain, Sources]:
-    """Return the plain values of a test bench as its file has them, and their sources; raise MachineError if broken."""
+    """Return the plain values of a test bench, with those that it extends, and sources; raise InputError if broken."""
     if Path(where).suffix in HYDDOWN:
         from layflat.identify.benches.vessel.hyddown import hyddown_tables  # noqa: PLC0415  # of few benches
 
@@ -83,7 +86,7 @@ def description_class(kind: str) -> Any:
 
 
 def select_bench(described: Machine | BenchDescription, logs: Logs) -> BenchKind:
-    """Return the bench of a description; of a machine, the slow one if all logs have torque and no voltage."""
+    """Return the bench of a description; of a machine `joint_loops` if all logs have torque without voltage."""
     slow = all("torque" in log and "voltage" not in log for log in logs.values())
     of_machine = "joint_loops" if slow else "moving"
     name = KINDS[described.kind] if isinstance(described, BenchDescription) else of_machine

@@ -35,7 +35,10 @@ class TurnedLog(NamedTuple):
 
 @kernel
 def turned_torque(joint, log, torque):
-    """Write the torque that a sensor measures on a joint through a log, N m, to `torque`, (samples,)."""
+    """Write the torque that a sensor measures on a joint through a log, N m, to `torque`, (samples,).
+
+    Losses and friction begin with the common fraction of their limits that explains the first measured torque.
+    """
     hose_a, hose_b, friction, brake = joint.hose_a, joint.hose_b, joint.friction, joint.brake
     q, p_a, p_b = log.angle, log.pressure_a, log.pressure_b
     slow = turn_frictionless(initial_sweep(hose_a, hose_b), hose_a, hose_b, q[0], 0.0, p_a[0], p_b[0])

@@ -53,14 +53,14 @@ class Residuals:
         self.axes, self.strengths = np.eye(len(self.prior)), np.full(len(self.prior), np.inf)
 
     def compute_data(self, scaled: Array) -> Array:
-        """Return the residuals of candidates without the rows of the prior, (candidates, fitted samples)."""
+        """Return residuals without the prior's, (candidates, fitted samples); `DIVERGED_RESIDUAL` if not finite."""
         used, lengths = self.model.used, [len(output.measured) for output in self.model.outputs]
         simulated = self.model.simulate(self.scaling.unscale(scaled))[:, used]
         error = (simulated - self.model.measured[used]) / np.repeat(self.scales, lengths)[used]
         return np.asarray(np.where(np.isfinite(error), error, DIVERGED_RESIDUAL), dtype=np.float64)
 
     def __call__(self, scaled: Array) -> Array:
-        """Return all residuals of one candidate."""
+        """Return all residuals of one candidate, (fitted samples + unknowns,): those of the data, then of the prior."""
         return np.concatenate([self.compute_data(scaled[None])[0], self.compute_prior(scaled)])
 
     def compute_prior(self, scaled: Array) -> Array:
@@ -68,12 +68,12 @@ class Residuals:
         return np.asarray((scaled - self.prior) / self.widths)
 
     def compute_costs(self, scaled: Array) -> Array:
-        """Return half the sum of squared residuals of each candidate."""
+        """Return half the sum of squared residuals of each candidate, the prior's included, (candidates,)."""
         data, prior = self.compute_data(scaled), self.compute_prior(scaled)
         return np.asarray(0.5 * (np.sum(data**2, axis=1) + np.sum(prior**2, axis=1)))
 
     def compute_data_jacobian(self, scaled: Array) -> Array:
-        """Return the Jacobian of the residuals of the data, (fitted samples, unknowns), and update the principal axes.
+        """Return the Jacobian of the data, (fitted samples, unknowns); update `triangle`, `axes` and `strengths` from it.
 
         A joint that sticks and slips makes residuals rough. Differences are therefore taken along the principal axes of
         the last Jacobian, and the wider the less an axis changes: directions that the log hardly identifies then show,
@@ -93,7 +93,7 @@ class Residuals:
         return jacobian
 
     def compute_jacobian(self, scaled: Array) -> Array:
-        """Return the Jacobian of all residuals, (rows, unknowns)."""
+        """Return the Jacobian of all residuals, (rows, unknowns); update as `compute_data_jacobian` does."""
         return np.vstack([self.compute_data_jacobian(scaled), np.diag(1.0 / self.widths)])
 
 
@@ -113,7 +113,7 @@ NORMAL_QUANTILE = 1.959964  # 95 % of a normal distribution lie within so many s
 
 
 def covariance(jacobian: Array, residuals: Array, widths: Array) -> Array:
-    """Return the covariance of the scaled unknowns for white residuals of the size found, but not below their scale.
+    """Return the covariance of the scaled unknowns for white residuals, of their estimated variance but at least 1.
 
     Args:
         jacobian: Jacobian of the residuals by the scaled unknowns, (samples, unknowns).
@@ -125,7 +125,7 @@ def covariance(jacobian: Array, residuals: Array, widths: Array) -> Array:
 
 
 def bootstrap_moves(jacobian: Array, residuals: Array, widths: Array, blocks: NDArray[np.int64], seed: int) -> Array:
-    """Return moves of the optimum, (draws, unknowns), for blocks of samples drawn with replacement.
+    """Return `BOOTSTRAP_DRAWS` moves of the optimum, (draws, unknowns), for blocks of samples drawn with replacement.
 
     Args:
         jacobian: Jacobian of the residuals by the scaled unknowns, (samples, unknowns).
@@ -151,7 +151,11 @@ def bootstrap_moves(jacobian: Array, residuals: Array, widths: Array, blocks: ND
 
 
 def assign_blocks(model: Model, residuals: Array) -> NDArray[np.int64]:
-    """Return the number of the block of time of every fitted sample; outputs of a log share their blocks."""
+    """Return the number of the block of time of every fitted sample; outputs of a log share their blocks.
+
+    Blocks last `BLOCK_LENGTH_RATIO` times the longest correlation time of an output; all logs together have
+    `MIN_BLOCKS` to `MAX_BLOCKS`.
+    """
     used, every = model.used, np.zeros(len(model.used))
     every[used] = residuals
     outputs = list(zip(model.slices, model.outputs, strict=True))
@@ -186,7 +190,7 @@ def confidence_interval(scaled: Array, variances: Array, moves: Array) -> tuple[
 
 
 def are_distinguishable(residuals: Array, others: Array, blocks: NDArray[np.int64]) -> bool:
-    """Return whether the sums of squares of two sets of residuals differ by more than chance, from block to block.
+    """Return whether the sums of squares of two sets of residuals differ by more than chance (95 %) between blocks.
 
     Args:
         residuals: residuals of one candidate, (samples,).
@@ -199,7 +203,7 @@ def are_distinguishable(residuals: Array, others: Array, blocks: NDArray[np.int6
 
 
 def _correlation_time(residuals: Array, period: float) -> float:
-    """Return the time until the autocorrelation of residuals falls below 1/e, s."""
+    """Return the time until the autocorrelation of residuals falls below 1/e, s; all if it never does, 0 if equal."""
     r = residuals - residuals.mean()
     n = len(r)
     if not np.any(r):

@@ -139,13 +139,13 @@ class Fit:
 
 
 def relative_error(qualities: Sequence[Quality]) -> float:
-    """Return the rms error of several outputs, over their ranges; infinite where one diverged."""
+    """Return the root mean square of the `relative_rms` of several outputs; infinite where one diverged."""
     shares = [one.relative_rms for one in qualities]
     return float(np.sqrt(np.mean(np.square(shares)))) if np.isfinite(shares).all() else np.inf
 
 
 def choose_simplest(errors: Sequence[float]) -> int:
-    """Return the index of the first, simplest model whose error is equivalent to that of the best.
+    """Return the index of the first, simplest model whose error is at most 1.1 times the least, or 0.001 above it.
 
     Args:
         errors: over the range, the simplest model first.
@@ -173,7 +173,10 @@ def expected_errors(left_out: Mapping[str, Array], model: Model) -> tuple[Expect
 
 
 def _new_log_range(errors: Array) -> tuple[float, float]:
-    """Return the rms errors between which eight of ten new logs lie, if logarithms of errors are normal."""
+    """Return the rms errors between which eight of ten new logs lie, if logarithms of errors are normal.
+
+    They are 0 and infinite for fewer than two errors, or one that has no logarithm.
+    """
     from scipy.stats import t  # noqa: PLC0415  # scipy.stats takes long to import
 
     n = len(errors)
@@ -185,7 +188,7 @@ def _new_log_range(errors: Array) -> tuple[float, float]:
 
 
 def compute_quality(output: ModelOutput, chosen: Flags, simulated: Array, *, validation: bool) -> Quality:
-    """Return the quality of the prediction of an output's chosen samples.
+    """Return the quality of the prediction of an output's chosen samples; its errors are infinite if one is not finite.
 
     Args:
         output: output with its measured samples.
@@ -211,11 +214,13 @@ def compute_quality(output: ModelOutput, chosen: Flags, simulated: Array, *, val
 
 
 def _max_input_correlation(error: Array, driving: Array) -> float:
+    """Return the greatest correlation, by size, of an error with an input up to `MAX_LAGS` samples before."""
     lags = range(min(MAX_LAGS, len(error) - 2))
     return max((abs(_correlation(error[lag:], driving[: len(driving) - lag])) for lag in lags), default=0.0)
 
 
 def _correlation(a: Array, b: Array) -> float:
+    """Return the correlation of two signals, -1 to 1; 0 if one is constant."""
     a, b = a - a.mean(), b - b.mean()
     power = float(np.sqrt((a @ a) * (b @ b)))
     return float(a @ b) / power if power > 0.0 else 0.0

@@ -54,7 +54,7 @@ def fit(model: Model, *, starts: int = RANDOM_STARTS, seed: int = 0, progress: P
         as a `partial` fit; a second one is not caught.
 
     Raises:
-        InputError: the bounds of an unknown are no range.
+        InputError: the bounds of an unknown are no range, or its guess lies outside them.
     """
     search = _Search(model, progress)
     try:
@@ -80,7 +80,7 @@ def fit_near(model: Model, values: Array, *, seed: int = 0) -> Fit:
 
 
 def search_near(model: Model, values: Array) -> Array:
-    """Return the values (SI) a few steps of the search away from others, (unknowns,), without intervals."""
+    """Return the values (SI), (unknowns,), after up to `NEARBY_STEPS` steps of a search that begins at `values`."""
     search = _Search(model, None)
     start = search.scale(values)
     search.update_scales(start)
@@ -115,7 +115,7 @@ class _Search:
         return self.basin_hop(scaled, converged, seed)
 
     def set_model(self, model: Model) -> None:
-        """Go on with a model of the same unknowns."""
+        """Continue with a model of the same unknowns: its residuals, and its guess as the best point so far."""
         self.model, self.residuals = model, Residuals(model)
         self.best, self.min_cost = self.residuals.guess, np.inf
 
@@ -175,7 +175,7 @@ class _Search:
         return scaled, converged
 
     def choose_start(self, starts: int, seed: int) -> Array:
-        """Return the best of several starts after a few steps of refinement."""
+        """Return the best of a few refined starts: the guess, and the best of the model's and `starts` random ones."""
         guess, of_model = self.residuals.guess, self.residuals.scaling.scale(self.model.starts())
         tried = np.vstack([guess, np.clip(of_model, 0.0, 1.0), self._draw_starts(starts, seed)])
         self.simulations += len(tried)
@@ -253,7 +253,7 @@ class _Search:
     def refine(
         self, start: Array, steps: int, text: str, loss: Literal["linear", "soft_l1"] = "linear"
     ) -> tuple[Array, bool]:
-        """Minimise the residuals by least squares from a start.
+        """Minimise the residuals by least squares from a start, and keep the point of least cost in `best`.
 
         Args:
             start: scaled values, (unknowns,).
@@ -286,7 +286,7 @@ class _Search:
         return np.asarray(result.x), bool(result.status > 0)
 
     def update_scales(self, scaled: Array) -> None:
-        """Scale every output by its rms error, but not below the scale that it has of its own."""
+        """Scale every output by its rms error, but not below its own scale; `scaled` becomes the best point."""
         simulated = self.model.simulate(self.residuals.scaling.unscale(scaled[None]))[0]
         for i, (rows, output) in enumerate(zip(self.model.slices, self.model.outputs, strict=True)):
             chosen = self.model.used[rows]
@@ -340,7 +340,7 @@ class _Search:
 
 
 def _partners(model: Model, variances: Array) -> list[str | None]:
-    """Return the path of the unknown that each one can't be separated from, from their covariance."""
+    """Return by unknown the path of the most correlated one, if above `INSEPARABLE_CORRELATION`, else None."""
     deviations = np.sqrt(np.diag(variances))
     correlations = np.abs(variances / np.outer(deviations, deviations)) - 2.0 * np.eye(len(deviations))
     best = [int(np.argmax(row)) for row in correlations]

@@ -38,7 +38,10 @@ class Fold:
 
 
 def split_folds(model: Model) -> list[Fold]:
-    """Return folds that leave out each fitted log in turn; of a single log, each block of its time but the first."""
+    """Return folds that leave out the fitted logs in turn, in up to `MAX_FOLDS` groups.
+
+    Of a single log they leave out each of `TIME_BLOCKS` blocks of its time but the first.
+    """
     logs = list(dict.fromkeys(output.log for output in model.outputs if output.fitted.any()))
     if len(logs) > 1:
         groups = [logs[i::MAX_FOLDS] for i in range(min(MAX_FOLDS, len(logs)))]
@@ -102,7 +105,7 @@ class CrossValidation:
 
     @property
     def percent(self) -> str:
-        """Return the same in per cent, as text."""
+        """Return `error` in per cent with two significant digits, without the sign."""
         return f"{100.0 * self.error:.2g}"
 
 
@@ -116,8 +119,8 @@ def fit_selected(model: Model, *, starts: int = RANDOM_STARTS, seed: int = 0, pr
         progress: see `fit`.
 
     Returns:
-        The fit that is taken, with `expected` errors; remarks say which models were compared. A search that the user
-        stops is returned as it is.
+        The fit that is taken, with `expected` errors; remarks name the compared models, if there are `MIN_FOLDS` folds
+        to compare them by. A search that the user stops is returned as it is.
     """
 
     def report(fraction: float, text: str) -> None:

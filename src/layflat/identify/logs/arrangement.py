@@ -89,7 +89,10 @@ def _mask_column_codes(column: LogColumn) -> LogColumn:
 
 
 def mask_missing_codes(values: Array) -> tuple[Array, list[str]]:
-    """Return values with NaN for codes of missing samples, such as -9999, and a note; codes stand far out."""
+    """Return values with NaN for codes of missing samples, such as -9999, and a note.
+
+    Values stay as they are, with no note, unless the codes exceed `MIN_CODE_RATIO` times all other magnitudes.
+    """
     sizes = np.abs(values)
     coded = np.isfinite(values) & (np.isin(sizes, MISSING_CODES) | (sizes >= MIN_OVERFLOW_CODE))
     rest = sizes[np.isfinite(values) & ~coded]

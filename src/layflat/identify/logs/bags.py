@@ -62,7 +62,7 @@ def read_sqlite_bag(path: Path) -> FileContent:
 
 
 def _sqlite_messages(path: Path) -> Iterator[tuple[int, str, str, str, tuple[str, str] | None, int, bytes]]:
-    """Yield of each message: topic's number, name, type, encoding and definition, log time (ns), and its bytes.
+    """Yield of each message, by log time: topic's number, name, type, encoding, definition; log time (ns), bytes.
 
     A definition is its encoding and text, None where the file has none.
     """
@@ -169,7 +169,7 @@ def _decoder(kind: str, types: dict[str, Any], method: str) -> Decode:
 
 
 def check_plain_cdr(decode: Decode) -> Decode:
-    """Return a decoder that refuses all but plain CDR: other encodings align numbers differently."""
+    """Return a decoder that raises ValueError for all but plain CDR: other encodings align numbers differently."""
 
     def checked(data: bytes) -> Any:
         if data[:1] != b"\0" or data[1:2] not in {b"\0", b"\1"}:

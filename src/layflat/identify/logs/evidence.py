@@ -238,7 +238,7 @@ def _check_magnitude(candidate: SignalCandidate) -> SignalCandidate | str:
 
 
 def usual_magnitude(values: Array) -> float:
-    """Return the greatest finite magnitude of a column, single glitches left out."""
+    """Return the greatest finite magnitude of a column, or the 99th percentile where glitches are 5 times that."""
     sizes = np.abs(values[np.isfinite(values)])
     if not sizes.size:
         return 0.0
@@ -247,7 +247,7 @@ def usual_magnitude(values: Array) -> float:
 
 
 def choose_unit(column: LogColumn, signal: LogSignal) -> tuple[str, str]:
-    """Return the unit of a column, from its header or by its values, and the reason."""
+    """Return the unit of a column, from its header or by its values ("" if these are ambiguous), and the reason."""
     if column.header.unit:
         return column.header.unit, "unit as in the header"
     finite = column.values[np.isfinite(column.values)]

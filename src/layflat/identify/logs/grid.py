@@ -165,7 +165,9 @@ def build_grid(clocks: Sequence[SampleClock], cycle: float | None, where: str) -
         problem = f"{len(clocks)} signals at {size} instants are {8e-9 * size * len(clocks):.2g} GB"
         raise InputError(problem, where=where, right="cut the log, map fewer columns, or give a longer cycle")
     if size < 2:
-        raise InputError(f"{end - start:g} s are less than a period of {period:g} s", where=where, right="give less")
+        raise InputError(
+            f"{end - start:g} s are less than a period of {period:g} s", where=where, right="give a shorter `cycle`"
+        )
     return TimeGrid(start, period, start + period * np.arange(size, dtype=np.float64))
 
 
@@ -178,7 +180,7 @@ def build_recorded_grid(clocks: Sequence[SampleClock], where: str) -> TimeGrid:
 
 
 def resample(series: SignalSeries, grid: TimeGrid) -> Array:
-    """Return a signal on the grid, (instants,); NaN outside its samples and in gaps."""
+    """Return a signal on the grid, (instants,): commands held, NaN before the first; others NaN outside and in gaps."""
     finite = np.isfinite(series.values)
     time, values = series.clock.time[finite], series.values[finite]
     if not time.size:
@@ -197,7 +199,7 @@ def resample(series: SignalSeries, grid: TimeGrid) -> Array:
 
 
 def find_gaps(series: SignalSeries) -> list[tuple[float, float]]:
-    """Return the stamps (s) of the samples before and after each gap."""
+    """Return the stamps (s) of the samples before and after each gap of more than `GAP_PERIODS` periods."""
     time = series.clock.time[np.isfinite(series.values)]
     steps = np.diff(time)
     if not steps.size:

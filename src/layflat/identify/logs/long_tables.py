@@ -153,7 +153,7 @@ def _repeated_fraction(names: NDArray[np.str_], times: Array) -> float:
 def _read_times(
     roles: LongTableRoles, headers: Mapping[str, Header], cells: Mapping[str, Cells], names: NDArray[np.str_]
 ) -> tuple[Header, Array, str]:
-    """Return the clock's header, the times of all rows, and a note on their column: the one with the finest steps."""
+    """Return the clock's header, the times of all rows, and a note on their column: that with the fewest repeats."""
     read = {name: _read_time_column(name, headers[name], cells[name]) for name in roles.times}
     usable = {name: times for name, times in read.items() if np.isfinite(times[0]).any()}
     finest = min(usable or read, key=lambda name: round(_repeated_fraction(names, read[name][0]), 2))
@@ -197,7 +197,10 @@ def _read_time_column(name: str, header: Header, cells: Cells) -> tuple[Array, H
 
 
 def _mask_invalid(roles: LongTableRoles, cells: Mapping[str, Cells], values: Array) -> tuple[Array, NDArray[np.bool_]]:
-    """Return values with NaN for samples whose quality is not the most frequent one, and their mask."""
+    """Return values with NaN for samples whose quality is not the most frequent one, and their mask.
+
+    Values stay as they are without a column of quality, or where no quality is that of half of the samples.
+    """
     all_valid = np.zeros(values.size, dtype=bool)
     if not roles.quality:
         return values, all_valid

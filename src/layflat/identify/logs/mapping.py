@@ -218,7 +218,7 @@ def _comment_lines(text: str) -> str:
 def write_mapping(
     mapping: LogMapping, path: str | Path, notes: Mapping[str, str] | None = None, head: str = ""
 ) -> Path:
-    """Write a mapping file for `read_mapping`; raise OutputError if it can't be written there.
+    """Write a mapping file for `read_mapping` and return its path; raise OutputError if it can't be written there.
 
     Args:
         mapping: mapping to be written.

@@ -141,7 +141,9 @@ def decompress_messages(decode: Decode | str) -> Decode | str:
 def flatten_message(
     message: Any, prefix: str = "", names: Sequence[str] | None = None
 ) -> Iterator[tuple[str, float | str]]:
-    """Yield dotted names and values of all numbers in a message; for other content a reason, as text.
+    """Yield dotted names and values of all numbers in a message; for long arrays and numbers as text, a reason.
+
+    Other content is passed over.
 
     A time of seconds and nanoseconds is one number, s. Items of arrays are "field.0" and so on, or have the names in
     the field `name` or `names` of the message, as in sensor_msgs/JointState.

@@ -93,7 +93,7 @@ def _reading_notes(table: LogTable, mapping: LogMapping, by_name: bool) -> list[
     if table.clock is not None and table.words:
         first = ", ".join(f"{name} ({why})" for name, why in list(table.words.items())[:MAX_LISTED_REASONS])
         more = f" and {len(table.words) - MAX_LISTED_REASONS} more" if len(table.words) > MAX_LISTED_REASONS else ""
-        notes.append(f"what makes no column is left out: {first}{more}")
+        notes.append(f"left out, as they make no column: {first}{more}")
     simulated = any(name.startswith("measured_angle") for name in table.columns)  # true values stay out of a fit
     if by_name and not simulated and table.clock is None:
         used = {column for entry in mapping.column for column in entry.columns} | {clock}
@@ -106,7 +106,10 @@ def _reading_notes(table: LogTable, mapping: LogMapping, by_name: bool) -> list[
 
 
 def _build_series(table: LogTable, mapping: LogMapping, joints: list[str] | None, where: str) -> list[SignalSeries]:
-    """Return all mapped columns in SI over their clocks; columns with the same stamps share a clock."""
+    """Return all mapped columns in SI over their clocks; columns with the same stamps share a clock.
+
+    Raise InputError if the file lacks a column that is not optional, or all columns, or two entries are one channel.
+    """
     seconds, shared_stamps, message_clock = _select_clock(table, mapping, where)
     clocks: dict[bytes, SampleClock] = {}
     series: list[SignalSeries] = []
@@ -147,7 +150,10 @@ def _missing_column_error(name: str, table: LogTable, where: str) -> InputError:
 
 
 def _select_clock(table: LogTable, mapping: LogMapping, where: str) -> tuple[float, Array, str | None]:
-    """Return the unit of the stamps, s, the stamps shared by all columns, and the name of a clock in the messages."""
+    """Return the unit of the stamps, s, the stamps shared by all columns, and the name of a clock in the messages.
+
+    Stamps are empty where each column has its own; the name is None unless the mapping selects such a clock.
+    """
     time = mapping.time
     if table.clock is not None:
         seconds = time.seconds if time is not None else u.TIME.convert(f"1 {table.clock.unit or 's'}")
@@ -199,7 +205,10 @@ def _message_stamps(table: LogTable, column: LogColumn, clock: str, where: str) 
 
 
 def _joint_of_entry(entry: MappedColumn, mapping: LogMapping, joints: list[str] | None, where: str) -> str | None:
-    """Return the joint of an entry, which a log of one joint need not name; None for signals without joint."""
+    """Return the joint of an entry, which a log of one joint need not name; None for signals without joint.
+
+    Raise InputError if the entry leaves the joint open, or names one that the machine lacks.
+    """
     if not SIGNALS[entry.signal].by_joint:
         return None
     if entry.joint is None:
@@ -268,7 +277,7 @@ def _build_dataset(table: LogTable, series: list[SignalSeries], grid: TimeGrid) 
 
 
 def _mean_on_grid(series: list[SignalSeries], grid: TimeGrid) -> Array:
-    """Return the mean of columns that measure the same, on the grid; NaN where one has no value."""
+    """Return the mean of columns of one channel on the grid; NaN where one has no value, and for no columns."""
     if not series:
         return np.full(grid.stamps.size, np.nan)
     mean: Array = np.mean([resample(column, grid) for column in series], axis=0)

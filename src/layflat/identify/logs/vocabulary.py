@@ -166,7 +166,9 @@ def unit_conversion(unit: str, signal: LogSignal) -> tuple[float, float]:
     text = unit.strip()
     if signal.kind is None:
         if text not in _FRACTION_UNITS:
-            raise ValueError(f"{unit!r} is not a unit of a share; give one of {', '.join(map(repr, _FRACTION_UNITS))}")
+            raise ValueError(
+                f"{unit!r} is not a unit of a fraction; give one of {', '.join(map(repr, _FRACTION_UNITS))}"
+            )
         return _FRACTION_UNITS[text], 0.0
     numbered = text[:1].isdigit() or text[:1] == "."
     try:

@@ -141,6 +141,7 @@ class ArmModel(Model):
         return self._feasible(scaled)
 
     def _feasible(self, scaled: Array) -> Array:
+        """Return scaled values with infeasible links replaced: see `feasible_columns`."""
         columns = feasible_columns(self.machine, self.columns(self.scaling.unscale(scaled)[None]))
         return self.scaling.scale(np.array([columns[unknown.path][0] for unknown in self.unknowns]))
 

@@ -125,7 +125,7 @@ def _changes_torques(machine: Machine, path: str, torques: Array) -> bool:
 
 
 def sample_torques(machine: Machine) -> Array:
-    """Return the torques of a few random motions, (motions, joints), N m."""
+    """Return the torques of `TEST_MOTIONS` random motions, the same in every call, (motions, joints), N m."""
     arm, n, generator = parameters.arm(machine), len(machine.joints), np.random.default_rng(0)
     torques = []
     for _ in range(TEST_MOTIONS):
@@ -206,9 +206,9 @@ MACHINE_BLOCKS = ("valve", *PARAMETERS_BY_JOINT, "line", "payload", "sensors")  
 
 
 def machine_unknowns(machine: Machine, blocks: Sequence[str]) -> list[Unknown]:
-    """Return the unknowns of a machine in these blocks; raise InputError if a block is unknown, or there is none."""
+    """Return the unknowns of a machine in these blocks; raise InputError if one does not exist here."""
     if not blocks:
-        raise InputError("names no block", where="fit", right=f"choose from {', '.join(MACHINE_BLOCKS)}")
+        raise InputError("names no block", where="blocks", right=f"choose from {', '.join(MACHINE_BLOCKS)}")
     of_kind = SWITCHING_PARAMETERS if isinstance(machine.valve, SwitchingValvesPart) else SPOOL_PARAMETERS
     specs = {"valve": [*VALVE_PARAMETERS, *of_kind], "payload": [PAYLOAD_PARAMETER], "sensors": [SENSOR_PARAMETER]}
     for block, shared in PARAMETERS_BY_JOINT.items():
@@ -229,7 +229,7 @@ def machine_unknowns(machine: Machine, blocks: Sequence[str]) -> list[Unknown]:
         )
     return [
         spec.unknown(machine)
-        for block in check_choices(blocks, MACHINE_BLOCKS, "fit", "block")
+        for block in check_choices(blocks, MACHINE_BLOCKS, "blocks", "block")
         for spec in specs[block]
     ]
 

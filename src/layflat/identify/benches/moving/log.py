@@ -128,7 +128,7 @@ START_COUNTS, START_NOISE_RATIO = 2.0, 4.0  # bounds of the first angle about th
 
 
 def sensor_offset(machine: Machine) -> float:
-    """Return the offset of the sensor of the differential pressure, Pa."""
+    """Return the offset of the sensor of the differential pressure, Pa; 0 without a sensor."""
     return machine.pressure_sensor.offset if machine.pressure_sensor is not None else 0.0
 
 
@@ -138,7 +138,7 @@ def _noise_deviation(sensor: AngleSensor | PressureSensor) -> float:
 
 
 def _initial_mean(values: Array) -> Array:
-    """Return the mean of the first samples that are numbers, (joints,); not a number where there are none."""
+    """Return the mean of the numbers among the first `INITIAL_SAMPLES`, (joints,); NaN where there are none."""
     finite = np.isfinite(values[:INITIAL_SAMPLES])
     counts = finite.sum(axis=0)
     sums = np.where(finite, values[:INITIAL_SAMPLES], 0.0).sum(axis=0)
@@ -229,7 +229,10 @@ class MachineLog:
         return np.ascontiguousarray(smooth.T)
 
     def _first_pressures(self, first: Mapping[str, Array]) -> tuple[list[float], list[float]]:
-        """Return first pressures of hoses A and B; without both measured, about their mean with equal leakage."""
+        """Return the first absolute pressures of hoses A and B, by joint.
+
+        Without both measured they lie about `REST_PRESSURE_RATIO` of the supply, by the measured difference apart.
+        """
         supply, offset = self._signal("supply"), sensor_offset(self.machine)
         mean = REST_PRESSURE_RATIO * (self.machine.supply.pressure if supply is None else float(supply[0]))
         unknown = np.full(len(self.joints), np.nan)
@@ -252,7 +255,7 @@ class MachineLog:
         return unknowns
 
     def _outputs(self) -> list[ModelOutput]:
-        """Return measured angle and differential pressure of every joint as model outputs, scaled by sensor noise."""
+        """Return every measured signal of every joint as a model output, scaled by its sensor's noise."""
         _, angle, pressure = parameters.valve_and_sensors(self.machine)
         voltage, outputs = self._signal("voltage"), []
         assert voltage is not None
@@ -283,7 +286,7 @@ class MachineLog:
             gains: gains of the injection.
 
         Returns:
-            All outputs, (candidates, samples), one after the other; not numbers beyond the fraction.
+            All outputs, (candidates, samples), one after the other, within `limits`; NaN beyond the fraction.
         """
         count = len(shared["scenario.load"])
         outputs = np.full((count, len(self.measured), len(self.joints), len(self.time)), np.nan)
@@ -315,7 +318,7 @@ class MachineLog:
     def _injection(
         self, shared: Mapping[str, Array], offset: Array, stage: ContinuationStage, gains: OutputInjectionGains
     ) -> dict[str, Array]:
-        """Return the injection of every candidate, by path."""
+        """Return the injection of every candidate, by path, corrected for the sensor's offset in fed back pressures."""
         varied = gains.varied_paths(self.joints, stage, len(offset))
         if stage.air > 0.0 and "measured_pressure" in self.measured:
             # The differential pressures that are fed back contain the sensor's offset.

@@ -161,7 +161,7 @@ def parameters(bench: RegulatedJointBench, log: RegulatedLog) -> laws.RegulatedS
 
 
 def _rotation(time: Array, angle: Array) -> Array:
-    """Return the rotation in the last `ROTATION_TIME` seconds, along the last axis; not a number before."""
+    """Return the rotation in the last `ROTATION_TIME` seconds, along the last axis; NaN in the first ones."""
     earlier = np.searchsorted(time, time - ROTATION_TIME + 1e-9, side="right") - 1
     return np.asarray(np.where(earlier >= 0, angle - angle[..., np.maximum(earlier, 0)], np.nan))
 
@@ -176,21 +176,23 @@ def _drop_joint(name: str, log: Dataset) -> Dataset:
 
 
 def _read_regulated_log(bench: RegulatedJointBench, name: str, data: Dataset) -> RegulatedLog:
-    """Return the signals of a log; gaps in measured ones are interpolated, as only the first stages use them."""
+    """Return the signals of a log, gaps in measured ones interpolated; raise InputError for unusable ones."""
     for signal in SIGNALS:
         if signal not in data:
             raise InputError(f"has no {signal}", where=name, right=f"a regulated joint needs {', '.join(SIGNALS)}")
     time = np.asarray(data["time"].values, dtype=np.float64)
     if len(time) < 3 or not (np.diff(time) > 0.0).all():
-        raise InputError("its time does not grow", where=name, right="give 3 samples or more, in order")
+        raise InputError("its time does not rise, or has fewer than 3 samples", where=name, right="give more, in order")
     columns = {}
     for signal in SIGNALS:
         values = np.asarray(data[signal].values, dtype=np.float64)
         finite = np.isfinite(values)
         if not finite.all() and signal.startswith("setpoint"):
-            raise InputError("has gaps", where=f"{name}: {signal}", right="commands have to be known throughout")
+            raise InputError(
+                "has gaps", where=f"{name}: {signal}", right="fill them: a command has to be known throughout"
+            )
         if not finite[0]:
-            raise InputError("begins with a gap", where=f"{name}: {signal}", right="cut the log where it is known")
+            raise InputError("begins with a gap", where=f"{name}: {signal}", right="begin the log where it is known")
         columns[signal] = np.interp(time, time[finite], values[finite])
     half, close = 0.5 * bench.stroke.reading, READING_MARGIN * bench.stroke.reading
     first = columns["angle"][0]

@@ -138,11 +138,13 @@ def _volume_range(bench: RegulatedJointBench, volume: float) -> tuple[float, flo
 
 
 def _angle_range(bench: RegulatedJointBench, angle: float) -> tuple[float, float, bool]:
+    """Return the range of an angle: that of the sensor, extended to the described angle."""
     half = 0.5 * bench.stroke.reading
     return min(-half, angle), max(half, angle), False
 
 
 def _stop_range(bench: RegulatedJointBench, stop: float) -> tuple[float, float, bool]:
+    """Return the range of a stop: from the end of the sensor's range outwards, extended to the described stop."""
     half = 0.5 * bench.stroke.reading
     far = half + 2.0 * MAX_STOP_MARGIN * half
     return (min(-far, stop), -half, False) if stop < 0.0 else (half, max(far, stop), False)

@@ -78,7 +78,7 @@ def target_setpoint(regulator, offset, command, p_ambient):
 
 @law
 def regulator_opening(regulator, s, p):
-    """Return the opening at set-point s and pressure p."""
+    """Return the opening at set-point s and pressure p, from -1 (exhaust) to 1 (supply)."""
     error = s - p
     return min(max(error / select(error > 0.0, regulator.band_in, regulator.band_out), -1.0), 1.0)
 
@@ -238,7 +238,7 @@ class RegulatedSignals(NamedTuple):
 
 @law
 def _mean_target(valve, offset, commands, j, fraction, before, p_a):
-    """Return the mean set-point over a step, Pa: of command j, and after `fraction` of the step of the next one.
+    """Return the mean set-point over a step, Pa: that of command j, and in its last `fraction` that of the next one.
 
     Before the first command (j < 0) the valve keeps the set-point `before`.
     """

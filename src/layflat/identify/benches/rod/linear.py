@@ -89,7 +89,7 @@ def prior_moments(unknown: Unknown) -> tuple[float, float]:
 
 
 def linearise(model: Model, values: Array, nearby: Collection[str] = ()) -> tuple[Array, Array, list[int]]:
-    """Return J, r and the positions of J's columns among the unknowns.
+    """Return J, r (of at most `MAX_SAMPLES` samples) and the positions of J's columns among the unknowns.
 
     Args:
         model: model of a rod.

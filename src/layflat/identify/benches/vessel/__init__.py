@@ -267,13 +267,15 @@ def _read_vessel_log(name: str, log: Dataset, added_volume: float) -> VesselLog:
             return np.full(len(time), default)
         values = np.asarray(log[key].values, dtype=np.float64)
         if not np.isfinite(values).all():
-            raise InputError("has gaps", where=f"{name}: {key}", right="what acts has to be known throughout")
+            raise InputError("has gaps", where=f"{name}: {key}", right="fill them: an input has to be known throughout")
         return values
 
     finite = {key: np.flatnonzero(np.isfinite(log[key].values)) for key in SIGNALS if key in log}
     samples = {key: rows for key, rows in finite.items() if len(rows)}
     if len(samples.get("pressure", ())) < 3:
-        raise InputError("has no pressure", where=name, right="a vessel is identified by 3 samples or more")
+        raise InputError(
+            "has fewer than 3 samples of pressure", where=name, right="map a column to the signal pressure"
+        )
     return VesselLog(
         name, VesselInputs(time, read_input("supply", np.nan), read_input("opening", 1.0)), added_volume, samples
     )
@@ -290,7 +292,7 @@ def _model_output(log: VesselLog, data: Dataset, signal: str, fitted_share: floa
 
 
 def _outside_unknowns(bench: VesselBench, pressures: list[ModelOutput]) -> list[Unknown]:
-    """Return the pressure outside as an unknown, if a log without it ends near it."""
+    """Return the pressure outside as the only unknown, if a log without it ends near it; else none."""
     described = bench.outside.pressure
     lasts = [output.measured[output.fitted][-1] for output in pressures if output.fitted.any()]
     if not any(abs(last - described) < OUTSIDE_MARGIN * described for last in lasts):
@@ -300,7 +302,7 @@ def _outside_unknowns(bench: VesselBench, pressures: list[ModelOutput]) -> list[
 
 
 def _start_unknown(bench: VesselBench, output: ModelOutput) -> Unknown:
-    """Return the first pressure of a log as an unknown: it need not have been measured just then."""
+    """Return the pressure at a log's start as an unknown; guessed by a sample at time 0, else as described."""
     first, path = float(output.measured[0]), f"start.pressure.{output.log}"
     guess = first if output.time[0] == 0.0 else bench.start.pressure
     low, high = 0.8 * min(first, guess), 1.25 * max(first, guess)

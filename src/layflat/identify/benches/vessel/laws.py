@@ -180,12 +180,14 @@ class VesselInputs(NamedTuple):
 
 @law
 def _outside_at(outside, supply):
+    """Return the outside with the pressure `supply` of a log, Pa, or its own where that is NaN."""
     pressure = supply if supply == supply else outside.pressure  # noqa: PLR0124
     return Outside(pressure, outside.temperature, outside.ambient_pressure, outside.ambient_temperature)
 
 
 @law
 def _advance(state, rate, h):
+    """Return the state after a step of h seconds at constant rates."""
     return Filling(
         state.energy + h * rate.energy, state.mass + h * rate.mass, state.wall_temperature + h * rate.wall_temperature
     )

@@ -72,12 +72,12 @@ class Channel:
 
     @property
     def low(self) -> float:
-        """Lower end of the range, single wild samples left out."""
+        """Lower end of the range: `TAIL_PERCENT` of the samples lie below."""
         return float(np.percentile(self.samples, TAIL_PERCENT))
 
     @property
     def high(self) -> float:
-        """Upper end of the range, single wild samples left out."""
+        """Upper end of the range: `TAIL_PERCENT` of the samples lie above."""
         return float(np.percentile(self.samples, 100.0 - TAIL_PERCENT))
 
     def format_value(self, value: float) -> str:
@@ -174,7 +174,7 @@ def median_filter(values: Array) -> Array:
 
 
 def noise_deviation(values: Array) -> float:
-    """Return the standard deviation of a signal's noise, from second differences: the signal must be slow."""
+    """Return the standard deviation of a slow signal's noise, by second differences; at least half a smallest step."""
     if values.size < 3:
         return 0.0
     deviation = np.median(np.abs(np.diff(values, 2))) * 1.4826 / np.sqrt(6.0)

@@ -99,7 +99,7 @@ def _median_offset(x: Array, y: Array) -> float:
 
 
 def _is_ambient(offset: float, log: CheckedLog) -> bool:
-    """Return whether an offset (Pa) is about ambient pressure."""
+    """Return whether the size of an offset (Pa) is about ambient pressure."""
     return abs(abs(offset) - log.ambient) < MEASURED_TOLERANCE * log.ambient
 
 

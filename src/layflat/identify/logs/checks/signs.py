@@ -78,7 +78,7 @@ def _joint_sign_issues(joint: str | None, log: CheckedLog) -> Iterator[Issue]:
 
 
 def _rotation_correlation(angle: Array, difference: Array, period: float) -> float:
-    """Return the correlation of the pressure difference with the rotation in the time that follows; 0: unknown."""
+    """Return the correlation of the pressure difference with the rotation in the next `LOOKAHEAD_TIME`; 0: unknown."""
     window, ahead = max(1, round(AVERAGING_TIME / period)), max(1, round(LOOKAHEAD_TIME / period))
     x, y = moving_average(difference, window), moving_average(angle, window)
     if x.size <= ahead + MIN_CORRELATION_SAMPLES:
@@ -140,7 +140,7 @@ LAG_CRITERIA = ((0.06, 2.0), (0.03, 5.0))  # least lag, s, and least ratio of th
 
 
 def lag_issues(log: CheckedLog) -> Iterator[Issue]:
-    """Yield joints whose angle lags or leads their pressures."""
+    """Yield a warning for each joint whose angle lags or leads its pressures significantly: see `estimate_lag`."""
     for joint in log.joints or (None,):
         angle, difference = log.find_channel("angle", joint), log.difference(joint)
         if angle is None or difference is None or log.period <= 0.0:
@@ -194,7 +194,7 @@ def estimate_lag(angle: Array, difference: Array, period: float) -> float | None
 
 
 def _torque_terms(angle: Array, window: int, period: float) -> Array:
-    """Return the terms of a joint's torque, (samples, terms): powers of angle, speed, its sign, acceleration."""
+    """Return scaled terms of a joint's torque, (samples, 7): powers 0 to 3 of angle, speed, its sign, acceleration."""
     smooth, speed, bend = (savgol_filter(angle, window, 3, deriv=n, delta=period, mode="nearest") for n in range(3))
     finite = np.isfinite(smooth) & np.isfinite(bend)
     x = smooth / (float(np.std(smooth[finite])) or 1.0) if finite.any() else smooth

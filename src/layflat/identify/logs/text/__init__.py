@@ -92,7 +92,7 @@ def _declared_delimiter(lines: list[str]) -> tuple[str, int]:
 
 
 def _column_names(layout: TextLayout, path: Path, table: TextTable) -> list[str]:
-    """Return a name for each column; raise InputError if the header has another number of them."""
+    """Return a name for each column, and add notes to the table; raise InputError if the header has another number."""
     names, width = list(layout.names), layout.width
     if names and len(names) == width + 1 and not names[-1]:
         names.pop()
@@ -199,7 +199,7 @@ def _has_fractions(cells: dict[int, ColumnReading], words: dict[int, list[str]])
 def _fill_table(
     table: TextTable, layout: TextLayout, cells: dict[int, ColumnReading], words: dict[int, list[str]]
 ) -> None:
-    """Add columns, units and notes to the table, by the names of the layout."""
+    """Add columns, units and notes to the table, by the names of the layout; leave out empty columns without name."""
     for i, title in enumerate(layout.names):
         name, column = title, cells[i]
         if column.values is None:

@@ -167,7 +167,7 @@ class SampleLines(io.TextIOBase):
         yield "".join(batch)
 
     def _row(self, line: str, count: int) -> str | None:
-        """Return a line as a row with a field for each column; None if it is no row of samples."""
+        """Return a line as a row with a field for each column, and count it; None if broken or no row of samples."""
         layout, width = self.layout, self.layout.width
         if layout.arrivals or "\x1b" in line or line.lstrip()[:1] in BRACKETS:
             line = clean_line(line, layout.delimiter, layout.arrivals)

@@ -59,7 +59,7 @@ def is_missing(cell: str) -> bool:
 
 
 def parse_number(text: str, decimal: Decimal) -> float | None:
-    """Return the number of a normalized cell by a decimal sign; None where it is none."""
+    """Return the number of a normalized cell by a decimal sign: NaN of "nan" and "inf", 1 of "on"; None for others."""
     if _NO_NUMBER.fullmatch(text):
         return float("nan")
     if text.lower() in SWITCH_VALUES:

@@ -71,7 +71,10 @@ def is_stamp(text: str) -> bool:
 
 
 def read_stamps(cells: Sequence[str]) -> StampReading | None:
-    """Read a column of dates, dates with times, or times of day; None where fewer than half of the cells are."""
+    """Read a column of dates, dates with times, or times of day.
+
+    None where fewer than half of the filled cells are stamps, or these are of several kinds, ambiguous or invalid.
+    """
     parts = [None if is_missing(cell) else _parse_stamp(normalize_cell(cell)) for cell in cells]
     stamps = [part for part in parts if part is not None]
     filled = sum(not is_missing(cell) for cell in cells)
