@@ -84,7 +84,7 @@ def test_what_parquet_holds_besides_is_named(tmp_path: Path) -> None:
 def test_two_columns_of_one_name_in_parquet(tmp_path: Path) -> None:
     table = pyarrow.Table.from_arrays([pyarrow.array([1.0]), pyarrow.array([2.0])], names=["a", "a"])
     parquet.write_table(table, tmp_path / "x.parquet")
-    with pytest.raises(InputError, match="column 'a' stands there twice; rename one of them"):
+    with pytest.raises(InputError, match="has two columns named 'a'; rename one of them"):
         read_table(tmp_path / "x.parquet")
 
 
@@ -167,7 +167,10 @@ def test_what_netcdf_holds_besides_is_named(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("content", "expected"),
     [
-        (b"CDF\x05" + bytes(30), "is NetCDF of the kind CDF-5, which is not read here; `nccopy -k nc4 x.nc NEW.nc`"),
+        (
+            b"CDF\x05" + bytes(30),
+            "is NetCDF of the kind CDF-5, which is not read here; convert it: `nccopy -k nc4 x.nc NEW.nc`",
+        ),
         (b"CDF\x01" + b"\xff" * 30, "can't be read as NetCDF"),
         (b"CDF\x02", "can't be read as NetCDF"),
     ],

@@ -196,7 +196,7 @@ def test_parquet_with_dates_units_and_words(tmp_path: Path) -> None:
             "time,force\n1,1\n1,2\n",
             "all 2 samples have the stamp 1 s; name a column that rises as its clock",
         ),
-        ("log.csv", "time,force\n0,1\n1e-12,2\n2e-12,3\n9999,3\n", "are too many; check the unit of time"),
+        ("log.csv", "time,force\n0,1\n1e-12,2\n2e-12,3\n9999,3\n", "too many; check the unit of time"),
     ],
 )
 def test_what_can_not_be_read_is_told_in_one_line(tmp_path: Path, name: str, text: str | None, expected: str) -> None:

@@ -251,7 +251,7 @@ def test_a_clock_in_messages_is_that_of_their_topic(tmp_path: Path) -> None:
     for clock, column, expected in (
         ("header.stamp", "valves.data.0", "'valves.data.0' carry no 'header.stamp'; leave that column out, or go by"),
         ("p.header.stamp", "s.position.a", "carry no 'p.header.stamp'; name the field alone, as \"header.stamp\""),
-        ("no.stamp", "p.variance", "no clock 'no.stamp' in x.mcap; its samples have 'log_time'"),
+        ("no.stamp", "p.variance", "no clock 'no.stamp' in x.mcap; use 'log_time', which all samples have"),
     ):
         with pytest.raises(InputError) as caught:
             log_of(path, clock, "p.fluid_pressure", column)

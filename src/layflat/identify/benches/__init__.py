@@ -127,9 +127,11 @@ def fitted_fraction(logs: Logs, validation: Logs | None, fraction: float | None)
         InputError: there is no log, or the fraction is out of range.
     """
     if not logs:
-        raise InputError("there is none", where="logs", right="give one or more")
+        raise InputError("there is no log", where="logs", right="give one or more")
     if fraction is not None and not 0.0 < fraction <= 1.0:
-        raise InputError(f"{fraction:g} is out of range", where="fitted_share", right="give 0.67, or 1 for all")
+        raise InputError(
+            f"{fraction:g} is out of range", where="fitted_share", right="give a fraction such as 0.67, or 1 for all"
+        )
     return fraction or (1.0 if validation else FITTED_FRACTION)
 
 

@@ -73,7 +73,7 @@ class Residuals:
         return np.asarray(0.5 * (np.sum(data**2, axis=1) + np.sum(prior**2, axis=1)))
 
     def compute_data_jacobian(self, scaled: Array) -> Array:
-        """Return the Jacobian of the data, (fitted samples, unknowns); update `triangle`, `axes` and `strengths` from it.
+        """Return the Jacobian of the data, (fitted samples, unknowns); update `triangle`, `axes` and `strengths`.
 
         A joint that sticks and slips makes residuals rough. Differences are therefore taken along the principal axes of
         the last Jacobian, and the wider the less an axis changes: directions that the log hardly identifies then show,

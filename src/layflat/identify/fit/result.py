@@ -175,7 +175,7 @@ def expected_errors(left_out: Mapping[str, Array], model: Model) -> tuple[Expect
 def _new_log_range(errors: Array) -> tuple[float, float]:
     """Return the rms errors between which eight of ten new logs lie, if logarithms of errors are normal.
 
-    They are 0 and infinite for fewer than two errors, or one that has no logarithm.
+    They are 0 and infinite for fewer than two errors, or if one is zero or infinite.
     """
     from scipy.stats import t  # noqa: PLC0415  # scipy.stats takes long to import
 

@@ -50,7 +50,7 @@ def read_parquet(path: Path) -> FileContent:
         columns = _read_damaged(partial(_list_columns, field.name, column), path, "Parquet")
         for name, values, unit in columns:
             if name in cells or name in left_out:
-                raise InputError(f"column {name!r} stands there twice", where=str(path), right="rename one of them")
+                raise InputError(f"has two columns named {name!r}", where=str(path), right="rename one of them")
             if unit is None:
                 left_out[name] = str(values)
                 continue
@@ -149,7 +149,7 @@ def read_netcdf(path: Path) -> FileContent:
     with path.open("rb") as file:
         magic = file.read(4)
     if magic == CDF5_MAGIC:
-        right = f"`nccopy -k nc4 {path.name} NEW.nc` makes one that is"
+        right = f"convert it: `nccopy -k nc4 {path.name} NEW.nc`"
         raise InputError("is NetCDF of the kind CDF-5, which is not read here", where=str(path), right=right)
     data, groups = _read_damaged(
         lambda: _open_netcdf(path, classic=magic in {CLASSIC_MAGIC, CLASSIC_64_MAGIC}), path, "NetCDF"

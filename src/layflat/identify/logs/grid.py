@@ -82,7 +82,10 @@ def _estimate_period(time: Array) -> tuple[float, float, bool]:
 def _cut_at_reset(
     stamps: Array, rows: NDArray[np.intp], where: str
 ) -> tuple[NDArray[np.intp], tuple[float, float] | None, int]:
-    """Return the rows of the longer part of a clock that was set back once, the stamps around it, and the rows cut."""
+    """Return the rows of the longer part of a clock that was set back once, the stamps around it, and the rows cut.
+
+    All rows, None and 0 if it was never set back; raise InputError if it was more often.
+    """
     falls = np.flatnonzero(np.diff(stamps[rows]) < 0.0)
     if not falls.size:
         return rows, None, 0
@@ -159,7 +162,7 @@ def build_grid(clocks: Sequence[SampleClock], cycle: float | None, where: str) -
         problem = f"{cycle:g} s make {size:.3g} instants of {samples} samples"
         raise InputError(problem, where="cycle", right=f"give {finest.period / MUCH_FINER:.2g} s or more")
     if size > MAX_INSTANTS:
-        problem = f"{end - start:g} s at {period:g} s a sample are too many"
+        problem = f"{end - start:g} s at {period:g} s a sample are {(end - start) / period:.2g} samples, too many"
         raise InputError(problem, where=where, right="check the unit of time")
     if size * len(clocks) > MAX_VALUES:
         problem = f"{len(clocks)} signals at {size} instants are {8e-9 * size * len(clocks):.2g} GB"

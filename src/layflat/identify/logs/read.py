@@ -163,7 +163,10 @@ def _select_clock(table: LogTable, mapping: LogMapping, where: str) -> tuple[flo
             return seconds, np.empty(0), None
         units = {u.TIME.convert(f"1 {c.header.unit}") for c in _clocks_in(table, str(time.column)) if c.header.unit}
         if not _clocks_in(table, str(time.column)):
-            problem, right = f"no clock {time.column!r} in {table.path.name}", f"its samples have {table.clock.name!r}"
+            problem, right = (
+                f"no clock {time.column!r} in {table.path.name}",
+                f"use {table.clock.name!r}, which all samples have",
+            )
             raise InputError(problem, where=f"{where}: time.column", right=right)
         if units - {seconds}:
             raise InputError(f"{time.column!r} is in s", where=f"{where}: time.unit", right='give unit = "s"')

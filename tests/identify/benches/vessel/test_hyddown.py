@@ -50,7 +50,11 @@ def test_round_ends_and_control_valves(tmp_path: Path) -> None:
     [
         ("fluid: N2", "fluid: steam", "initial.fluid: 'steam' is an unknown gas; use air, argon"),
         ("diameter: 0.2,", "", "vessel.diameter: None is not a number"),
-        ("discharge_coef: 0.8", "discharge_coef: x", "valve.discharge_coef: 'x' is not a number; give it in SI"),
+        (
+            "discharge_coef: 0.8",
+            "discharge_coef: x",
+            "valve.discharge_coef: 'x' is not a number; give a number in SI units",
+        ),
         ("type: orifice", "type: mdot", "valve.type: 'mdot' has no conductance"),
         ("initial:", "first:", "has no initial"),
         ("orientation: vertical", "type: cube", "vessel.type: 'cube' is not known"),

@@ -159,7 +159,7 @@ def test_a_log_without_pressure_or_with_gaps_in_its_supply_is_one_line() -> None
     holed = log.assign(supply=("time", np.where(log["time"] < 5.0, np.nan, 1e5)))
     with pytest.raises(InputError, match=r"^log: supply: has gaps"):
         VesselModel(rig, {"log": holed})
-    with pytest.raises(InputError, match="there is none"):
+    with pytest.raises(InputError, match="there is no log"):
         VesselModel(rig, {})
 
 

@@ -231,7 +231,7 @@ class MachineLog:
     def _first_pressures(self, first: Mapping[str, Array]) -> tuple[list[float], list[float]]:
         """Return the first absolute pressures of hoses A and B, by joint.
 
-        Without both measured they lie about `REST_PRESSURE_RATIO` of the supply, by the measured difference apart.
+        Without both measured they lie about `REST_PRESSURE_RATIO` of the supply, apart by any measured difference.
         """
         supply, offset = self._signal("supply"), sensor_offset(self.machine)
         mean = REST_PRESSURE_RATIO * (self.machine.supply.pressure if supply is None else float(supply[0]))

@@ -197,7 +197,7 @@ def _read_regulated_log(bench: RegulatedJointBench, name: str, data: Dataset) ->
     half, close = 0.5 * bench.stroke.reading, READING_MARGIN * bench.stroke.reading
     first = columns["angle"][0]
     if abs(first) > half + close:
-        right = f"it reads from {-half:.4g} to {half:.4g} rad: see stroke.reading"
+        right = f"stroke.reading allows {-half:.4g} to {half:.4g} rad: check the angle's unit and zero, or that range"
         raise InputError(f"begins with {first:.4g} rad", where=f"{name}: angle", right=right)
     stop = "lower_stop" if first <= close - half else "upper_stop" if first >= half - close else None
     return RegulatedLog(name, laws.RegulatedSignals(time=time, **columns), stop)

@@ -98,7 +98,9 @@ class RegulatedJointBench(BenchDescription):
     def _check_chamber_volume(self) -> Self:
         """Raise ValueError if the chamber's volume would vanish before the stop."""
         if self.chamber.volume <= min_volume(self):
-            raise ValueError("chamber.volume is less than what it gives off until the stop; give more, such as 30 ml")
+            raise ValueError(
+                f"chamber.volume would vanish before a stop; give more than {1e6 * min_volume(self):.3g} ml"
+            )
         return self
 
 

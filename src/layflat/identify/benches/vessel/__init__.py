@@ -57,6 +57,7 @@ class Gas(Part):
 
     @model_validator(mode="after")
     def _check_law(self) -> Self:
+        """Raise ValueError if the ideal law is combined with another gas than air."""
         if self.law == "ideal" and self.name != "air":
             raise ValueError(f'the ideal law is that of air; give law = "real" for {self.name}')
         return self

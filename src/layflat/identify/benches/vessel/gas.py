@@ -177,11 +177,13 @@ def choked_flow_factor(n):
 
 @law
 def _ideal_contents(gas, chamber, p, T, p_a):  # noqa: ARG001  (as all kinds of gas)
+    """Return `gas_contents` of ideal air: energy and mass."""
     return energy(chamber, p, chamber.dead_volume, p_a), air_mass(chamber, p, T, chamber.dead_volume, p_a)
 
 
 @law
 def _real_contents(gas, chamber, p, T, p_a):  # noqa: ARG001
+    """Return `gas_contents` of a real gas in a rigid vessel: energy and mass."""
     rho = gas_density(gas, p, T)
     m = rho * chamber.dead_volume
     return m * gas_energy(gas, T, rho), m
@@ -189,12 +191,14 @@ def _real_contents(gas, chamber, p, T, p_a):  # noqa: ARG001
 
 @law
 def _ideal_state(gas, chamber, E, m, p_a):  # noqa: ARG001
+    """Return `gas_state` of ideal air: absolute pressure and temperature."""
     p = pressure(chamber, E, chamber.dead_volume, p_a)
     return p, temperature(chamber, p, m, chamber.dead_volume, p_a)
 
 
 @law
 def _real_state(gas, chamber, E, m, p_a):  # noqa: ARG001
+    """Return `gas_state` of a real gas in a rigid vessel: absolute pressure and temperature."""
     rho = m / chamber.dead_volume
     T = gas_temperature(gas, E / m, rho)
     return gas_pressure(gas, T, rho), T
@@ -202,6 +206,7 @@ def _real_state(gas, chamber, E, m, p_a):  # noqa: ARG001
 
 @law
 def _ideal_outflow(gas, p, T):  # noqa: ARG001
+    """Return `gas_outflow` of ideal air: flow over that of air at T0, specific enthalpy, density and c_p."""
     return root_temperature(T).per_root, CP * T, p / (GAS_CONSTANT * T), CP
 
 

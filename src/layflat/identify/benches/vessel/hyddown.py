@@ -79,7 +79,7 @@ def _read_tables(path: Path) -> dict[str, Any]:
     except (RecursionError, yaml.YAMLError) as error:
         raise InputError(f"can't be read ({str(error).splitlines()[0]})", where=str(path), right=right) from None
     if not isinstance(tables, dict):
-        raise InputError("is not a table", where=str(path), right=right)
+        raise InputError("holds no table", where=str(path), right=right)
     for part in REQUIRED_TABLES:
         if not isinstance(tables.get(part), dict):
             raise InputError(f"has no {part}", where=str(path), right="vessel, initial and valve are needed")
@@ -87,18 +87,20 @@ def _read_tables(path: Path) -> dict[str, Any]:
 
 
 def _number(tables: dict[str, Any], where: str, path: str, default: float | None = None) -> float:
-    """Return the number at a path such as "vessel.length", or the default where there is none."""
+    """Return the number at a path such as "vessel.length", or the default; raise InputError for neither, or a text."""
     table, _, key = path.partition(".")
     entry = (tables.get(table) or {}).get(key)
     value: Any = default if entry is None else entry
     try:
         return float(value)
     except (TypeError, ValueError):
-        raise InputError(f"{value!r} is not a number", where=f"{where}: {path}", right="give it in SI") from None
+        raise InputError(
+            f"{value!r} is not a number", where=f"{where}: {path}", right="give a number in SI units"
+        ) from None
 
 
 def _vessel_sizes(vessel: dict[str, Any], number: Number, where: str) -> tuple[dict[str, str], dict[str, str], float]:
-    """Return the space, the wall's heat capacity where its thickness is known, and the outer area (m2)."""
+    """Return tables of the space and of the wall's heat capacity, if it can be computed, and the outer area (m2)."""
     D, L, t = number("vessel.diameter"), number("vessel.length"), number("vessel.thickness", 0.0)
     kind = str(vessel.get("type", "flat-end")).lower()
     if kind not in HEAD_SHAPES:

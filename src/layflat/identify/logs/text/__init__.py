@@ -120,7 +120,7 @@ def _only_comments(names: list[str]) -> bool:
 def _read_frames(
     path: Path, encoding: str, layout: TextLayout, progress: Progress | None, **options: Any
 ) -> tuple[list[Any], list[str]]:
-    """Return the rows of a file as tables of pandas, and notes on rows that were left out."""
+    """Return the rows of a file as tables of pandas, and notes on rows left out; raise InputError for no table."""
     import pandas as pd  # noqa: PLC0415  # takes long to import
 
     old = tuple(map(int, pd.__version__.split(".")[:2])) < (3, 1)  # later versions read every digit by default

@@ -145,6 +145,7 @@ class SampleLines(io.TextIOBase):
         return [f"{self.broken} row{plural} of another length left out, the first: {problem}"]
 
     def _right(self) -> str:
+        """Return the advice for rows with another number of values."""
         if self.layout.delimiter == ",":
             return "give each row as many values as the header has; decimal commas need another delimiter, such as ;"
         return "give each row as many values as the header has"
