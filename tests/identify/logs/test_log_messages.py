@@ -167,7 +167,7 @@ def test_what_can_not_be_decoded_hides_nothing(tmp_path: Path) -> None:
     assert table.words["image.data"] == "100 items, and an array of more than 64 is no signal"
     good_alone = {"column": [{"from": "good.v", "signal": "force", "unit": "N"}]}
     notes = [
-        issue for issue in find_issues(read_log(path, parse_mapping(good_alone))) if "makes no column" in issue.text
+        issue for issue in find_issues(read_log(path, parse_mapping(good_alone))) if "make no column" in issue.text
     ]
     assert len(notes) == 1
     assert "1 of 3 messages can't be decoded" in notes[0].text
