@@ -19,7 +19,10 @@ MAX_REPLAYED = 20_000  # control cycles, which plain Python repeats in a few sec
 
 
 def find_cause(machine: Machine, case: Case, signals: Signals, timing: Timing, run: "xarray.Dataset") -> str:
-    """Return why a run diverged, with file and line of a user's control law that is the cause; empty if unknown.
+    """Return a text that names the user's laws that may have caused a divergence; empty if the machine uses none.
+
+    A user's control law that made a voltage non-finite is called again with the inputs of the run, and named by file
+    and line; otherwise the text lists the user's files of laws.
 
     Args:
         machine: the machine.
@@ -33,13 +36,13 @@ def find_cause(machine: Machine, case: Case, signals: Signals, timing: Timing, r
         flaw = find_flaw(
             law, case.settings, islice(_replayed_cycles(signals, timing.records, run), MAX_REPLAYED), timing.cycle
         )
-        return flaw or f"control law {law.name!r} returns a number that is none ({place_of(law.step)})"
+        return flaw or f"control law {law.name!r} returns a number that is not finite ({place_of(law.step)})"
     files = ", ".join(Path(path).name for path in machine.kinds)
-    return f"laws of {files} take part in it: see what they return there" if files else ""
+    return f"laws of {files} took part in the run: check the numbers that they return" if files else ""
 
 
 def _replayed_cycles(signals: Signals, records: int, run: "xarray.Dataset") -> Any:
-    """Yield the inputs of the control law, cycle by cycle."""
+    """Yield readings and demands of each recorded control cycle, of `records` records each."""
     sensed = zip(run["measured_angle"].to_numpy()[::records], run["measured_pressure"].to_numpy()[::records])  # noqa: B905
     demand_rows = zip(*(signals.named(name) for name in DEMAND_SIGNALS))  # noqa: B905
     for (angles, pressures), demands in zip(sensed, demand_rows):  # noqa: B905  # the run ends before its signals

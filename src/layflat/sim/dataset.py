@@ -29,13 +29,15 @@ def run_dataset(
 ) -> Run:
     """Return a run as a data set: its records, the control law's report, the shared signals, demand and tip.
 
+    Signals of gauge pressure are recorded as absolute pressure.
+
     Args:
         machine: machine as simulated.
         scenario: scenario as simulated; written into the attributes.
         law: the kind of control law.
         acting: signals that acted on the machine.
         timing: time grid of the run.
-        rows: records, (instants, joints, columns of `JointSample`).
+        rows: records, (instants, joints, columns of `JointRecord`).
         report: the control law's report, (instants, joints, signals of the control law).
     """
     time = np.arange(len(rows)) * (timing.cycle / timing.records)
@@ -73,7 +75,7 @@ def run_dataset(
 
 
 def save_run(run: xarray.Dataset, path: Path) -> Path:
-    """Write a run as NetCDF and return the path; raise OutputError if it can't be written there."""
+    """Write a data set as NetCDF, in place of any file there, and return the path; raise OutputError if that fails."""
     content = run.to_netcdf(None, engine="h5netcdf")  # in memory: HDF5 aborts the process on a full disk
     with whole_file(path) as temporary:
         temporary.write_bytes(content)
@@ -81,7 +83,9 @@ def save_run(run: xarray.Dataset, path: Path) -> Path:
 
 
 def open_run(path: str | Path) -> Run:
-    """Read a run from a NetCDF file; raise InputError if the file is missing or is not a run.
+    """Read a run from a NetCDF file; raise InputError if it can't be read as NetCDF.
+
+    Its variables are not checked: those of metrics can be opened too.
 
     Example:
         >>> import layflat as lf

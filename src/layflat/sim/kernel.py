@@ -106,12 +106,14 @@ def _noise(run, k, j):
 
 @composition
 def _observe(run, arm, states, k, cycle):  # noqa: ARG001
+    """Store k as the number of cycles begun; return False, so that the run goes on."""
     run.counters[0] = k
     return False
 
 
 @composition
 def _load(run, air, around, acting, noise, k):
+    """Write surroundings, signals and noise of control cycle k into their slots."""
     around[0] = _surroundings(run, air, k)
     for j in range(len(acting)):
         acting[j], noise[j] = read_numbers(ZERO_JOINT_SIGNALS, run.signals.by_joint[k, j]), _noise(run, k, j)
@@ -119,7 +121,7 @@ def _load(run, air, around, acting, noise, k):
 
 @composition
 def _write_record(run, joints, states, around, sensed, voltages, report, k, i):
-    """Write the signals of all joints for record i of control cycle k, and the controller's report."""
+    """Write record i of control cycle k: all joints' signals and reports; update the number of instants recorded."""
     row = k * run.records + i
     angles, pressures, reports = slots(sensed.angle), slots(sensed.differential_pressure), slots(report)
     for j in range(len(sensed.angle)):

@@ -145,6 +145,7 @@ def _drive(joint, state, line, acting, gains, command, shares, around, cycle):
     """Return a joint's drive for a control cycle, the voltage of its valve, and the line of commands after it.
 
     A set opening replaces the controller's `command` (V), and a set voltage with its output injection replaces both.
+    The valve gets the voltage less the drift; the returned voltage is without drift.
     """
     valve = joint.valve
     voltage = select(is_number(acting.opening), valve.centre_voltage + valve.volts_to_full * acting.opening, command)
@@ -233,14 +234,14 @@ class LoopPorts(NamedTuple):
 
 @composition
 def initial_memory(settings, joints, states):
-    """Return the control law's memory for a machine at rest; joints and their states are slots."""
+    """Return the control law's memory for a machine at rest, by readings without noise; joints and states are slots."""
     zero = 0.0 * states[0].motion.angle
     return in_lanes(wake(settings, sense_all(joints, states, slots(joints, in_lanes(ZERO_NOISE, zero)))), zero)
 
 
 @composition
 def run_span(machine, span, timing, ports, run):
-    """Simulate a machine over a span of control cycles, in place.
+    """Simulate a machine over a span of control cycles, in place, or until a port stops the run.
 
     Args: `MachineState`, which is updated; `CycleSpan`; `Timing`; `LoopPorts`; the `run` that the ports work on.
     """

@@ -36,12 +36,14 @@ class MoveMetrics:
     joint: str
     settling: float  # s
     overshoot: float  # rad
-    steady_error: float  # rad, mean over the last fifth of the move
+    steady_error: float  # rad, angle less demand, mean over the last fifth of the move
     ripple: float  # rad, peak to peak over the last fifth of the move
 
 
 def settling_time(time: NDArray[np.floating[Any]], error: Array, band: float) -> float:
-    """Return the time of the last exit from +-band, counted from the first instant; infinite if the end lies outside.
+    """Return the time from the first instant to that after the last error outside +-band; infinite if that is last.
+
+    The band's ends are inside; NaN is outside. 0 means that no error is outside.
 
     Args:
         time: instants, (instants,), s.
@@ -79,7 +81,7 @@ def measure_move(
 
 
 def disturbance(run: xarray.Dataset, joint: str, since: float, until: float) -> float:
-    """Return the maximum deflection of a joint from its angle at `since`, by the motion of another joint, rad.
+    """Return the maximum deflection of a joint, either way, from its angle at `since`, by another joint's motion, rad.
 
     Args:
         run: the run.
@@ -125,7 +127,9 @@ def _moving_joints(angle: Array, demand: Array, first: int, last: int, band: flo
 
 
 def tip_settling(run: xarray.Dataset, since: float, until: float, band: float) -> float:
-    """Return the time after which the tip stays near its goal, the tip at the last demands, s; infinite if it does not.
+    """Return the time from `since` until the tip stays within a distance of its goal, s; infinite if it does not.
+
+    The goal is the tip at the demands of the interval's last instant.
 
     Args:
         run: the run.
@@ -149,7 +153,7 @@ def air_used(run: xarray.Dataset) -> float:
 
 
 def peak_tip_acceleration(run: xarray.Dataset) -> float:
-    """Return the maximum acceleration of the tip, m/s2, from second differences of its position at the records."""
+    """Return the maximum acceleration of the tip, m/s2, by second differences; 0 for fewer than 3 records."""
     tip, time = run["tip"].to_numpy(), run["time"].to_numpy()
     if len(time) < 3:
         return 0.0

@@ -103,7 +103,7 @@ class SteppedPlant(MachinePlant):
         self._due = -1
 
     def advance(self, until: float) -> None:
-        """Advance to the last whole step before `until` (s).
+        """Advance to the last whole step up to `until` (s); do nothing if that is past.
 
         Raises:
             DivergedError: the machine diverged.
@@ -127,17 +127,20 @@ class SteppedPlant(MachinePlant):
             raise DivergedError(self.time, self.joints[diverged])
 
     def sense(self) -> tuple[Array, Array]:
-        """Return angles (rad) and differential pressures (Pa) as the A/D converters report them now, (joints,) each."""
+        """Return angles (rad) and differential pressures (Pa) as the A/D converters report them now, (joints,) each.
+
+        Each call draws new noise.
+        """
         out = np.empty((2, len(self.joints)))
         self._kernels.sample(self._setting, self._state_array, next(self._noise), out)
         return out[0], out[1]
 
     def grip(self, joint: int, torque: float) -> None:
-        """Add a torque to a joint's brake, as a hand that grips the joint; 0 releases it.
+        """Set the torque of a hand that grips a joint, in addition to its brake's; 0 releases it.
 
         Args:
             joint: number of the joint, from 0.
-            torque: friction torque in addition to the brake's own, N m.
+            torque: friction torque, N m; replaces that of an earlier call.
 
         Raises:
             InputError: there is no such joint, or the torque is no number.

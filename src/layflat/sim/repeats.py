@@ -32,7 +32,7 @@ def simulated_repeats(
         learnt: state of the learning at the start.
         repeats: number of repeats.
         plant: the machine that moves, where it differs from the model that the controller and the learning use.
-        seed: seed of the first repeat's noise.
+        seed: seed of the noise, to which the number of repeats in the history of `learnt` is added.
 
     Raises:
         DivergedError: the plant diverged.

@@ -76,6 +76,7 @@ class _MetricsPlot(DatasetPlotAccessor):
     """Plots of metrics: their figure when it is called, else the plots of xarray."""
 
     def __call__(self) -> "Figure":  # type: ignore[override]
+        """Draw the metrics of one run by move and joint, or the largest ones of each of many runs over what varied."""
         from layflat.plot.bars_and_maps import move_figure, study_figure  # noqa: PLC0415  # matplotlib loads slowly
         from layflat.plot.style import add_caption  # noqa: PLC0415
 
@@ -95,11 +96,13 @@ class _MetricsPlot(DatasetPlotAccessor):
         return add_caption(study_figure(varied or {"run": np.arange(len(runs))}, results, {"": runs}), caption)
 
     def _coordinate(self, key: str) -> tuple[str, Any]:
+        """Return the label and the values of a coordinate, in the unit that figures show."""
         values = self._ds[key]
         unit, factor = SHOWN_UNITS.get(values.attrs.get("units", ""), (values.attrs.get("units", ""), 1.0))
         return f"{key} ({unit})" if unit else key, factor * values.to_numpy()
 
     def _labelled(self, metric: str) -> tuple[str, Any]:
+        """Return the label and the values of a metric, in the unit that figures show."""
         unit, factor = SHOWN_UNITS.get(UNITS[metric][0], (UNITS[metric][0], 1.0))
         return f"{metric.replace('_', ' ').capitalize()} ({unit})", factor * self._ds[metric].to_numpy()
 
@@ -149,7 +152,7 @@ class Metrics(xarray.Dataset):
 
 
 def _varied(metrics: xarray.Dataset) -> list[str]:
-    """Return the coordinates that differ from run to run."""
+    """Return the names of the numeric coordinates that have a value per run."""
     return [
         str(key) for key, values in metrics.coords.items() if values.dims == ("run",) and values.dtype.kind in "iuf"
     ]

@@ -203,7 +203,7 @@ class PreparedRun:
         """Simulate; return the records and the number of the joint that diverged.
 
         Returns:
-            Records, (instants, joints, columns of `JointSample`), and the control law's report, (instants, joints,
+            Records, (instants, joints, columns of `JointRecord`), and the control law's report, (instants, joints,
             signals), both up to a divergence; number of the joint that diverged, -1 for none.
         """
         law = CONTROL_LAWS.kind_of(self.case.settings)
@@ -221,7 +221,7 @@ def controlling_machine(machine: Machine, controller: Machine | None) -> Machine
     """Return the machine whose controller drives `machine`: `controller`, or `machine` itself if that is None.
 
     Raises:
-        InputError: its joints differ from the machine's.
+        InputError: its joints differ from the machine's, in name or order.
     """
     if controller is not None and list(controller.joints) != list(machine.joints):
         raise InputError(

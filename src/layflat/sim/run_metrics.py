@@ -79,7 +79,7 @@ def metrics(run: Dataset, *, band: Value = SETTLING_BAND, tip_band: Value = TIP_
 
 
 def _check_run(run: object) -> None:
-    """Raise InputError for anything but a data set of a run, with all joints and instants."""
+    """Raise InputError unless `run` is a data set with the variables `NEEDED_SIGNALS`."""
     missing = [name for name in NEEDED_SIGNALS if name not in getattr(run, "data_vars", ())]
     if missing:
         what = f"has no {missing[0]}" if hasattr(run, "data_vars") else f"{shown(run)} is no run"

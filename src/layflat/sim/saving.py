@@ -10,7 +10,7 @@ from layflat.machine.saving import save_machine
 
 
 def save(item: "Machine | Dataset", path: str | Path) -> Path:
-    """Write a machine as a description file, or a run as NetCDF, and return the path.
+    """Write a machine as a description file, or a run or metrics as NetCDF, and return the path.
 
     `load` reads the machine again, with every value as it was, `open_run` the run. A file that is there is replaced.
 
@@ -19,7 +19,7 @@ def save(item: "Machine | Dataset", path: str | Path) -> Path:
         path: path of the file; ".toml" is usual for a machine, ".nc" for a run.
 
     Raises:
-        InputError: `item` is neither.
+        InputError: `item` is none of these.
         OutputError: the file can't be written.
 
     Example:
@@ -32,7 +32,7 @@ def save(item: "Machine | Dataset", path: str | Path) -> Path:
     if isinstance(item, Machine):
         return save_machine(item, Path(path))
     if not hasattr(item, "data_vars"):
-        raise InputError(f"{shown(item)} is neither", where="item", right="give a machine or a run")
+        raise InputError(f"{shown(item)} can't be saved", where="item", right="give a machine, a run or metrics")
     from layflat.sim.dataset import save_run  # noqa: PLC0415  # xarray takes long to import
 
     return save_run(item, Path(path))

@@ -26,7 +26,9 @@ MAX_STEP = 4.0  # step of a demand over the travel that its velocity allows in a
 
 
 def expand_scenario(scenario: Scenario, machine: Machine, cycle: float, *, plausible: bool = True) -> Signals:
-    """Return a scenario as arrays over control cycles; signals that it does not set are NaN.
+    """Return a scenario as arrays over control cycles; signals that have no default and that it does not set are NaN.
+
+    Rates of the demand that it does not set are derived from the demand.
 
     Args:
         scenario: signals and disturbances.
@@ -87,7 +89,10 @@ def _derived_rates(scenario: Scenario, rows: Mapping[str, Array], cycle: float) 
 
 
 def _check_travel(rate: Array, integral: Array, cycle: float, where: str) -> None:
-    """Raise InputError if a rate integrates to much more travel than its signal makes: a contradiction."""
+    """Raise InputError if the rate of a joint, (cycles, joints), integrates to much more travel than `integral` makes.
+
+    `where` names the rate: "demand_velocity" or "demand_acceleration".
+    """
     speed = np.abs(rate)
     travel = cycle * speed.sum(axis=0)
     # A jump counts at most the travel that the rate around it allows.
@@ -99,13 +104,13 @@ def _check_travel(rate: Array, integral: Array, cycle: float, where: str) -> Non
         j = int(np.argmax(excess))
         unit, of = ("rad", "the demand") if where == "demand_velocity" else ("rad/s", "its velocity")
         what = f"goes through {travel[j]:.4g} {unit} where {of} changes by {moves[j]:.4g} {unit}"
-        raise InputError(what, where=where, right="give a demand that moves on so, or leave it out")
+        raise InputError(what, where=where, right=f"give the rate of {of}, or leave {where} out")
 
 
 def acting_signals(scenario: Scenario, machine: Machine, cycle: float) -> Signals:
     """Return all signals of a run: the scenario's, and the machine's own values where it sets none.
 
-    A voltage that is set becomes the opening of the valve that it drives.
+    A voltage that is set becomes the opening of the valve that it drives; `voltage` is NaN in the result.
 
     Args:
         scenario: signals and disturbances.

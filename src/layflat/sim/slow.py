@@ -77,9 +77,9 @@ def sweep_many(like, numbers, forward, results):
 
     The second of two laps counts, once the losses repeat.
 
-    Args: the `Like` of a case (hose A, hose B, friction, brake torque, gauge pressure, stroke); the numbers of all
-    joints, a column each; work array for the torques of a forward half-lap, (points, lanes); results, (2, joints),
-    which are filled.
+    Args: the `Like` of a case (hose A, hose B, friction, brake torque, gauge pressure of hose A, stroke); the numbers
+    of all joints, a column each; work array for the torques of a forward half-lap, (points, lanes); results,
+    (2, joints), which are filled.
     """
     points = len(forward)
     for first in range(0, len(results[0]), width(like, numbers)):

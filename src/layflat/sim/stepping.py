@@ -74,7 +74,7 @@ _compiled_kernels: dict[str, PlantKernels] = {}
 
 
 def plant_kernels(setting: PlantSetting, carry: JointCarry) -> PlantKernels:
-    """Return the kernels of machines whose numbers form tuples of these types."""
+    """Return the kernels of machines whose numbers form tuples of these types, made once for each."""
     setting, carry = (mapped(like, lambda _: 0.0) for like in (setting, carry))
     # By text: tuples of different classes compare equal if their items do.
     kind = repr((setting, carry))

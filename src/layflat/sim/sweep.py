@@ -58,7 +58,7 @@ def sweep(
     brake: float = 1.0,
     points: int = 1001,
 ) -> HysteresisLoop:
-    """Sweep a joint back and forth with hose A at a gauge pressure and hose B vented, until the loop repeats.
+    """Sweep a joint back and forth twice with hose A at a gauge pressure and hose B vented; return the second loop.
 
     Args:
         machine: a description, its file, or the name of a built-in machine.
@@ -91,7 +91,7 @@ def sweep(
         raise InputError(f"{degrees(span):.6g} deg is out of range", where="stroke", right=f"give {limit}")
     if not 0.0 <= brake <= MAX_BRAKE_RATIO:
         raise InputError(
-            f"{brake:g} is out of range", where="brake", right=f"give a share from 0 to {MAX_BRAKE_RATIO:g}"
+            f"{brake:g} is out of range", where="brake", right=f"give a fraction from 0 to {MAX_BRAKE_RATIO:g}"
         )
     forward = centre + span * (np.linspace(0.0, 1.0, points) - 0.5)
     lap = np.concatenate([forward, forward[::-1]])

@@ -125,12 +125,12 @@ class Conditions:
         return {path: np.tile(values, candidates) for path, values in self.vary.items()}
 
     def simulate(self, machine: Machine, vary: Mapping[str, Array], **options: Any) -> xarray.Dataset:
-        """Return the results of these runs for one or more candidates.
+        """Return the metrics of these runs for one or more candidates, in the order of `vary`.
 
         Args:
-            machine: machine with the controller.
+            machine: machine with the controller; it is also the plant, unless `plants` has others.
             vary: one value per run, as of `repeat_varied`.
-            options: options of `ensemble`.
+            options: other options of `ensemble` than device and metrics.
         """
         options |= {"device": self.device, "metrics": METRICS}
         if not self.plants:
@@ -146,6 +146,8 @@ class Conditions:
 
 def sample_conditions(machine: Machine, runs: int, spread: ConditionRanges | None = None, seed: int = 0) -> Conditions:
     """Return conditions that fill the ranges about a nominal machine evenly (Sobol sequence), ends included.
+
+    Members of a cloud are drawn at random. The first runs, one in `RUNS_PER_NOMINAL`, are nominal.
 
     Args:
         machine: the nominal one.
@@ -205,6 +207,7 @@ def configuration_sequences(joints: int) -> Sequence[Sequence[StrokeFractions]]:
 
     In the first, one joint after the other moves from one side to the other, in the second back; then all move at once.
     For strokes of 120 deg, single joints make steps of 40 deg, and all together steps of 2 to 60 deg.
+    One joint and two have `MOVE_SEQUENCES`.
     """
     if joints in MOVE_SEQUENCES:
         return MOVE_SEQUENCES[joints]
@@ -230,7 +233,7 @@ def _sequence_scenario(machine: Machine, configurations: Sequence[StrokeFraction
 
 
 def check_joints_hold(machine: Machine, by: Conditions) -> None:
-    """Refuse conditions under which a joint can't hold itself in one of the configurations.
+    """Refuse conditions whose largest payload and lowest supply pressure a joint can't bear at rest.
 
     Args:
         machine: machine that is judged.
@@ -252,7 +255,7 @@ def check_joints_hold(machine: Machine, by: Conditions) -> None:
         what = (
             f"joint {name!r} can't hold {payload:.3g} kg at {supply / 1e5:.3g} bar in the moves that tuning judges by"
         )
-        raise MachineError(what, where=machine.origin, right="a smaller payload, a wider hose or more pressure")
+        raise MachineError(what, where=machine.origin, right="give a smaller payload, a wider hose or more pressure")
 
 
 def move_costs(runs: xarray.Dataset, window: float, measure: SettlingMeasure = JOINT_MEASURE) -> Array:
@@ -277,8 +280,8 @@ def move_costs(runs: xarray.Dataset, window: float, measure: SettlingMeasure = J
 def candidate_costs(runs: xarray.Dataset, by: Conditions, candidates: int) -> Array:
     """Return the cost of every candidate.
 
-    It is the mean of all moves, plus `TAIL_WEIGHT` times the mean of the worst, plus the mean over nominal runs of each
-    one's slowest move.
+    It is the mean of all moves, plus `TAIL_WEIGHT` times the mean of the worst twentieth, plus the mean over nominal
+    runs of each one's slowest move.
 
     Args:
         runs: results, one candidate's runs after the other's.

@@ -27,7 +27,7 @@ class Knob:
     neutral: float = 0.0  # start that does not depend on the machine, in `unit`
 
     def text(self, value: float) -> str | float:
-        """Return the value as it is written in a description."""
+        """Return the value as it is written in a description: three significant digits, with any unit."""
         number = float(f"{value:.3g}")
         return f"{number:g} {self.unit}" if self.unit else number
 
@@ -48,7 +48,7 @@ def round_values(values: Array) -> Array:
 
 
 def values_to_fractions(knobs: Sequence[Knob], values: Array) -> Array:
-    """Return the logarithmic positions of values in the knobs' ranges, 0 to 1."""
+    """Return the logarithmic positions of values in the knobs' ranges, 0 to 1; values outside are clipped."""
     low, high = _knob_limits(knobs)
     return np.asarray(np.log(np.clip(values, low, high) / low) / np.log(high / low))
 

@@ -111,7 +111,7 @@ def search_by_phases(machine: Machine, generations: int | None) -> list[SearchPa
     """Return the parts of the paper's method: joint by joint, phase by phase from far to close, in several rounds.
 
     Source: the paper, section 3. It does not give the number of rounds: one is not enough, since the other joint does
-    not settle at all while the first one is tuned.
+    not settle at all while the first one is tuned. The last part may have fewer generations than the others.
     """
     phases = [(joint, gains) for joint in range(len(machine.joints)) for gains in PHASE_GAINS.items()]
     per_round, per_joint, names = PHASE_STAGE.generations * len(phases), len(GAIN_KNOBS), list(machine.joints)
@@ -251,7 +251,7 @@ def tunable_law(machine: Machine) -> TunableLaw:
     name = machine.control_law.name
     if name not in TUNABLE_LAWS:
         raise MachineError(
-            f"nothing is known of what could be tuned in {name!r}",
+            f"control law {name!r} can't be tuned",
             where=f"{machine.origin}: controller.kind",
             right=f"give one of {', '.join(TUNABLE_LAWS)}",
         )

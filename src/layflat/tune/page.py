@@ -16,7 +16,7 @@ from layflat.tune.tuning import Tuning
 
 
 def write_page(result: TunedController, path: Path) -> Path:
-    """Write the page, and return its path; raise OutputError if it can't be written there."""
+    """Write the HTML page of a finished tuning, and return its path; raise OutputError if that fails."""
     tuning = result.tuning
     by = validation_conditions(tuning.make_conditions)
     html = render_page(
@@ -46,7 +46,10 @@ def write_page(result: TunedController, path: Path) -> Path:
 
 
 def value_rows(tuning: Tuning, tuned: Machine) -> list[Row]:
-    """Return a row for every tuned value: its path, and value and source before and after."""
+    """Return a row for every tuned value: its path, value and source before, value and source after.
+
+    A value that the machine had not is "none", with an empty source.
+    """
 
     def source(machine: Machine, path: str) -> str:
         provenance = machine.provenance.get(path, Provenance("default"))

@@ -121,6 +121,7 @@ def _draw_variations(machine: Machine, runs: int, draw: np.random.Generator) -> 
 
 
 def _loss_paths(joint: Joint) -> list[str]:
+    """Return the paths, below the joint, of the loss fractions that are not zero."""
     parts = {"hose": joint.hose.loss_fraction, "strap": joint.strap.loss_fraction}
     return [f"{part}.loss_fraction" for part, share in parts.items() if share > 0.0]
 
@@ -170,7 +171,10 @@ def validate(machine: Machine, make_conditions: MakeConditions) -> Validation:
 
 
 def _coupling_deflections(machine: Machine, response: xarray.Dataset, window: float) -> dict[str, float]:
-    """Return the deflection of each joint by another one's moves in the nominal sequence, rad, by both in words."""
+    """Return the maximum deflection of each joint by moves of another, in the nominal sequence, rad, by both in words.
+
+    In an arm of more than two joints, the words only say "another one", and the largest of these deflections counts.
+    """
     names, last, deflections = list(machine.joints), float(response["time"][-1]), dict[str, float]()
     for number, mover in enumerate(names):
         since = REST_TIME + window * number
@@ -182,7 +186,7 @@ def _coupling_deflections(machine: Machine, response: xarray.Dataset, window: fl
 
 
 def coupling_warnings(before: Validation | None, after: Validation) -> list[str]:
-    """Return a warning for each joint that another one's step deflects much more than before."""
+    """Return a warning for each joint that another one's step deflects by over 3 deg and more than twice as before."""
     messages = []
     for what, now in after.deflections.items():
         was = 0.0 if before is None else before.deflections.get(what, 0.0)

@@ -117,6 +117,7 @@ def search_knob_values(
         turned = [knobs[place] for place in places]
 
         def whole(shares: Array, base: Array = base, places: list[int] = places, turned: list[Knob] = turned) -> Array:
+            """Return the values of all knobs, the varied ones at fractions of their ranges, the others at `base`."""
             values = np.tile(base, (len(shares), 1))
             values[:, places] = fractions_to_values(turned, shares)
             return values

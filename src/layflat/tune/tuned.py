@@ -42,7 +42,7 @@ class TunedController:
         return [f"settling within {within}, coupling", "before", "after"]
 
     def comparison_rows(self) -> list[Row]:
-        """Return the rows of the comparison: name, before, after."""
+        """Return the rows of the comparison as texts: name, before ("none" if there was no result), after."""
         by, machine = validation_conditions(self.tuning.make_conditions), self.tuning.machine
 
         def figures(of: Validation) -> dict[str, str]:

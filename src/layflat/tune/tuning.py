@@ -112,7 +112,10 @@ class Tuning:
             self.stopped = True
 
     def save_best(self) -> Machine:
-        """Write the description with the best values, or with those of before if none are better, and load it."""
+        """Write the description with the best values, or with those of before if none are better, and load it.
+
+        `unchanged` is set if those of before stay.
+        """
         best, texts, sources = self.history[-1], dict[str, str | float](), dict[str, Provenance]()
         self.unchanged = (
             self.was_complete

@@ -22,7 +22,7 @@ class RunBlock(NamedTuple):
 
 
 def allocate_results(prepared: Cases, columns: NDArray[np.int64], every: int) -> Results:
-    """Return empty results of all runs.
+    """Return arrays for the results of all runs: tallies NaN, the rest 0.
 
     Args:
         prepared: the ensemble.

@@ -68,7 +68,11 @@ class Cases:
 
     @cached_property
     def case(self) -> Case:
-        """Parameters of the machine; numbers that vary are arrays over the runs."""
+        """Parameters of the machine; numbers that vary are arrays over the runs.
+
+        Raises:
+            InputError: the control law can't be compiled.
+        """
         closed_loop = all(scenario.closed_loop for scenario in self.scenarios)
         settings = parameters.control(self.controller, closed_loop=closed_loop)
         CONTROL_LAWS.kind_of(settings).check_compiled("in ensembles and studies")
@@ -160,7 +164,7 @@ class Cases:
     def scenario_arrays(
         self, rows: NDArray[np.int64], band: float, tip_band: float
     ) -> tuple[ScenarioArrays, MoveArrays]:
-        """Return the scenarios of some runs, each once, and their moves.
+        """Return the scenarios of some runs, each once and by number, and their moves; signals are cached.
 
         Args:
             rows: numbers of the runs.
@@ -253,7 +257,8 @@ def prepare_cases(
         plausible: whether to refuse signals that are not plausible for the machine; logs may hold such.
 
     Raises:
-        InputError: a key of `vary` is unknown, or has another number of runs than the rest.
+        InputError: a key or value of `vary` is wrong, or keys have different numbers of runs; the scenarios have
+            different durations; the controller has other joints.
     """
     arrays = {key: read_values(machine, key, values) for key, values in vary.items()}
     if plausible:
@@ -284,7 +289,10 @@ def prepare_cases(
 
 
 def _changed_cycles(signals: Array) -> NDArray[np.bool_]:
-    """Return whether any number differs from the cycle before, (scenarios, cycles), in (scenarios, cycles, ...)."""
+    """Return whether any number of (scenarios, cycles, ...) differs from the cycle before, (scenarios, cycles).
+
+    The first cycle counts as changed; NaN equals NaN.
+    """
     flat = signals.reshape(*signals.shape[:2], -1)
     changes = np.ones(flat.shape[:2], bool)
     before, after = flat[:, :-1], flat[:, 1:]
@@ -293,7 +301,7 @@ def _changed_cycles(signals: Array) -> NDArray[np.bool_]:
 
 
 def _with_arrays(machine: Machine, arrays: Mapping[str, Array], *, together: bool) -> Machine:
-    """Return a machine with arrays over the runs at some of its paths."""
+    """Return a machine with arrays over the runs at some of its paths; raise InputError for a path of no number."""
     numbers = set(paths(machine))
     for key in arrays:
         if key == "controller.cycle":

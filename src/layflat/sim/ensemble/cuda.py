@@ -76,7 +76,7 @@ def fill_each(streams: Any, ziggurat: Any, noise: Any) -> None:
 
 @cache
 def _kernel(function: Callable[..., None], law: Any, included: tuple[str, ...]) -> Any:
-    """Return the kernel that applies a law in every thread; users' laws may be added between two calls."""
+    """Return the kernel that applies a law in every thread, cached by `included`, the users' files of laws."""
     del included
     return device_kernel(function, cache_folder(Path(law.py_func.__code__.co_filename)))
 
@@ -150,8 +150,8 @@ def _explain_device_error(error: Exception) -> InputError:
     installed = [
         f"{name} {version(name)}" for name in ("numba-cuda", "numba", "numpy") if find_spec(name.replace("-", "_"))
     ]
-    what = f"the packages for CUDA devices are not whole, or do not fit together ({', '.join(installed)}: {reason})"
-    return InputError(what, where="device", right="install those that do: pip install 'layflat[gpu]'; or use \"cpu\"")
+    what = f"the packages for CUDA devices are incomplete or incompatible ({', '.join(installed)}: {reason})"
+    return InputError(what, where="device", right="install them: pip install 'layflat[gpu]'; or use \"cpu\"")
 
 
 def _write_one(number: Any) -> None:
@@ -189,7 +189,7 @@ def kernel_arguments(prepared: Cases, block: RunBlock, timing: Timing) -> tuple[
 
 
 def _device_noise(seeds: Seeds, shape: tuple[int, int], number: type[np.floating[Any]]) -> Any:
-    """Return noise as `make_noise` does, made and kept on the device."""
+    """Return noise as `make_noise` does, made and kept on the device; on the host if no run has noise."""
     if interpreted() or (seeds == NO_SEED).all():
         return make_noise(seeds, shape, number)
     noise = cuda.device_array((*shape, 2, len(seeds)), number)

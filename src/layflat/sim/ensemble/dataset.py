@@ -22,7 +22,7 @@ TRACE_UNITS = dict(zip(Traced._fields, ("rad", "rad/s", "Pa", "Pa", "1", "V"), s
 def metrics_dataset(
     prepared: Cases, results: Results, timing: Timing, workers: int, metrics: Sequence[str] = METRICS
 ) -> Metrics:
-    """Return the results as a data set; metrics of a run that diverged are NaN.
+    """Return the results as a data set; metrics of a run that diverged are NaN, except its hysteresis.
 
     Args:
         prepared: the ensemble.
@@ -78,7 +78,7 @@ def metrics_dataset(
 
 
 def _varied_unit(prepared: Cases, key: str) -> dict[str, str]:
-    """Return the unit of what varies, as attributes; none where it is a number without unit."""
+    """Return the attributes of a key of `vary`: its unit; empty where it has none or no quantity is known."""
     row = SIGNALS.get(key.split(".")[1]) if key.startswith("scenario.") else None
     if row is not None:
         return {"units": row.recorded[0]}

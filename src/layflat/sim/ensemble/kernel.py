@@ -105,7 +105,7 @@ def _surroundings(group, air, k):
 
 @composition
 def _update_metrics(group, arm, states, k, cycle):
-    """Update the metrics after control cycle k, and return whether it was the last one; `cycle` is its duration, s."""
+    """Update the metrics with the states at the start of cycle k (of `cycle` s); return whether the run ends there."""
     watch, results, moves, scenarios = group.watch, group.results, group.moves, group.runs.scenario
     progress, joint_moves = group.progress, group.joint_moves
     record_metrics(watch, results, moves, scenarios, arm, states, progress, joint_moves, group.first, k, cycle)
@@ -126,12 +126,14 @@ def _load_inputs(group, air, around, acting, noise, k):
 
 @composition
 def _record(group, joints, states, around, sensed, voltages, report, k, i):  # noqa: ARG001  (a port)
+    """Write the traces of all joints in control cycle k."""
     for j in range(group.scenarios.by_joint.shape[2]):
         record_trace(group.watch, group.results, joints[j], states[j], voltages[j], group.first, j, k)
 
 
 @composition
 def _check(group, states, k, i):  # noqa: ARG001
+    """Store k as the cycle of divergence in lanes that diverged; return False, so that the others go on."""
     for j in range(group.scenarios.by_joint.shape[2]):
         record_divergence(states[j], group.progress, k)
     return False

@@ -117,7 +117,7 @@ def _draw_tail(high, low, step_high, step_low, ziggurat, negative):
 
 @composition
 def fill_cycle(streams, ziggurat, noise, k, run):
-    """Draw a run's noise of cycle k, and advance its generator."""
+    """Draw a run's noise of cycle k into `noise`, and advance its generator; zeros for a run without noise."""
     high, low, step_high, step_low = streams[0, run], streams[1, run], streams[2, run], streams[3, run]
     for j in range(noise.shape[1]):
         for sensor in range(2):
@@ -137,7 +137,7 @@ def seed_stream(streams, run):
 
 @kernel
 def fill_noise(streams, ziggurat, noise):
-    """Fill in the noise of runs, cycle by cycle: in the order of memory."""
+    """Fill `noise` with the noise of all runs; start and advance their generators `streams` in place."""
     for run in range(noise.shape[3]):
         seed_stream(streams, run)
     for k in range(noise.shape[0]):

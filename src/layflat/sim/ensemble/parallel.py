@@ -206,11 +206,13 @@ def _read_band(value: Value, quantity: u.Quantity, where: str) -> float:
     """Return a settling band in SI units; raise InputError unless it is positive and in the range of its quantity."""
     band = read_number(value, quantity, where)
     if not 0.0 < band <= quantity.most:
-        raise InputError(f"{band:g} {quantity.unit} is out of range", where=where, right="give more than zero")
+        right = f"give more than zero, up to {quantity.most:g} {quantity.unit}"
+        raise InputError(f"{band:g} {quantity.unit} is out of range", where=where, right=right)
     return band
 
 
 def _number(precision: str) -> type[np.floating[Any]]:
+    """Return the type of numbers of a precision; raise InputError if there is none."""
     if not isinstance(precision, str) or precision not in NUMBER_TYPES:
         raise InputError(f"{shown(precision)} is not a precision", where="precision", right='use "double" or "single"')
     return NUMBER_TYPES[precision]
@@ -320,6 +322,7 @@ def _block_size(count: int, workers: int, lanes: int) -> int:
 
 
 def _columns(traces: Sequence[str]) -> NDArray[np.int64]:
+    """Return the column numbers in `Traced` of these signals; raise InputError if one is unknown."""
     signals = _check_names(traces, Traced._fields, "signal", "traces")
     return np.array([Traced._fields.index(name) for name in signals], dtype=np.int64)
 

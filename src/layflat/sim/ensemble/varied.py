@@ -56,7 +56,7 @@ def read_values(machine: Machine, key: str, values: Any) -> Array:
     if not np.isfinite(array).all():
         raise InputError("holds a value that is not finite", where=where, right="give numbers only")
     if key == "seed" and not ((array >= 0) & (array <= MAX_SEED) & (array == np.floor(array))).all():
-        raise InputError("holds what is no seed", where=where, right=f"give whole numbers, 0 to {MAX_SEED}")
+        raise InputError("holds a number that is no seed", where=where, right=f"give whole numbers, 0 to {MAX_SEED}")
     return array.astype(np.float64)
 
 

@@ -76,7 +76,7 @@ NO_PROGRESS = ArmProgress(
 
 
 def new_watch(runs: Runs) -> Watch:
-    """Return a new watch over runs, in their precision."""
+    """Return a watch over runs at their first moves, in their precision."""
     lanes = len(runs.scenario)
     return Watch(
         np.zeros(lanes, np.int64), np.zeros(lanes, np.int64), np.zeros((SCRATCH_ROWS, lanes), runs.parameters.dtype)
