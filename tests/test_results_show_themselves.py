@@ -94,7 +94,7 @@ def test_a_caption_lies_below_what_it_explains() -> None:
     ("call", "told"),
     [
         (lambda: lf.plot.draw(3), "result: 3 can't be drawn; give a machine, a run, a design ..."),
-        (lambda: lf.save(3, "x"), "item: 3 is neither; give a machine or a run"),  # type: ignore[arg-type]
+        (lambda: lf.save(3, "x"), "item: 3 can't be saved; give a machine, a run or metrics"),  # type: ignore[arg-type]
         (lambda: lf.metrics(3), "run: 3 is no run; give what `rollout` or `open_run` returns"),  # type: ignore[arg-type]
         (lambda: lf.metrics(lf.rollout("paper-arm", scenario=STEP)[["angle"]]), "run: has no demand; give what "),
         (lambda: lf.rollout("paper-arm", 0.0, scenario=lf.Scenario(opening=0.1)), "demand: stands beside an opening"),

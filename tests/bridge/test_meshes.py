@@ -59,7 +59,7 @@ def test_a_mesh_without_surface_is_named(tmp_path: Path) -> None:
 
 def test_a_mesh_whose_corners_are_no_numbers_is_named(tmp_path: Path) -> None:
     (tmp_path / "m.stl").write_bytes(stl([[(0, 0, np.nan), (1, 0, 0), (0, 1, 0)], *FLAT]))
-    with pytest.raises(InputError, match=r"m\.stl: has corners that are infinite or none; give another mesh"):
+    with pytest.raises(InputError, match=r"m\.stl: has corners that are not finite; give another mesh"):
         save_arm(machine_with(tmp_path, "m.stl"), tmp_path / "out.xml")
 
 

@@ -41,7 +41,7 @@ def test_roller_joints_have_no_cam() -> None:
     assert design.outline is None
     np.testing.assert_allclose(design.torque[1], design.roller_torque[1])
     np.testing.assert_allclose(design.tension, design.torque[1] / design.joint.output.radius)
-    with pytest.raises(DesignError, match='give "cam" to have one'):
+    with pytest.raises(DesignError, match='"roller" has no cam; give "cam"'):
         design.columns()
 
 

@@ -92,7 +92,7 @@ def test_a_broken_table_is_refused_in_one_line(tmp_path: Path, text: str, says: 
 
 def test_two_columns_that_say_the_same_are_refused(tmp_path: Path) -> None:
     text = "angle_deg,angle_rad,torque_Nm\n" + "".join(f"{k},{k},1\n" for k in range(6))
-    with pytest.raises(InputError, match="columns angle_deg, angle_rad say the same"):
+    with pytest.raises(InputError, match="columns angle_deg, angle_rad give the same quantity"):
         read_characteristic(written(tmp_path, text), pressure=4e5, roller_radius=0.026)
 
 

@@ -60,6 +60,6 @@ def test_the_rigs_of_the_papers_figures_act_one_way() -> None:
 
 def test_a_machine_with_another_controller_is_refused() -> None:
     with pytest.raises(
-        MachineError, match="'tracking', but the reproduction of the paper needs the gains of the paper's"
+        MachineError, match="'tracking', but the reproduction of the paper needs the gains of the paper's law"
     ):
         load_bench("paper-arm-tracking")

@@ -178,9 +178,11 @@ def _list_values(values: Mapping[str, float], unit: str) -> str:
 
 
 def _is_default_gravity(gravity: Array) -> bool:
+    """Return whether gravity (m/s2) is along -z, and as strong as tools assume without one in the file."""
     x, y, z = gravity
     return bool(max(abs(x), abs(y)) < 1e-9 and DEFAULT_GRAVITY_RANGE[0] < -z < DEFAULT_GRAVITY_RANGE[1])
 
 
 def _inertia_change(inertia: Array) -> float:
+    """Return the largest change of an inertia by `nearest_inertia`, over its largest item."""
     return float(np.abs(nearest_inertia(inertia) - inertia).max() / np.abs(inertia).max())

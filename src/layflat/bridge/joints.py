@@ -206,7 +206,7 @@ def _hinge_index(mj: Any, model: Any, name: str) -> int:
 
 
 def _step_span(mj: Any, model: Any, cycle: float) -> Array:
-    """Return the numbers of a `StepSpan` for the model's timestep."""
+    """Return the numbers of a `StepSpan` for a model; raise InputError for its timestep or integrator."""
     H = model.opt.timestep
     if not MIN_TIMESTEP <= H <= cycle:
         raise InputError(

@@ -72,7 +72,14 @@ class Meshes:
 
 
 def read_mesh(file: Path, *, engine: bool) -> bytes:
-    """Return the content of a mesh file, for an engine converted to binary STL if it can't read the format."""
+    """Return the content of a mesh file, for an engine converted to binary STL if it can't read the format.
+
+    Other readers get a DAE that declares metres; MuJoCo gets triangles with at least `MIN_CORNERS` corners.
+
+    Raises:
+        InputError: the mesh can't be read, or has corners that are not finite.
+        MissingExtraError: it has to be converted, and the extra is not installed.
+    """
     try:
         content = file.read_bytes()
     except OSError as error:
@@ -88,7 +95,7 @@ def read_mesh(file: Path, *, engine: bool) -> bytes:
         mesh = load_mesh(file)
         triangles = np.asarray(mesh.vertices[mesh.faces], float)
     if not np.isfinite(triangles).all():
-        raise InputError("has corners that are infinite or none", where=str(file), right="give another mesh")
+        raise InputError("has corners that are not finite", where=str(file), right="give another mesh")
     return _obj(_split(triangles)) if is_obj else binary_stl(_split(triangles))
 
 
@@ -114,6 +121,7 @@ def _split(triangles: Array) -> Array:
 
 
 def _obj(triangles: Array) -> bytes:
+    """Return triangles (n, 3 corners, 3) as an OBJ."""
     corners = [f"v {x!r} {y!r} {z!r}" for x, y, z in triangles.reshape(-1, 3).tolist()]
     faces = [f"f {i + 1} {i + 2} {i + 3}" for i in range(0, len(corners), 3)]
     return "\n".join([*corners, *faces, ""]).encode()
@@ -126,7 +134,11 @@ def is_binary_stl(content: bytes) -> bool:
 
 
 def mesh_unit(file: Path) -> float:
-    """Return the unit of a mesh, m: 1 unless a DAE declares it (trimesh, Pinocchio and yourdfpy ignore it)."""
+    """Return the unit of a mesh, m: 1 unless a DAE declares it (trimesh, Pinocchio and yourdfpy ignore it).
+
+    Raises:
+        InputError: the declared unit is no length.
+    """
     if file.suffix.lower() != ".dae" or not file.is_file():
         return 1.0
     declared = UNIT.search(file.read_bytes())
@@ -162,7 +174,10 @@ def load_mesh(file: Path) -> Any:
 
 
 def is_refused_by_mujoco(file: Path, scale: tuple[float, float, float]) -> bool:
-    """Return whether MuJoCo refuses a mesh of a URDF, all of which it takes for solids: a DAE, or one that is flat."""
+    """Return whether MuJoCo refuses a mesh of a URDF, all of which it takes for solids: a DAE, or one that is flat.
+
+    Without trimesh, a mesh that is no binary STL counts as accepted.
+    """
     if file.suffix.lower() == ".dae":
         return True
     content = file.read_bytes()

@@ -78,7 +78,7 @@ def to_mjcf(machine: str | Path | Machine, folder: str = "") -> str:
 
 
 def tree_text(root: Element) -> str:
-    """Return an XML tree as text."""
+    """Return an XML tree as text, after indenting it in place."""
     indent(root)
     return tostring(root, encoding="unicode") + "\n"
 
@@ -121,7 +121,7 @@ def arm_tree(machine: Machine, *, passive: bool, folder: str = "") -> tuple[Elem
 
 
 def add_geom(parent: Element, piece: Piece, assets: Element, meshes: Meshes, name: str, *, painted: bool) -> None:
-    """Add a piece as a geom that does not collide and has no mass.
+    """Add a piece as a geom that does not collide and has no mass, and its mesh to the assets.
 
     Args:
         parent: body of the geom.
@@ -157,7 +157,7 @@ def format_numbers(values: Iterable[float]) -> str:
 
 
 def quaternion(axes: Array) -> Array:
-    """Return the unit quaternion (w, x, y, z) of axes (3, 3)."""
+    """Return the unit quaternion (w, x, y, z) of axes (3, 3), with w >= 0."""
     from scipy.spatial.transform import Rotation  # noqa: PLC0415  # SciPy takes long to import
 
     wxyz: Array = np.roll(Rotation.from_matrix(axes).as_quat(), 1)

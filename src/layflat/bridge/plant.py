@@ -93,7 +93,7 @@ class MujocoPlant(PneumaticJoints, MachinePlant):
         self._mj.mj_setConst(self.model, self._mj.MjData(self.model))
 
     def advance(self, until: float) -> None:
-        """Advance to the last whole step before `until` (s); raise DivergedError if the machine diverged."""
+        """Advance to the last whole step up to `until` (s), if ahead; raise DivergedError if the machine diverged."""
         # A deadline that is a whole number of steps may be a hair short of it.
         for _ in range(int((until - self.time) / self.model.opt.timestep + 1e-3)):
             self._advance(self.step)
@@ -107,7 +107,7 @@ class MujocoPlant(PneumaticJoints, MachinePlant):
         return super().sense(next(self._noise) if noise is None else noise)
 
     def grip(self, joint: int, torque: float) -> None:
-        """Add to the torque (N m) at which a joint's brake slips; 0 leaves the brake's own."""
+        """Set the torque (N m) that is added to that at which a joint's brake slips; 0 leaves the brake's own."""
         self.brakes[joint] = self._own[joint] + torque
 
     def _payload(self) -> int:
@@ -115,7 +115,11 @@ class MujocoPlant(PneumaticJoints, MachinePlant):
 
 
 def _order_hinges(machine: Machine, joints: Mapping[str, str] | None) -> Mapping[str, str] | None:
-    """Return the hinges in the order of the machine's joints, one of each."""
+    """Return the joint by hinge in the order of the machine's joints; None for None.
+
+    Raises:
+        InputError: a joint has no hinge, or several.
+    """
     if joints is None:
         return None
     if sorted(joints.values()) != sorted(machine.joints):

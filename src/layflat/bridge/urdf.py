@@ -72,7 +72,7 @@ def to_urdf(machine: str | Path | Machine, folder: str = "") -> str:
 
 
 def unread_meshes(pieces: Iterable[Iterable[Piece]]) -> list[str]:
-    """Return the names of meshes that MuJoCo can't read from a URDF."""
+    """Return the sorted names of the files of meshes that MuJoCo can't read from a URDF."""
     unread = {
         piece.file.name
         for own in pieces

@@ -190,7 +190,11 @@ class Outline:
 
 
 def cam_outline(cam: Cam, bore: float | None = None) -> Outline:
-    """Return the `Outline` of a cam with a bore (m), by default the largest common bore that leaves a wall."""
+    """Return the `Outline` of a cam with a bore (m), by default the largest common one that leaves a wall.
+
+    Raises:
+        DesignError: as `Outline`.
+    """
     if bore is None:
         greatest = BORE_SHARE * float(cam.lever.min())
         bore = max((size for size in BORE_DIAMETERS if size <= greatest), default=greatest)

@@ -31,7 +31,7 @@ Through = Callable[[Array, Array], tuple[Array, Array, Array]]
 
 
 def spline(x: Array, y: Array) -> tuple[Array, Array, Array]:
-    """Return integral, first and second derivative of the quintic spline through all points."""
+    """Return integral from the first point, y' and y'' of the quintic spline through all points, at these points."""
     from scipy.interpolate import make_interp_spline  # noqa: PLC0415  # SciPy takes a second to import
 
     curve = make_interp_spline(x, y, k=SPLINE_ORDER)

@@ -143,7 +143,7 @@ def _outline(design: JointDesign) -> Outline:
 
 
 def _levers(sheet: Sheet, cam: Cam) -> None:
-    """Draw the strap's line at both ends of the stroke, with its lever arm."""
+    """Add the strap's line at both ends of the stroke, and dimensions of its lever arm (mm), to a sheet."""
     t = sheet.text_height
     for k, beyond in ((0, 1.0), (-1, -1.0)):
         eta, lever = float(cam.normal[k]), float(cam.lever[k]) * MM
@@ -156,7 +156,7 @@ def _levers(sheet: Sheet, cam: Cam) -> None:
 
 
 def _overall(sheet: Sheet, low: Array, high: Array, taken: Array) -> None:
-    """Dimension width and height of the part, clear of the points that are taken."""
+    """Add dimensions of width and height, from `low` to `high` (mm), outside the points `taken`."""
     t = sheet.text_height
     (x0, y0), (x1, y1) = (float(v) for v in low), (float(v) for v in high)
     below, beside = float(taken[:, 1].min()) - 4 * t, float(taken[:, 0].max()) + 5 * t
@@ -181,6 +181,7 @@ def _drawing_notes(design: JointDesign, outline: Outline) -> list[str]:
 
 
 def _rotated(points: Array, angle: float) -> Array:
+    """Return points (n, 2) rotated anticlockwise about the origin by an angle, rad."""
     along = direction_vector(angle)
     rotated: Array = points @ np.stack((along, rotate_quarter(along)))
     return rotated

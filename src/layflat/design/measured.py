@@ -43,7 +43,9 @@ class _Table(NamedTuple):
         """Return name and values (SI) of the only column among the names of `factors` (to SI)."""
         names = [name for name in factors if name in self.columns]
         if len(names) != 1:
-            what = f"columns {', '.join(names)} say the same" if names else f"no column {' or '.join(factors)}"
+            what = (
+                f"columns {', '.join(names)} give the same quantity" if names else f"no column {' or '.join(factors)}"
+            )
             right = f"columns here are {', '.join(self.columns)}; name one of them so"
             raise InputError(what, where=self.where, right=right)
         return names[0], self.columns[names[0]] * factors[names[0]]

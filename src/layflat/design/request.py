@@ -96,7 +96,7 @@ class SizingRequest:
                 raise DesignError(what, where=f"size: {key}", right=right)
             if not (isfinite(value) and low * (1 - BOUND_TOLERANCE) <= value <= high * (1 + BOUND_TOLERANCE)):
                 right = f"give {_text(kind, low)} to {_text(kind, high)}"
-                raise DesignError(_text(kind, value), where=f"size: {key}", right=right)
+                raise DesignError(f"{_text(kind, value)} is out of range", where=f"size: {key}", right=right)
 
 
 OPTIONAL_FIELDS = frozenset(one.name for one in fields(SizingRequest) if one.default is None)

@@ -58,7 +58,7 @@ class Distance(NamedTuple):
 
 
 class Diameter(NamedTuple):
-    """Dimension of a circle, whose leader runs in a direction (degrees) to the distance `lead` from the centre."""
+    """Dimension of a circle, whose leader runs in a direction (degrees) to `leader_length` from the centre."""
 
     centre: Point
     radius: float
@@ -98,7 +98,7 @@ class Sheet:
         self.paths.append(Polyline(np.array([first, second]), layer))
 
     def cross(self, centre: Point, half: float) -> None:
-        """Add the centre lines of a circle."""
+        """Add the centre lines of a circle, each of length 2 `half`, mm."""
         x, y = centre
         self.line((x - half, y), (x + half, y), "CENTRE")
         self.line((x, y - half), (x, y + half), "CENTRE")
@@ -145,6 +145,7 @@ class _Canvas:
         self.high = np.full(2, -np.inf)
 
     def _reach(self, points: Array) -> None:
+        """Extend the bounding box to points (n, 2), mm."""
         self.low = np.minimum(self.low, points.min(axis=0))
         self.high = np.maximum(self.high, points.max(axis=0))
 

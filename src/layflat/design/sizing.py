@@ -71,6 +71,7 @@ def model_machine() -> Machine:
 
 @cache
 def _counted_share() -> float:
+    """Return the mass of the model joint's counted parts over that of the whole joint."""
     mass = design_joint(model_machine()).mass
     return mass.counted / mass.body
 
@@ -123,7 +124,11 @@ def _sized(request: SizingRequest, base: Joint, width: float, diameter: float) -
 
 
 def _described(request: SizingRequest, base: Joint, joint: Joint) -> Sized:
-    """Choose shaft, cam and strap of a joint with hose and cylinder, and return it, built from its description."""
+    """Choose shaft, cam and strap of a joint with hose and cylinder, and return it, built from its description.
+
+    Raises:
+        DesignError: no shaft offset or strap fits, or the result misses torque or stroke.
+    """
     characteristic = cylinder_characteristic(joint)
     joint, cam = _with_shaft(request, joint, characteristic)
     area = cam_outline(cam).area
@@ -147,7 +152,11 @@ def _described(request: SizingRequest, base: Joint, joint: Joint) -> Sized:
 
 
 def _with_shaft(request: SizingRequest, joint: Joint, characteristic: Characteristic) -> tuple[Joint, Cam]:
-    """Return joint and cam with the first shaft offset at which the strap clears the cylinder, or dips least."""
+    """Return joint and cam with the first shaft offset at which the strap clears the cylinder, or dips least.
+
+    Raises:
+        DesignError: no shaft offset gives a convex cam.
+    """
     stroke = characteristic.full_travel / joint.output.radius
     best: tuple[Joint, Cam] | None = None
     for share in OFFSET_SHARES:

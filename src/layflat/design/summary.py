@@ -98,7 +98,7 @@ class JointDesign:
 
     @cached_property
     def stresses(self) -> tuple[StrapStress, ...]:
-        """Stresses of the strap at each place where it bends."""
+        """Stresses of the strap at each place where it bends; none at a cam that is not convex."""
         over = [("roller", self.joint.output.radius)]
         if self.cam is not None:
             over = [("cam", self.cam.smallest_radius)] if self.cam.convex else []
@@ -209,5 +209,5 @@ class JointDesign:
     def with_cam(self) -> Cam:
         """Return the cam; raise DesignError if the joint has none."""
         if self.cam is None:
-            raise DesignError('"roller"', where=f"{self.label}.output.kind", right='give "cam" to have one')
+            raise DesignError('"roller" has no cam', where=f"{self.label}.output.kind", right='give "cam"')
         return self.cam

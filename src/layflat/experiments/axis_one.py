@@ -52,7 +52,7 @@ def oscillation(time: Array, angle: Array) -> tuple[float, float]:
 
 
 def is_sustained(time: Array, angle: Array) -> bool:
-    """Return whether an angle (rad) goes on oscillating beyond the band of settling (`BAND`), and does not fade."""
+    """Return whether an angle (rad) oscillates at the end by more than +-`SETTLING_BAND`, and does not fade."""
     last, before = oscillation(time, angle)
     return not (last <= 2.0 * SETTLING_BAND or last < FADING_RATIO * before)
 
@@ -131,7 +131,7 @@ INERTIA_RATIO_UNIT = "kg m2/(N m)"
 
 
 def step_settling(run: xarray.Dataset) -> float:
-    """Return the time from the step until the joint stays within 0.3 deg of its demand, s."""
+    """Return the time from the step until the joint stays within 0.3 deg of its demand, s; infinite if it does not."""
     if not _is_complete(run):
         return inf
     return measure_move(run, "small", since=STEP_TIME).settling
@@ -158,17 +158,17 @@ class AxisOneExperiment(Experiment):
 
     @cached_property
     def unbraked(self) -> xarray.Dataset:
-        """The new joint without brake."""
+        """Step of the new joint without brake, at the paper's inertia per torque."""
         return self._step(self.bench.axis_one, 0.0)
 
     @cached_property
     def earlier(self) -> xarray.Dataset:
-        """The earlier actuator."""
+        """Step of the earlier actuator, at the paper's inertia per torque."""
         return self._step(self.bench.earlier_scaled, 0.0)
 
     @cached_property
     def braked(self) -> xarray.Dataset:
-        """The new joint with its brake and the paper's 2 kg."""
+        """Step of the new joint with its brake and the paper's 2 kg."""
         return self._step(self.bench.axis_one, self.bench.brake, self.bench.axis_one.arm.payload)
 
     @cached_property
@@ -183,7 +183,7 @@ class AxisOneExperiment(Experiment):
 
     @claim("unbraked-joint")
     def unbraked_joint(self) -> Evaluation:
-        """Compare both joints without brake."""
+        """Measure arrival, oscillation and overshoot of the new joint without brake, and settling of the earlier."""
         if not _is_complete(self.unbraked):
             return [ClaimQuantity("diverged after", float(self.unbraked["time"][-1]) - STEP_TIME, "s")], False
         time, angle = _step_response(self.unbraked)

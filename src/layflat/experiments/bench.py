@@ -62,7 +62,7 @@ class ReproductionBench:
     def curve(
         self, name: str, machine: Machine | None = None, *, brake: float = 1.0, share: float | None = None
     ) -> HysteresisLoop:
-        """Sweep a joint at supply pressure, and return its hysteresis curve.
+        """Sweep a joint at the supply pressure of the machine under test, and return its hysteresis curve.
 
         Args:
             name: name of the joint.
@@ -79,13 +79,13 @@ class ReproductionBench:
 
     @cached_property
     def axis_one(self) -> Machine:
-        """The small joint alone with the paper's 2 kg at 0.4 m, and the controller of the earlier actuator."""
+        """The small joint alone with the paper's 2 kg, and the gains of the earlier actuator."""
         self.joint("small")
         return changed(isolate_joint(self.arm, "small", 2.0), "joint.small.gains", self.earlier.joint["small"].gains)
 
     @cached_property
     def earlier_scaled(self) -> Machine:
-        """The earlier actuator with the pressure gains of its controller scaled to its torque."""
+        """The earlier actuator, its pressure gains scaled by its torque over that of the small joint."""
         gains = self.earlier.joint["small"].gains
         if gains is None:
             return self.earlier
@@ -119,7 +119,7 @@ def load_bench(arm: str | Path | Machine = "paper-arm") -> ReproductionBench:
 
 
 def maximum_torque(machine: Machine, joint: str) -> float:
-    """Return the greatest torque at supply pressure without losses, N m."""
+    """Return a joint's greatest torque at the machine's supply pressure, without losses, N m."""
     return parameters.torque_constant(machine.joint[joint]) * machine.supply.pressure_gauge
 
 

@@ -44,7 +44,7 @@ class Claim:
         return {None: "not evaluated", True: "agrees", False: "does not agree"}[self.agrees]
 
     def record(self) -> dict[str, Any]:
-        """Return the claim's entry in claims.json; a value that is not finite becomes null."""
+        """Return the claim's entry in claims.json: values rounded to 6 decimals, null if not finite."""
         return {
             "id": self.id,
             "where": self.where,

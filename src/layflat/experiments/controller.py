@@ -44,7 +44,7 @@ class ControllerExperiment(Experiment):
         return NEUTRAL_DRIFT * valve.volts_to_full
 
     def run(self, step: float = STEP, **changes: Any) -> xarray.Dataset:
-        """Simulate axis one; `changes` are fields of `Scenario`, the step of the plant is in s."""
+        """Simulate axis one with drift and brake, for 20 s; `changes` are fields of `Scenario`, `step` is in s."""
         case = Scenario(drift=self.volts, brake=self.bench.brake, seed=4, duration=20.0)
         return rollout(self.bench.axis_one, step=step, scenario=replace(case, **changes))
 

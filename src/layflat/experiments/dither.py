@@ -153,7 +153,7 @@ class DitherExperiment(Experiment):
 
     @claim("dither-motion")
     def motion(self) -> Evaluation:
-        """Compare the ripple of angle and pressure with and without brake."""
+        """Compare the ripple of angle and pressure with and without brake; the joint that differs least counts."""
         arm, frequency = self.bench.arm, self.bench.valve.dither.frequency
         (angle, pressure), (angle_braked, pressure_braked) = (
             ripple_amplitudes(arm, b, frequency) for b in (0.0, self.bench.brake)

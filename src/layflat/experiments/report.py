@@ -37,7 +37,7 @@ MIN_PRINTED, MAX_PRINTED = 1e-4, 1e5  # below: "< 0.0001"; from here on: without
 
 
 def format_number(value: float) -> str:
-    """Return a number as text of five significant digits; "never" for one that is not finite."""
+    """Return a number as text of five significant digits; "never" if not finite, "< 0.0001" if that small."""
     if not isfinite(value):
         return "never"
     if abs(value) >= MAX_PRINTED:
@@ -60,7 +60,7 @@ def claim_rows(claims: Sequence[Claim]) -> list[list[str]]:
 
 
 def write_claims(reproduction: Reproduction, path: Path) -> Path:
-    """Write the claims as a JSON list (OutputError: it can't be written there)."""
+    """Write the claims as a JSON list, and return the path; raise OutputError if it can't be written there."""
     records = [claim.record() for claim in reproduction.claims]
     return write_text(path, json.dumps(records, indent=2, ensure_ascii=False, allow_nan=False) + "\n")
 
@@ -137,6 +137,7 @@ def _draw_ratio(reproduction: Reproduction) -> Figure:
 
 
 def _draw_valve_sweeps(reproduction: Reproduction) -> Figure:
+    """Draw the opening over the command, swept up and down, for each dither."""
     labels = {"without": "without dither", "normal": "with 50 Hz dither", "fast": "with 400 Hz dither"}
     sweeps = {labels[name]: sweep for name, sweep in reproduction.dither.sweeps.items()}
     return valve_sweeps({k: ((s.command, s.up), (s.command, s.down)) for k, s in sweeps.items()})

@@ -85,7 +85,7 @@ def range_rows(reproduction: Reproduction, ranges: Sequence[QuantityRange]) -> l
 
 
 def write_ranges(ranges: Sequence[QuantityRange], members: int, path: Path) -> Path:
-    """Write ranges as JSON, and return the path.
+    """Write ranges as JSON, an infinite number as null, and return the path.
 
     Args:
         ranges: ranges of the claims' numbers.

@@ -62,7 +62,7 @@ def simulate_closed_valve(arm: Machine, pressure: float) -> xarray.Dataset:
 
 
 def air_stiffness(run: xarray.Dataset) -> float:
-    """Return the slope of the air's torque against angle over the last period, N m/rad."""
+    """Return the stiffness of the large joint's air, N m/rad: minus the slope of its torque in the last period."""
     last = run.sel(time=slice(20.0, None))
     K = parameters.torque_constant(restore(run.attrs["machine"]).joint["large"])
     torque = K * (last["pressure_a"] - last["pressure_b"]).to_numpy()[:, 0]

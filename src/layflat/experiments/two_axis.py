@@ -85,13 +85,14 @@ class TwoAxisExperiment(Experiment):
         return tip_position(self.bench.arm, self.rest_angles)
 
     def _run(self, demand: DemandSteps, duration: float, seed: int) -> xarray.Dataset:
+        """Simulate the arm with its brakes, up to a divergence; raise MachineError if it lacks a joint."""
         for name in MOVE_SPANS:
             self.bench.joint(name)
         return rollout_as_far(self.bench.arm, demand, duration=duration, brake=self.bench.brake, seed=seed)
 
     @claim("two-axis-settling")
     def settling(self) -> Evaluation:
-        """Measure the settling of joints and tip after a step of either joint."""
+        """Measure the settling of the slower joint and of the tip after a step of either joint."""
         run = self.steps
         if float(run["time"][-1]) < END_TIME - 0.01:
             return [ClaimQuantity("diverged after", float(run["time"][-1]), "s")], False

@@ -38,7 +38,7 @@ def with_losses(machine: Machine, kind: str, values: Mapping[str, Any], joints: 
 
 
 def with_tracking(machine: Machine) -> Machine | None:
-    """Return the machine with a tracking controller, unchanged if it has one; None if the law can't model it."""
+    """Return the machine with a tracking controller, without gains; unchanged if it has one, None if impossible."""
     if isinstance(machine.controller, TrackingControllerPart):
         return machine
     gains = {f"joint.{name}.gains": None for name in machine.joint}

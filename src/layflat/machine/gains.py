@@ -30,7 +30,7 @@ def check_papers_law(machine: Any, doing: str) -> None:
     name = machine.control_law.name
     if name != CONTROL_LAWS.usual:
         raise MachineError(
-            f"is {name!r}, but {doing} needs the gains of the paper's",
+            f"is {name!r}, but {doing} needs the gains of the paper's law",
             where=f"{machine.origin}: controller.kind",
             right=f'give a machine whose controller is "{CONTROL_LAWS.usual}"',
         )

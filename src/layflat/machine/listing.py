@@ -25,7 +25,7 @@ class ListedValue:
 
 
 def list_values(plain: Plain, sources: Sources) -> list[ListedValue]:
-    """Return every value of a description that its arm uses, as written, with its source."""
+    """Return every value that a description's arm uses, as text with its source; kind, name and title are left out."""
     used = {f"joint.{name}" for name in plain.get("arm", {}).get("joints", [])}
     lines = []
     for path, value in leaves(plain):

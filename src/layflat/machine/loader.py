@@ -41,13 +41,14 @@ class MachineLibrary(Library):
         return layers
 
     def resolve(self, where: str, name: str) -> str:
-        """Return the place of a name as any library does; members of clouds are named as the machines are."""
+        """Return a name resolved as `Library` does; names of members of built-in machines stay as they are."""
         member = split_member_name(name)
         return name if member and member[0] in self.names else super().resolve(where, name)
 
     def apply_layer(self, under: tuple[Plain, Sources], layer: Layer) -> tuple[Plain, Sources]:
         """Return tables overlaid by a layer; a part that changes its kind keeps only keys that both kinds have.
 
+        Python files of kinds that the layer names are run first.
         Files of meshes get full paths, as those of kinds do: they are relative to the file that names them.
         """
         for path in _kind_files(layer):
@@ -111,7 +112,7 @@ def _incompatible_paths(below: Plain, above: Plain, at: str, table: KindTable[An
 
 
 def _kind_files(layer: Layer) -> list[str]:
-    """Return the paths of the files of kinds that a layer names, relative to it; raise MachineError if malformed."""
+    """Return the full paths of the files of kinds that a layer names; raise MachineError if they are no list."""
     named = layer.plain.get("kinds", [])
     if not isinstance(named, list) or not all(isinstance(path, str) for path in named):
         raise MachineError(

@@ -117,7 +117,8 @@ class Machine(DescribedFile):
         if self.valve is not None and self.controller is not None:
             max_delay = MAX_DELAY_CYCLES * self.cycle
             if self.valve.delay > max_delay:
-                raise ValueError(f"valve.delay is longer than three control cycles, {1000 * max_delay:g} ms")
+                limit = f"give up to {1000 * max_delay:g} ms"
+                raise ValueError(f"valve.delay is longer than three control cycles; {limit}")
             for name, line in self.lines.items():
                 if line is not None and self.valve.delay + delay(line) > max_delay:
                     raise ValueError(
@@ -204,7 +205,7 @@ def build(plain: Plain, sources: Sources, where: str) -> Machine:
 
 
 def restore(text: str, where: str = "") -> Machine:
-    """Return a machine from its JSON text in a run or a log of any version; raise MachineError if it is none."""
+    """Return a machine from its JSON text in a run or log of any version; raise MachineError for wrong values."""
     return build(with_present_keys("machine", json.loads(text))[0], {}, where)
 
 

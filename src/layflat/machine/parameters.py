@@ -345,6 +345,6 @@ def springs(machine: Machine) -> list[NoSpring | SpringParameters]:
 
 
 def second_hoses(machine: Machine) -> list[TwoHoses | SecondHose]:
-    """Return the mark of hose B of each joint, all of one class, likewise."""
+    """Return whether each joint has hose B, as parameters of one class: `TwoHoses` if all have it."""
     double = [joint.acting == "double" for joint in machine.joints.values()]
     return [TwoHoses() if all(double) else SecondHose(float(has_second)) for has_second in double]

@@ -28,6 +28,7 @@ JOINT_MASS_RATIO = 3.2
 
 
 def _check_wrap(wrap: float) -> float:
+    """Return a wrap angle, rad; raise ValueError if it is over 180 deg."""
     if wrap > radians(180.0001):
         raise value_error("is over 180 deg", 'give an angle such as "120 deg"', INPUT_VALUE)
     return wrap
@@ -241,7 +242,8 @@ class Joint(Part):
     def _check_sizes(self) -> Self:
         """Raise ValueError if sizes of hose, cylinder and output do not fit each other."""
         if self.output.radius >= self.cylinder.diameter / 2:
-            raise ValueError("output.radius must be smaller than the cylinder's radius")
+            radius, limit = f"{1e3 * self.output.radius:g} mm", f"{500.0 * self.cylinder.diameter:g} mm"
+            raise ValueError(f"output.radius is {radius}; give less than the cylinder's radius, {limit}")
         if self.acting == "single" and self.regulator is not None:
             raise ValueError("regulator needs two hoses: the pressure in a single one is its torque; leave it out")
         if self.hose.width * 4 <= self.cylinder.diameter * (self.hose.wrap - self.hose.contact_end):

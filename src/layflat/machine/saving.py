@@ -45,7 +45,10 @@ def _with_sources(table: Plain, sources: Sources, path: str) -> Plain:
 
 
 def _with_usual_units(machine: Machine, value: Any, path: str) -> Any:
-    """Return a value of a description in which texts have usual units where those give the same bits."""
+    """Return a value of a description in which texts have usual units where those give the same bits.
+
+    Empty tables and lists are left out.
+    """
     if isinstance(value, Mapping):
         below = {key: _with_usual_units(machine, item, f"{path}.{key}".lstrip(".")) for key, item in value.items()}
         return {key: item for key, item in below.items() if item not in ({}, [])}

@@ -34,7 +34,7 @@ def stale_values(machine: Machine) -> list[StaleValue]:
     """Return the values of a description that belong to other sizes than it has now.
 
     A value is stale if it deviates from the derived one by more than `MAX_DEVIATION`, and either a file changes the
-    sizes but inherits the value, or its source is "derived" or "assumed".
+    sizes but inherits the value, or its source is "derived" or "assumed" (not of a body's mass).
 
     Raises:
         MachineError: files of the description are missing or broken by now.

@@ -41,9 +41,9 @@ class MoveMetrics:
 
 
 def settling_time(time: NDArray[np.floating[Any]], error: Array, band: float) -> float:
-    """Return the time from the first instant to that after the last error outside +-band; infinite if that is last.
+    """Return the time from the first instant until the error stays within +-band; infinite if it ends outside.
 
-    The band's ends are inside; NaN is outside. 0 means that no error is outside.
+    The band's ends count as inside, NaN as outside.
 
     Args:
         time: instants, (instants,), s.

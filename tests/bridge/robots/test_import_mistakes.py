@@ -147,7 +147,7 @@ def test_a_mistake_is_one_line(parts: dict[str, str], options: dict[str, Any], e
          "mass and inertia of moving bodies must be larger than mjMINVAL Element name 'b', id 1, line 1; give it an "
          "inertial, or geoms with mass"),
         ("a.xml", MJCF.replace('pos=".2 0 0"', 'pos=".2 0 nan"'),
-         "has numbers that are infinite or none; mend its numbers"),
+         "has numbers that are not finite; mend its numbers"),
         ("a.xml", MJCF, "body 'fore': carries several moving joints, such as 'close' and 'shut'; choose where the arm "
          "ends: `to='fore'`, or `to='finger'`, or `to='thumb'`"),
         ("a.xml", MJCF.replace('<joint name="bend"', '<joint name="also" axis="0 0 1"/><joint name="bend"'),

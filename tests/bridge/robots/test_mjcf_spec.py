@@ -57,5 +57,5 @@ def test_without_meshes_an_mjcf_needs_none_that_weighs_nothing(tmp_path: Path) -
     light = written(tmp_path, MESH.format('<geom size=".1"/>', 'mass="0"'), "arm.xml")
     assert np.isclose(import_arm(light, meshes=False).machine.arm.link["shoulder"].mass, 4000 / 3 * np.pi * 1e-3)
     heavy = written(tmp_path, MESH.format('<geom size=".1"/>', ""), "arm.xml")
-    with pytest.raises(InputError, match="body 'upper' gets its mass of the mesh 'm'; give it an inertial"):
+    with pytest.raises(InputError, match="body 'upper' gets its mass from the mesh 'm'; give it an inertial"):
         import_arm(heavy, meshes=False)

@@ -33,7 +33,7 @@ CASE = Scenario(duration="0.01 s")
         ({"start.angle.small": ["100 deg"]}, "vary: start.angle.small: 100 deg is outside"),
         ({"start.pressure_a.small": [3.0]}, "vary: start.pressure_a.small: 3 Pa is out of range"),
         ({"valve.dither.frequency": [50.0, 3000.0]}, "step: 0.5 ms is too long for the 3000 Hz"),
-        ({"arm.gravity_direction": [0.0, 1.0], "seed": [1.5, 2.0]}, "vary: seed: holds what is no seed"),
+        ({"arm.gravity_direction": [0.0, 1.0], "seed": [1.5, 2.0]}, "vary: seed: holds a number that is no seed"),
         ([1.0], "vary: .* is no table of what varies"),
     ],
 )

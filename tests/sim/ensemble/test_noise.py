@@ -40,5 +40,5 @@ def test_the_tail_is_numpys_too() -> None:
 
 @pytest.mark.parametrize("seed", [-1.0, 0.5, 2.0**60])
 def test_what_is_no_seed_is_told(seed: float) -> None:
-    with pytest.raises(InputError, match="vary: seed: holds what is no seed; give whole numbers, 0 to"):
+    with pytest.raises(InputError, match="vary: seed: holds a number that is no seed; give whole numbers, 0 to"):
         ensemble("paper-arm", Scenario(duration="0.01 s"), {"seed": [0.0, seed]})

@@ -78,6 +78,7 @@ class ImportedArm:
         turning: ranges of the joints, in the machine's order.
         torques: maximum torque of each joint at supply pressure, N m, (joints,).
         weights: maximum torque of gravity on each joint over the working strokes, N m, (joints,).
+        text: description of the machine, with its meshes.
     """
 
     machine: Machine
@@ -215,7 +216,7 @@ def _limits(stroke: object) -> dict[str, tuple[float, float]]:
 
 
 def _max_gravity_torques(machine: Machine) -> Array:
-    """Return the maximum torques of gravity over random configurations with a fixed seed."""
+    """Return the maximum torques of gravity, N m, (joints,), over random configurations within the working strokes."""
     half = np.array([joint.stops.working_stroke / 2 for joint in machine.joints.values()])
     configurations = np.random.default_rng(0).uniform(-half, half, (GRAVITY_SAMPLES, len(half)))
     arm, payload = parameters.arm(machine), machine.arm.payload

@@ -132,7 +132,10 @@ class _Meshes:
         self.folder, self.contents = folder, contents
 
     def name(self, look: VisualShape) -> str:
-        """Return the path of a shape's mesh beside the description; files of the same content share a name."""
+        """Return the path of a shape's mesh beside the description; files of the same content share a name.
+
+        The file is added to `contents`.
+        """
         file = look.file
         assert file is not None
         content: Path | bytes = look.content or file.resolve()

@@ -81,12 +81,14 @@ def _describe_position(link: RobotLink, position: float) -> str:
 
 
 def _describe_limits(link: RobotLink) -> str:
+    """Return name and limits of a joint that has them, as text."""
     assert link.limits is not None
     lower, upper = link.limits
     return f"{link.name} ({lower:g} to {upper:g} {_unit(link)})"
 
 
 def _is_beyond(link: RobotLink, position: float) -> bool:
+    """Return whether a position is outside a joint's limits; False if it has none, or an empty range."""
     if link.limits is None or link.limits[0] >= link.limits[1]:
         return False
     return not link.limits[0] - LIMIT_TOLERANCE <= position <= link.limits[1] + LIMIT_TOLERANCE

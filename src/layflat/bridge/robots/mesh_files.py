@@ -20,7 +20,7 @@ MAX_NAMED = 4  # places that a message names
 
 
 def with_meshes(chain: SerialChain, packages: Mapping[str, Path]) -> SerialChain:
-    """Return a chain whose links have the files of their meshes.
+    """Return a chain whose links have the files of their meshes, with a note on units other than metres.
 
     Args:
         chain: as read, with names of meshes.
@@ -41,7 +41,7 @@ def with_meshes(chain: SerialChain, packages: Mapping[str, Path]) -> SerialChain
 
 
 def _locate_mesh(look: VisualShape, robot: Robot, packages: Mapping[str, Path]) -> VisualShape:
-    """Return a shape with the path of its named mesh.
+    """Return a shape with the path of its named mesh; a shape that names none is returned unchanged.
 
     Raises:
         InputError: the mesh is not on this computer, in none of the searched places, or of an unknown format.

@@ -88,7 +88,7 @@ def _delete_meshes(spec: Any, file: Path) -> None:
     for geom in [geom for geom in spec.geoms if geom.meshname]:
         body = geom.parent
         if not body.explicitinertial and body is not spec.worldbody and geom.mass != 0.0 and geom.density != 0.0:
-            what = f"body {body.name!r} gets its mass of the mesh {geom.meshname!r}"
+            what = f"body {body.name!r} gets its mass from the mesh {geom.meshname!r}"
             _refuse(file, what, "give it an inertial, or import meshes: `meshes=True`")
         spec.delete(geom)
     for mesh in list(spec.meshes):
@@ -143,7 +143,7 @@ def read_mjcf(file: Path, text: str = "", *, meshes: bool = True) -> Robot:
         "jnt_range",
     ):
         if not np.isfinite(getattr(model, what)).all() or not np.isfinite(model.opt.gravity).all():
-            raise InputError("has numbers that are infinite or none", where=str(file), right="mend its numbers")
+            raise InputError("has numbers that are not finite", where=str(file), right="mend its numbers")
     try:
         robot = _Model(mj, spec, model, file, meshes=meshes).robot()
     except UnicodeDecodeError:
@@ -198,11 +198,13 @@ class _Model:
         return np.zeros(3) if disabled else gravity
 
     def _axes(self, quaternion: Array) -> Array:
+        """Return the axes (3, 3) of a unit quaternion (w, x, y, z)."""
         axes = np.zeros(9)
         self.mj.mju_quat2Mat(axes, np.array(quaternion, float))
         return axes.reshape(3, 3)
 
     def _inertial(self, i: int) -> Inertial:
+        """Return the inertial of body i, in its frame."""
         model, axes = self.model, self._axes(self.model.body_iquat[i])
         inertia = axes @ np.diag(model.body_inertia[i]) @ axes.T
         return Inertial(float(model.body_mass[i]), model.body_ipos[i].copy(), inertia)
@@ -295,6 +297,7 @@ class _Model:
         return {self.names[i] for body in bodies for i in (body, int(self.model.body_parentid[body]))}
 
     def _joints_of_tendon(self, tendon: int) -> list[int]:
+        """Return the indices of the joints that a tendon couples."""
         model = self.model
         wraps = range(model.tendon_adr[tendon], model.tendon_adr[tendon] + model.tendon_num[tendon])
         return [int(model.wrap_objid[w]) for w in wraps if model.wrap_type[w] == self.mj.mjtWrap.mjWRAP_JOINT]

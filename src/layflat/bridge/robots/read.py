@@ -58,7 +58,11 @@ def _encoding(content: bytes) -> str:
 
 
 def _text(file: Path, content: bytes, encoding: str) -> str:
-    """Return the text of a file, without the declaration of an encoding."""
+    """Return the text of a file, without the declaration of another encoding than UTF-8.
+
+    Raises:
+        InputError: the encoding is unknown, or another one than declared.
+    """
     try:
         text = content.decode(encoding).removeprefix("\ufeff")
     except UnicodeError as error:

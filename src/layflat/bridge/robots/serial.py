@@ -272,10 +272,12 @@ class _ChainExtractor:
         )
 
     def _mass(self, name: str) -> float:
+        """Return the mass of a body, kg; 0 if it has no inertial."""
         inertial = self.robot.bodies[name].inertial
         return 0.0 if inertial is None else inertial.mass
 
     def _is_weightless(self, name: str) -> bool:
+        """Return whether a body has a shape but no mass."""
         body = self.robot.bodies[name]
         return body.solid and self._mass(name) == 0.0
 

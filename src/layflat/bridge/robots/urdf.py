@@ -259,6 +259,7 @@ class _Reader:
         return name
 
     def _scale(self, shape: Element, where: str) -> tuple[float, ...]:
+        """Return the scale of a mesh along x, y and z; one number holds for all, and 1 where it is missing."""
         if len((shape.get("scale") or "").split()) == 1:
             return self._numbers(shape, "scale", 1, where, None) * 3
         return self._numbers(shape, "scale", 3, where, (1.0, 1.0, 1.0))
@@ -321,7 +322,7 @@ class _Reader:
 
 
 def _is_some(text: str | None) -> bool:
-    """Return whether an attribute exists and is not zero."""
+    """Return whether an attribute exists and is not zero; a text that is no number counts as not zero."""
     try:
         return text is not None and float(text) != 0.0
     except ValueError:

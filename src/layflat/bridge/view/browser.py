@@ -35,7 +35,7 @@ class PlayedMotion:
     angles: Array  # rad, (n, joints)
 
     def angles_at(self, time: float) -> Array:
-        """Return the angles (rad, (joints,)) at a time, s."""
+        """Return the angles (rad, (joints,)) at a time, s, by linear interpolation; the first or last ones outside."""
         angles: Array = np.array([np.interp(time, self.times, column) for column in self.angles.T])
         return angles
 
@@ -85,7 +85,7 @@ class Viewer:
             before = now
 
     def advance(self, seconds: float) -> None:
-        """Advance the time of a motion that is played; at its end it starts again."""
+        """Advance a motion that is played by seconds x its speed; after its end it starts again."""
         if self._motion is None or not self.playing.value:
             return
         begin, end = self._motion.times[[0, -1]]
@@ -227,7 +227,7 @@ def _free_port(port: int) -> int:
 
 
 def _add_piece(scene: Any, name: str, piece: Piece) -> Any:
-    """Add a piece to a frame of the scene."""
+    """Add a piece to a frame of the scene, and return its handle."""
     larger = JOINT_BODY_SCALE if piece.of == "joint" else 1.0
     put: dict[str, Any] = {"wxyz": quaternion(piece.axes), "position": piece.position}
     put["color"] = tuple(round(255 * part) for part in COLOURS[piece.of][:3])

@@ -99,17 +99,20 @@ def stroke_arcs(shown: Scenery, joint: int) -> tuple[Array, Array]:
 
 
 def _to_parent_frame(axes: Array, place: Array, segments: list[Array]) -> Array:
+    """Return segments (n, 2, 3) in the parent frame, from those in a frame with these axes and this origin."""
     points: Array = np.array(segments).reshape(-1, 2, 3) @ axes.T + place
     return points
 
 
 def _arc(axis: Array, arm: Array, begin: float, end: float) -> list[Array]:
+    """Return the segments (2, 3) of an arc: `arm` rotated about an axis from `begin` to `end`, rad."""
     angles = np.linspace(begin, end, max(int(abs(end - begin) / ARC_STEP) + 1, 2))
     points = [rotation_about_axis(axis, angle) @ arm for angle in angles]
     return [np.array(pair) for pair in pairwise(points)]
 
 
 def _dash(axis: Array, arm: Array, angle: float) -> Array:
+    """Return the segment (2, 3) across an arc at an angle, rad."""
     out = rotation_about_axis(axis, angle) @ arm
     return np.array([0.9 * out, 1.1 * out])
 

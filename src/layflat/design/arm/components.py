@@ -142,7 +142,7 @@ def _passed(machine: Machine, before: float, behind: float) -> float:
 
 
 def sold_valves(machine: Machine) -> tuple[Valve, ...]:
-    """Return the valves that are sold, the smallest first, with their sizes relative to a machine's valve."""
+    """Return the valves that are sold, the smallest first, sizes relative to a machine's; none if it has no valve."""
     if machine.valve is None:
         return ()
     outside = machine.supply.ambient_pressure

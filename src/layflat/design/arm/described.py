@@ -91,6 +91,7 @@ def _title(task: ArmTask) -> str:
 
 
 def _set_value(table: dict[str, Any], keys: list[str], value: Any) -> None:
+    """Set a value in nested tables, in place; missing tables are added."""
     for key in keys[:-1]:
         table = table.setdefault(key, {})
     table[keys[-1]] = value
@@ -157,6 +158,7 @@ def _link_rows(part: SizedPart, place: tuple[float, ...]) -> Rows:
 
 
 def _inertia(matrix: Array) -> list[str]:
+    """Return the texts of an inertia: xx, yy, zz, then xy, xz, yz unless these are all zero."""
     values = [*matrix.diagonal(), matrix[0, 1], matrix[0, 2], matrix[1, 2]]
     count = 6 if np.abs(values[3:]).max() > 1e-9 else 3
     return [f"{value:.4g} kg m^2" if abs(value) > 1e-9 else "0 kg m^2" for value in values[:count]]
@@ -190,6 +192,7 @@ def _link_direction(task: JointTask) -> Array:
 
 
 def _tube(part: SizedPart, direction: Array) -> Plain:
+    """Return the cylinder that a link's tube is drawn as."""
     middle = _mm(tuple(0.5 * component for component in part.task.link))
     size = _mm((part.tube.diameter, part.tube.length))
     return {"kind": "cylinder", "position": middle, "rotation": _direction_text(direction), "size": size}

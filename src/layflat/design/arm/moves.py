@@ -43,6 +43,8 @@ class TaskMoves(NamedTuple):
 def plan_task_moves(task: ArmTask, machine: Machine) -> TaskMoves:
     """Return the moves of a task, for a machine with an arm of the task's geometry.
 
+    Durations are the task's time, or such that the tip reaches its acceleration; moves without motion are left out.
+
     Raises:
         DesignError: the arm does not reach a point of the task, or nothing moves.
     """
@@ -66,7 +68,7 @@ def plan_task_moves(task: ArmTask, machine: Machine) -> TaskMoves:
 def _move_ends(task: ArmTask, machine: Machine) -> tuple[Array, Array]:
     """Return the configurations (rad) at which the task's moves begin and end, each (moves, joints).
 
-    They are the described poses or points in a closed loop, or random ones in the volume or in the strokes.
+    They are the described configurations or points in a closed loop, or random ones in the volume or in the strokes.
     """
     half = np.array([0.5 * joint.stroke for joint in task.chain])
     draw = np.random.default_rng(RANDOM_SEED)

@@ -173,7 +173,7 @@ def _size_part(task: ArmTask, joint: JointTask, torque: float) -> SizedPart:
     """
     where = f"{task.origin}: joint {joint.name!r}"
     try:
-        greatest = _greatest(joint, task.supply)
+        greatest = _max_hose_torque(joint, task.supply)
         if torque > greatest:
             need = f"would have to give at least {torque:.0f} N m over {degrees(joint.stroke):.0f} deg"
             what = f"{need} at {task.supply / 1e5:.3g} bar, {torque / greatest:.2f} times what the widest hose gives"
@@ -186,8 +186,8 @@ def _size_part(task: ArmTask, joint: JointTask, torque: float) -> SizedPart:
     return SizedPart(joint, sized, choose_tube(joint.link, sized.design.mean_torque, where), joint_tables(sized))
 
 
-def _greatest(joint: JointTask, supply: float) -> float:
-    """Return the torque of the widest hose over a stroke, N m."""
+def _max_hose_torque(joint: JointTask, supply: float) -> float:
+    """Return the torque of the widest hose over a stroke, N m, at most the largest that a `SizingRequest` takes."""
     request = SizingRequest(LEAST_TORQUE, joint.stroke, supply)
     (base,), wide = model_machine().joints.values(), HOSE_WIDTHS[-1]
     R, gamma = CHOSEN_RATIO[1] * wide / 2, request.wrap

@@ -53,6 +53,7 @@ class JointTask(Part):
 
     @model_validator(mode="after")
     def _check_axis(self) -> Self:
+        """Raise ValueError if the axis has no direction."""
         if sum(component * component for component in self.axis) < MIN_DIRECTION_LENGTH:
             raise ValueError("axis has no direction; a joint that turns about z has [0, 0, 1]")
         return self
@@ -66,6 +67,7 @@ class Volume(Part):
 
     @model_validator(mode="after")
     def _check_order(self) -> Self:
+        """Raise ValueError if a lower corner is above the upper one."""
         if any(low > high for low, high in zip(self.low, self.high, strict=True)):
             raise ValueError("low must not be above high, in any of x, y and z")
         return self

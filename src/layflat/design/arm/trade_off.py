@@ -85,7 +85,7 @@ def undominated(trials: Sequence[SizingTrial]) -> list[bool]:
 
 
 def write_trials(trials: Sequence[SizingTrial], path: Path) -> Path:
-    """Write trials to a CSV file, a row each; raise OutputError if it can't be written there."""
+    """Write trials to a CSV file, a row each, and return its path; raise OutputError if it can't be written there."""
     rows = ["supply_bar_gauge,time_s,mass_kg,valves_l_per_min,undominated,refused"]
     for trial, best in zip(trials, undominated(trials), strict=True):
         sizes = f"{trial.mass:.6g},{trial.flow:.6g}" if trial.mass < inf else ","

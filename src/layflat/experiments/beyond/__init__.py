@@ -106,8 +106,8 @@ class Optimum:
     Args:
         settling: time from the step until the tip stays within its band to the end, s.
         openings: openings of the valves from the step on, -1..1, (cycles, joints).
-        run: the step, from `rest` on and until the tip has stayed for a second.
-        rest: time in `run` at which the step begins, s.
+        run: the step, from rest on and until the tip has stayed for a second.
+        step_time: time in `run` at which the step begins, s.
     """
 
     settling: float
@@ -156,7 +156,11 @@ def _joint_angles(machine: Machine, angles: Angles) -> tuple[float, ...]:
 
 
 def _first_trial(shooting: Shooting, band: float) -> OpeningTrial:
-    """Return a trial that settles: the tracking law's, improved, or one from switching openings."""
+    """Return a trial that settles: the tracking law's, improved, or one from switching openings.
+
+    Raises:
+        UnreachedError: no such trial is found.
+    """
     law = simulate_tracking_law(shooting, band)
     best = None if law is None else reach_band(simulate_trial(shooting, law.openings, law.cycles, band), law.cycles)
     cycles = FIRST_CYCLES
@@ -185,7 +189,11 @@ def _restart(best: OpeningTrial, seed: int) -> OpeningTrial:
 
 
 def _extend_hold(best: OpeningTrial) -> OpeningTrial:
-    """Return the best trial that stays for `HOLD_TIME`; one that leaves its band later is optimized over that time."""
+    """Return the best trial that stays for `HOLD_TIME`; one that leaves its band later is optimized over it.
+
+    Raises:
+        UnreachedError: no such trial is found.
+    """
     tail = round(HOLD_TIME / best.shooting.machine.cycle)
     for cycles in range(best.settled, best.settled + TAIL_CYCLES):
         candidate = reach_band(simulate_trial(best.shooting, best.openings, cycles, best.band, tail), cycles)

@@ -70,10 +70,11 @@ class Comparison:
         for law, machine in self.laws.items():
             stages.append((f"steps, {law}", partial(self._add_settling_times, law, machine)))
             if _is_planar(machine) and len(machine.joints) == 2:
-                stages.append((f"belts, {law}", partial(self._follow, law, machine)))
+                stages.append((f"belts, {law}", partial(self._add_belt_following, law, machine)))
         stages += [("parts left out", self._ablate), ("rest", self._measure_rest), ("repeats", self._repeat)]
         if _is_planar(self.machine):
-            stages += [("gravity", self._hang), ("stiffness", self._push), ("optimum", self._compute_bounds)]
+            stages += [("gravity", self._settle_upright), ("stiffness", self._measure_stiffness)]
+            stages += [("optimum", self._compute_bounds)]
         return stages
 
     def _add_settling_times(self, law: str, machine: Machine) -> None:
@@ -90,12 +91,13 @@ class Comparison:
     def _ablate(self) -> None:
         self.ablations = settling.settle_ablations(self.machine, self.effort.runs // 2)
 
-    def _hang(self) -> None:
+    def _settle_upright(self) -> None:
+        """Simulate moves of the arm upright with unknown payloads; keep the settling of the later ones."""
         _, self.upright = settling.settle_unknown_payload(
             TRACKING_LABEL, self.machine, self.effort.runs // 2, gravity=GRAVITY
         )
 
-    def _follow(self, law: str, machine: Machine) -> None:
+    def _add_belt_following(self, law: str, machine: Machine) -> None:
         self.following += [measure_belt_following(law, machine, speed, self.effort.seeds) for speed in BELT_SPEEDS]
 
     def _measure_rest(self) -> None:
@@ -104,7 +106,7 @@ class Comparison:
     def _repeat(self) -> None:
         self.learnt = median_learnt_ratio(self.machine, self.effort.plants)
 
-    def _push(self) -> None:
+    def _measure_stiffness(self) -> None:
         self.stiffness = measure_stiffness(with_stiffness_actuators(self.machine), min(self.effort.seeds, 2))
 
     def _compute_bounds(self) -> None:

@@ -31,7 +31,7 @@ def move_sequences(machine: Machine, count: int) -> list[Scenario]:
 
 
 def first_moves(machine: Machine) -> list[tuple[Array, Array]]:
-    """Return the first moves of `move_sequences`: angles (joints,) before and after each, rad."""
+    """Return the moves of `move_sequences` with one move each: angles (joints,) before and after it, rad."""
     rng = np.random.default_rng(1)
     return [
         (rows[0], rows[1]) for rows in (_draw_angles(machine, 1, number, rng) for number in range(CONFIGURATION_COUNT))
@@ -132,6 +132,6 @@ def belt_motion(machine: Machine, speed: float) -> tuple[Array, Array, Array]:
 
 
 def _offset_start(start: Array) -> list[float]:
-    """Return a configuration beside the belt, from which the arm catches up with it, rad."""
+    """Return a configuration with every joint 10 deg nearer to mid-stroke, from which the arm catches up, rad."""
     angles: list[float] = (start - np.sign(start) * np.radians(10.0)).tolist()
     return angles

@@ -259,7 +259,7 @@ def reach_band(current: OpeningTrial, cycles: int) -> OpeningTrial | None:
 
 
 def _improve_trial(before: OpeningTrial, cycles: int, weight: float) -> tuple[OpeningTrial | None, float]:
-    """Return the best trial of several weights, each corrected for nonlinearity, and its weight."""
+    """Return the best trial of several weights, corrected for nonlinearity (None: none is better), and its weight."""
     weights = (weight * WEIGHT_FACTORS).tolist()
     runs = np.repeat(before.openings[None], len(weights), axis=0)
     errors = np.repeat(before.errors[None], len(weights), axis=0)

@@ -28,7 +28,7 @@ PAYLOAD_DEVIATION = 0.3  # standard deviation of an unknown payload over the gre
 
 @dataclass(frozen=True)
 class Settling:
-    """Settling times of the tip under one law, s; infinite where it did not settle in `moves.PAUSE`."""
+    """Settling times of the tip under one law, s; infinite where it did not settle in `moves.MOVE_INTERVAL`."""
 
     law: str
     case: str
@@ -147,7 +147,7 @@ def _vary_runs(runs: int) -> dict[str, ArrayLike]:
 def _settling_times(
     machine: Machine, scenarios: Sequence[Scenario], vary: Mapping[str, ArrayLike], driver: Machine
 ) -> Array:
-    """Return the tip's settling times (s) of varied runs under the driver's controller; infinite if not settled."""
+    """Return the tip's settling times (s), (runs, moves), under the driver's controller; infinite: not settled."""
     runs = ensemble(machine, scenarios, vary, controller=driver, metrics=("tip_settling",))
     times: Array = runs["tip_settling"].to_numpy()
     return np.where(np.isnan(times), np.inf, times)
@@ -164,7 +164,7 @@ class RestBehaviour(NamedTuple):
 
 
 def measure_rest(machine: Machine, seconds: float) -> RestBehaviour:
-    """Simulate so many seconds (s) of rest after a move."""
+    """Return motion and air in so many seconds of rest after a move; that with dither all the time is of up to 10 s."""
     moved, air = _simulate_rest(machine, seconds)
     _, always = _simulate_rest(changed_all(machine, {"valve.dither.min": 1.0}), min(seconds, 10.0))
     return RestBehaviour(moved, air / always)

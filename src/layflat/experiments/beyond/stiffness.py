@@ -44,7 +44,7 @@ class Stiffness:
 
 
 def with_stiffness_actuators(machine: Machine) -> Machine:
-    """Return the machine with callipers, regulators and the supply of the built-in one that has them."""
+    """Return the machine with the built-in one's supply, and its callipers and regulators where it has none."""
     model = load(ADJUSTABLE_MACHINE)
     part = next(iter(model.joint.values()))
     changes: dict[str, object] = {"supply.pressure_gauge": model.supply.pressure_gauge}
@@ -55,7 +55,10 @@ def with_stiffness_actuators(machine: Machine) -> Machine:
 
 
 def measure_stiffness(machine: Machine, seeds: int) -> Stiffness:
-    """Return the stiffness of a machine with regulators as measured by pushes, the mean over so many noise seeds."""
+    """Return the stiffness of a machine with regulators as measured by pushes: means over so many noise seeds.
+
+    Displacements are the largest ones over the seeds.
+    """
     top = _max_stiffness(machine)
     demanded = np.array([share * top for share in STIFFNESS_LEVELS])
     results = [[_push_joints(machine, demanded, share, seed) for share in POSITION_FRACTIONS] for seed in range(seeds)]
@@ -72,6 +75,7 @@ def _max_stiffness(machine: Machine) -> Array:
 
 
 def _adjusting_time(machine: Machine) -> float:
+    """Return the time that a change of stiffness gets, s: whole control cycles."""
     actuators = parameters.control(machine).actuators
     fills = max(actuator.torque / actuator.rate for actuator in actuators)
     return float(machine.cycle * np.ceil((ADJUSTING_TIME + FILLING_TIMES * fills) / machine.cycle))

@@ -19,7 +19,7 @@ DITHER_VARIANT, NO_DITHER_VARIANT = "with dither", "without dither"
 
 
 def results_by_pressure(frame: pandas.DataFrame) -> dict[str, Array]:
-    """Return results by supply pressure (bar, gauge), each (pressures,), by name.
+    """Return medians over runs, by supply pressure (bar, gauge), each (pressures,), by name.
 
     Stiffnesses are in N m per deg, settling is in s, air at rest in normal l/min and that of a step in normal l.
     """

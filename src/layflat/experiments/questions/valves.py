@@ -23,7 +23,10 @@ RESULT_LABELS = {
 
 
 def best_by_valve(study: Study, frame: pandas.DataFrame) -> pandas.DataFrame:
-    """Return results by valve: settling of the slowest move (s), error at rest and ripple (deg), air of the run (l)."""
+    """Return results by valve: settling of the slowest move (s), error at rest and ripple (deg), air of the run (l).
+
+    They are means with the gains that use the least air of those within `SETTLING_SLACK` of the fastest.
+    """
     moves = move_names(frame)
     settling = frame[[f"settling.{move}" for move in moves]].fillna(np.inf).clip(upper=MOVE_DURATION).max(axis=1)
     ripple = np.degrees(frame[[f"ripple.{move}" for move in moves]]).mean(axis=1)

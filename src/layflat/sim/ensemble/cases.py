@@ -283,7 +283,7 @@ def prepare_cases(
     indices = arrays.get("scenario", np.zeros(1))
     if not np.isin(indices, np.arange(len(scenarios))).all():
         raise InputError(
-            f"{indices.max():g} is not a scenario", where="vary: scenario", right=f"0 to {len(scenarios) - 1}"
+            f"{indices.max():g} is not a scenario", where="vary: scenario", right=f"give 0 to {len(scenarios) - 1}"
         )
     return Cases(machine, varied, driving, scenarios, arrays, counts.pop() if counts else 1, number, plausible)
 
