@@ -102,7 +102,7 @@ def _advance_step(joint, kept, around, span, q, v, after, impulse, load):
 
 @composition
 def _leak_hoses(joint, state, hole_a, hole_b, p_a):
-    """Return a joint's state after a step in which its hoses lose air through holes of these sizes."""
+    """Return a joint's state after its hoses have lost fractions hole_a and hole_b of their gauge pressure."""
     a = leak_through_hole(joint.hose_a, state.hose_a, hole_a, p_a) if hole_a > 0.0 else state.hose_a
     b = leak_through_hole(joint.hose_b, state.hose_b, hole_b, p_a) if hole_b > 0.0 else state.hose_b
     return JointState(state.motion, state.valve, a, b, state.ledger)
