@@ -32,6 +32,7 @@ def _share_or_nan(share):
 
 @law
 def _add_flaws(voltage, shares, flaw):
+    """Return the voltage, V; NaN if it or `flaw` is not finite, or a share is outside 0 to 1."""
     brake, dither, supply = _share_or_nan(shares.brake), _share_or_nan(shares.dither), _share_or_nan(shares.supply)
     return voltage + zero_if_finite((voltage, brake, dither, supply)) + flaw
 

@@ -169,6 +169,7 @@ def paths(described: Part) -> list[str]:
     """Return the dotted paths of all numbers of a description."""
 
     def below(part: Any, path: str) -> list[str]:
+        """Return the paths of the numbers at and below a part, which is at `path`."""
         if isinstance(part, (int, float)) and not isinstance(part, bool):
             return [path]
         items: list[tuple[str, Any]]
@@ -285,6 +286,7 @@ def _with_any(part: Any) -> Any:
             return bool(np.any(np.asarray(self)))
 
     def view(value: Any) -> Any:
+        """Return a copy of a value in which every array is an `AnyTrueArray`."""
         if isinstance(value, np.ndarray):
             return value.view(AnyTrueArray)
         if isinstance(value, tuple):

@@ -43,7 +43,7 @@ def explain_error(
 
 
 def unknown_key(error: ValidationError, where: str, model: type[BaseModel]) -> InputError | None:
-    """Return one line about the first unknown key of a description, None if all keys are known.
+    """Return an error of one line about the first unknown key of a description, None if all keys are known.
 
     Args:
         error: pydantic's error.

@@ -104,6 +104,7 @@ def factor(source: Product, target: Product) -> float:
     below: dict[float, int] = {}
 
     def collect(product: Product, power: int) -> None:
+        """Add the scales of a product to a power to `above` or `below`, by the sign of their exponents."""
         for name, exponent in product.items():
             derived, total = definition(name), power * exponent
             if derived is None:

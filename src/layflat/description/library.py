@@ -107,7 +107,11 @@ class Library:
             return reduce(self.apply_layer, self.layers(where), empty)
 
     def apply_layer(self, below: tuple[Plain, Sources], layer: Layer) -> tuple[Plain, Sources]:
-        """Return values and sources below with a layer on top; raise InputError if a part to omit does not exist."""
+        """Return values and sources `below` without the parts that a layer omits, and with the layer on top.
+
+        Raises:
+            InputError: a part to omit does not exist.
+        """
         plain, sources = below
         for path in layer.omits:
             plain, sources = _omit(plain, path, layer.where), _sources_without(sources, path)

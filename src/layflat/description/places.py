@@ -95,6 +95,7 @@ class SchemaWalk:
         return here.get("items_schema") or {}, True
 
     def _label(self, node: Schema) -> str:
+        """Return pydantic's name of a member of a union: that of its class, else of its type."""
         cls = node.get("cls")
         return cls.__name__ if cls is not None else str(node.get("type", ""))
 

@@ -211,6 +211,7 @@ def _roots(product: Product) -> Product:
 
 
 def _pint(product: Product) -> Any:
+    """Return a product as a unit of Pint."""
     pint = registry()
     return pint.Unit(pint.UnitsContainer({pint.get_name(name): exponent for name, exponent in product.items()}))
 

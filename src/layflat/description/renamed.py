@@ -117,7 +117,7 @@ def present_path(noun: str, path: str) -> str:
 
 
 def present_steps(noun: str, steps: Steps, kind_at: KindAt) -> Steps:
-    """Return steps with present names.
+    """Return steps with present names, as many as given.
 
     Args:
         noun: of the description.
@@ -162,6 +162,7 @@ def with_present_keys(
     renamed: list[RenamedKey] = []
 
     def walk(part: Any, steps: Steps) -> Any:
+        """Return the part at these old steps with present names, and add what is renamed to `renamed`."""
         if isinstance(part, dict):
             table: Plain = {}
             for key, value in part.items():
@@ -235,6 +236,7 @@ def with_former_keys(noun: str, plain: Plain) -> Plain:
         return [walk(item, (*steps, i)) for i, item in enumerate(part)] if isinstance(part, list) else part
 
     def former(steps: Steps, key: str) -> str:
+        """Return the key of the last version of a key in the table at these steps."""
         for place, names in RENAMED_KEYS[noun].items():
             old = next((old for old, name in names.items() if name == key), None)
             if old is not None and _is_at(place, steps, steps, kind_at):

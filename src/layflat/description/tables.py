@@ -119,7 +119,7 @@ def overlay(under: Plain, over: Plain) -> Plain:
 
 
 def leaves(table: Plain, prefix: str = "") -> Iterator[tuple[str, Any]]:
-    """Yield dotted path and value of every value that is no table; a list is one value."""
+    """Yield dotted path and value of every leaf: a value that is no table, a list as a whole."""
     for key, value in table.items():
         path = f"{prefix}.{key}" if prefix else key
         if isinstance(value, dict):

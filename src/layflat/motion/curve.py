@@ -55,7 +55,7 @@ class LineCurve(Curve):
         return cls(start, tuple(component / length for component in offset), length)
 
     def evaluate(self, s: Array) -> CurveDerivatives:
-        """Return points and their derivatives."""
+        """Return points (points, axes), m, and their derivatives by s, at distances (points,), m."""
         first = np.tile(self.direction, (len(s), 1))
         return CurveDerivatives(np.array(self.start) + s[:, None] * first, first, np.zeros_like(first))
 
@@ -100,7 +100,7 @@ class ArcCurve(Curve):
         return self.radius * abs(self.sweep)
 
     def evaluate(self, s: Array) -> CurveDerivatives:
-        """Return points and their derivatives."""
+        """Return points (points, axes), m, and their derivatives by s, at distances (points,), m."""
         sign = np.sign(self.sweep)
         out, across = unit_vectors(self.begin + sign * s / self.radius)
         return CurveDerivatives(np.array(self.centre) + self.radius * out, sign * across, -out / self.radius)
@@ -120,7 +120,7 @@ class TiltedCurve(Curve):
         return self.curve.length
 
     def evaluate(self, s: Array) -> CurveDerivatives:
-        """Return points and their derivatives."""
+        """Return points (points, axes), m, and their derivatives by s, at distances (points,), m."""
         value, first, second = self.curve.evaluate(s)
         return CurveDerivatives(self.origin + value @ self.axes, first @ self.axes, second @ self.axes)
 
@@ -156,7 +156,7 @@ class SplineCurve(Curve):
         self.length = float(self._spline.x[-1])
 
     def evaluate(self, s: Array) -> CurveDerivatives:
-        """Return points and their derivatives."""
+        """Return points (points, axes), m, and their derivatives by s, at distances (points,), m."""
         return CurveDerivatives(self._spline(s), self._spline(s, 1), self._spline(s, 2))
 
 

@@ -68,7 +68,7 @@ class JointLine(JointPath):
         return float(np.linalg.norm(self.goal - self.start))
 
     def evaluate(self, s: Array) -> CurveDerivatives:
-        """Return angles and their derivatives."""
+        """Return angles (points, joints), rad, and their derivatives by s, at distances (points,), rad."""
         direction = (self.goal - self.start) / max(self.length, SAME_POINT_DISTANCE)
         first = np.tile(direction, (len(s), 1))
         return CurveDerivatives(self.start + s[:, None] * direction, first, np.zeros_like(first))
@@ -103,7 +103,7 @@ class JointSpline(JointPath):
             )
 
     def evaluate(self, s: Array) -> CurveDerivatives:
-        """Return angles and their derivatives."""
+        """Return angles (points, joints), rad, and their derivatives by s, at distances (points,), rad."""
         return CurveDerivatives(self._spline(s), self._spline(s, 1), self._spline(s, 2))
 
 

@@ -135,7 +135,7 @@ def expand_signal(signal: Any, kind: SignalKind, before: Array, sampling: Sampli
 
 
 def is_steps(signal: object) -> TypeGuard[Steps]:
-    """Return whether a signal is a sequence of (time, values) pairs."""
+    """Return whether a signal is a list or tuple, not empty, of tuples (time, values)."""
     return isinstance(signal, (list, tuple)) and len(signal) > 0 and all(
         isinstance(item, tuple) and len(item) == 2 for item in signal
     )  # fmt: skip

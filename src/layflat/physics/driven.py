@@ -86,6 +86,7 @@ class DrivenJoints(ABC):
     _like: Any
 
     def __init__(self, joints: tuple[JointParameters, ...], around: Array, h: float) -> None:
+        """Set inputs without load and faults, with centred valves."""
         n = len(joints)
         self._healthy, self._around, self._lost = joints, around, 1.0 - exp(-h / BURST_TIME)
         self._given, self._seen = np.zeros((n, len(DrivenInputs._fields))), np.zeros((n, len(DrivenOutputs._fields)))

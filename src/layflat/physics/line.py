@@ -101,7 +101,7 @@ line_air = by_kind({NoLine: _no_air, LineParameters: _tube_air})
 
 @law
 def _ellipse(b, p_1, p_2):
-    """Return p_1 phi(p_2/p_1) of flow.py without its chord, and the pressure difference, both Pa, in either order."""
+    """Return the greater pressure times phi of flow.py without its chord, and the difference, never 0, both Pa."""
     high, low = max(p_1, p_2), min(p_1, p_2)
     z = max(low - b * high, 0.0) * (1.0 / (1.0 - b))
     return sqrt(max(high * high - z * z, 0.0)), high - low + QUOTIENT_FLOOR

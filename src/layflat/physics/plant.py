@@ -110,6 +110,7 @@ def _sum(x, y):
 
 @law
 def _momentum_without_friction(momentum, of_velocities, load, torque, h):
+    """Return the momentum p of turning.py after a step of h seconds under torques (N m) without friction."""
     # The air's torque comes last, as in `_step_two`.
     return momentum + h * (of_velocities + load) + h * torque
 

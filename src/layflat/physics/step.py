@@ -56,13 +56,13 @@ class MidpointState(NamedTuple):
 
 @composition
 def pack_hoses(state):
-    """Join the hoses of a joint's state into lanes."""
+    """Return the `PackedState` of a joint's state, its hoses joined into lanes."""
     return PackedState(state.motion, state.valve, join(state.hose_a, state.hose_b), state.ledger)
 
 
 @composition
 def unpack_hoses(running):
-    """Separate the hoses of a joint's state: the inverse of `pack_hoses`."""
+    """Return the `JointState` of a packed state, its hoses apart: the inverse of `pack_hoses`."""
     a, b = halves(running.hoses)
     return JointState(running.motion, running.valve, a, b, running.ledger)
 
@@ -113,7 +113,7 @@ def _finish_hose(hose, state, travel):
 
 @composition
 def advance_to_midpoint(joint, running, command, wave, around, h):
-    """Do the first half of a step: drift to the middle, move the valve, exchange air, sum the torques."""
+    """Return the `MidpointState`: drifted by h/2, the valve moved and the air exchanged for h, and torques summed."""
     motion = running.motion
     q = motion.angle + 0.5 * h * motion.velocity
     v = motion.velocity + 0.5 * motion.velocity_change
@@ -165,12 +165,12 @@ def _book_air(ledger, mid, brake_impulse, load_torque, mean_velocity, h):  # noq
 
 
 book_step = by_kind({EnergyLedger: _book_energy, AirLedger: _book_air})
-"""Add the works of a step to a ledger: `book_step(ledger, mid, brake_impulse, load_torque, mean_velocity, h)`."""
+"""Ledger with the works of a step added: `book_step(ledger, mid, brake_impulse, load_torque, mean_velocity, h)`."""
 
 
 @composition
 def finish_step(joint, running, mid, v, impulse, load_torque, h):
-    """Do the second half of a step: drift on with the new velocity v (rad/s), and book the works of this step."""
+    """Return the `PackedState` after a step: drifted on by h/2 at the new velocity v (rad/s), its works booked."""
     motion = running.motion
     q = mid.angle + 0.5 * h * v
     mean = 0.5 * (motion.velocity + v)

@@ -61,6 +61,7 @@ def _keep_pressure(load, q, dp):  # noqa: ARG001
 
 @composition
 def _remove_load(load, q, dp):
+    """Return the differential pressures less those that hold the described arm at angles q, tuples, Pa."""
     _, _, pulls = dynamics(load.arm, load.around.payload, q, each(_zero_velocity, q))
     return each(_subtract_load, dp, load.joints, q, pulls, load.around)
 

@@ -145,6 +145,7 @@ class AuxiliaryRequest(NamedTuple):
 
 @law
 def _full(joint):
+    """Return full fractions of brake, dither and supply, in the lanes of a joint's parameters."""
     whole = 0.0 * joint.brake_torque + 1.0
     return DriveFractions(whole, whole, whole)
 

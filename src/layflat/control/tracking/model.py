@@ -43,6 +43,8 @@ MAX_DOUBLINGS = 5  # of the number of steps: with more, the model would take lon
 def step_count(arm: Any, joints: tuple[JointParameters, ...], around: Surroundings, cycle: float) -> int:
     """Return the number of the model's steps in a control cycle, doubled as often as light joints need for stability.
 
+    It is doubled `MAX_DOUBLINGS` times at most.
+
     Args:
         arm: parameters of its kind; here and below with arrays where runs differ: the fastest oscillation counts.
         joints: parameters, an item per joint.

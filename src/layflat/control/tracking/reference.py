@@ -89,7 +89,10 @@ def _is_too_fast(a_1, remaining, v, a, limits, T):
 
 @law
 def next_acceleration(remaining, v, a, limits, T):
-    """Return the max acceleration of the next cycle from which the motion can stop within the remaining path (rad)."""
+    """Return the max acceleration of the next cycle from which the motion can stop within the remaining path (rad).
+
+    If there is none, it is the lowest that jerk and late deceleration allow.
+    """
     rise = limits.jerk * min(max(1.0 - JERK_LOSS * v / limits.velocity, MIN_JERK_SHARE), 1.0)
     low, high = a - limits.jerk * T, a + rise * T
     low, high = (

@@ -124,6 +124,7 @@ class TorqueTerms(NamedTuple):
 
 @law
 def _torque_terms(feedback, reference, free, goal, inertial, inertia, free_inertia, steady, load, friction, T):
+    """Return the `TorqueTerms` of a joint; `inertial` and `steady`: torques of its acceleration and velocity, N m."""
     compensation = _friction_compensation(feedback, reference, free, goal, inertia, friction)
     light = _light_joint_feedback(feedback, reference, free, inertia, free_inertia, T)
     return TorqueTerms(inertial + steady - load + compensation, light, steady - load)

@@ -48,7 +48,8 @@ class CorrectionFilter(NamedTuple):
 def choose_filter(machine: Machine) -> CorrectionFilter:
     """Return the filter for a machine's controller, in proportion to the time constant of its loop.
 
-    The time constant is one over the controller's bandwidth, if it has one, and at least a control cycle over 0.15.
+    The time constant is one over the controller's bandwidth, if it has one, and at least a control cycle over 0.15. The
+    times of the filter are whole control cycles.
     """
     highest = MAX_BANDWIDTH_PER_CYCLE / machine.cycle
     constant = 1.0 / min(float(getattr(machine.controller, "bandwidth", highest)), highest)

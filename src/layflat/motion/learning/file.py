@@ -116,6 +116,7 @@ def _parse_learnt(content: dict[str, Any], machine: Machine) -> LearntCorrection
     """Return the corrections in a file's content; raise KeyError, TypeError or ValueError for invalid content."""
 
     def rows(by_joint: dict[str, list[float]]) -> Array:
+        """Return values by joint as rows, (values, joints); raise ValueError if they are not finite numbers."""
         values = np.array([by_joint[name] for name in machine.joints], dtype=np.float64).T
         if values.ndim != 2 or not np.isfinite(values).all():
             raise ValueError("not all values are numbers")

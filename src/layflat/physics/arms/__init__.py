@@ -23,6 +23,7 @@ def tip(arm, angles):
 
 @law
 def _to_space(point):
+    """Return a point (x, y) of a plane as a `Vector` with z = 0."""
     x, y = point
     return Vector(x, y, 0.0 * x)
 
@@ -34,6 +35,7 @@ def _planar_points_in_space(arm, angles):
 
 @law
 def _vertical_axis(angle):
+    """Return the unit vector along z, in the lanes of an angle."""
     zero = 0.0 * angle
     return Vector(zero, zero, zero + 1.0)
 
