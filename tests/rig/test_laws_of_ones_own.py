@@ -153,7 +153,7 @@ def test_compiled_and_plain_the_same_law_gives_the_same_run() -> None:
 
 
 def test_a_law_that_commands_brakes_is_refused_on_a_rig() -> None:
-    with pytest.raises(KindError, match="control law 'braking' commands a share of the brake, which no rig sets"):
+    with pytest.raises(KindError, match="control law 'braking' commands a fraction of the brake, which no rig sets"):
         Rig(with_law(BrakingPart, BRAKING.name), np.zeros(2))
 
 

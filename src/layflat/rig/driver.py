@@ -110,7 +110,7 @@ class LinkError(LayflatError):
 
     def __init__(self, kind: str, reason: str = "", right: str = "") -> None:
         self.kind, self.reason, self.right = kind, reason, right
-        super().__init__(f"the device's reply: {kind}" + (f" ({reason})" if reason else ""))
+        super().__init__(f"no valid reply from the device: {kind}" + (f" ({reason})" if reason else ""))
 
 
 class DriverError(InputError):

@@ -58,8 +58,8 @@ class ArmLaw:
                 tried, command, _ = step(settings, tried, Sensed(nothing, nothing), demand, machine.cycle)
                 given = next((s for shares in command.shares for s in shares._asdict().items() if s[1] != 1.0), None)
                 if given is not None:
-                    what = f"control law {self.kind.name!r} commands a share of the {given[0]}, which no rig sets"
-                    raise KindError(what, where=machine.origin, right="command shares of 1 on a rig")
+                    what = f"control law {self.kind.name!r} commands a fraction of the {given[0]}, which no rig sets"
+                    raise KindError(what, where=machine.origin, right="command fractions of 1 on a rig")
         self.settings_as_given = settings
         self.settings, self.memory = NamedRows([settings]), NamedRows([memory])
         self.report = NamedRows([zero_tuple(self.kind.report)] * len(nothing))

@@ -209,7 +209,7 @@ class Identity(NamedTuple):
         """
         _, angle_sensor, pressure_sensor = valve_and_sensors(machine)
         if machine.controller is None:
-            raise MachineError("has no controller", where=machine.origin, right="give a machine that moves by itself")
+            raise MachineError("has no controller", where=machine.origin, right="give a machine with a controller")
         joints, low, high, centre, dithers, cycle, lets_down, outputs = able or Capabilities.required_by(machine)
         if max(abs(low), abs(high)) > 32.0:
             raise MachineError(f"reaches from {low:g} to {high:g} V", where="valve", right="rigs have up to +-32 V")
@@ -264,7 +264,7 @@ class Identity(NamedTuple):
                 raise DriverError(what, where=where, right="give the description of this rig")
         needed = Capabilities.required_by(machine)
         if needed.dithers and not self.flags & DITHERS_FLAG:
-            raise DriverError("the rig adds no dither", where=where, right="its firmware has to, nobody else does")
+            raise DriverError("the rig adds no dither", where=where, right="let its firmware add the dither, as nobody else does")
         if needed.lets_down and not self.flags & LETS_DOWN_FLAG:
             what = "the rig opens the valves as it lets out the air, and this arm would fall"
             raise DriverError(

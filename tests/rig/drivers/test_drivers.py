@@ -28,8 +28,8 @@ def test_addresses(address: str, endpoint: str) -> None:
 @pytest.mark.parametrize(
     ("address", "what"),
     [
-        ("modbus://127.0.0.1:99999", "has no port"),
-        ("modbus://127.0.0.1:port", "has no port"),
+        ("modbus://127.0.0.1:99999", "has no valid port"),
+        ("modbus://127.0.0.1:port", "has no valid port"),
         ("modbus://", "names no station"),
         ("modbus://host:502/unit/3", "names no station"),
         ("serial://ttyACM0", "names no device"),
