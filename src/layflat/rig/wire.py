@@ -264,7 +264,7 @@ class Identity(NamedTuple):
                 raise DriverError(what, where=where, right="give the description of this rig")
         needed = Capabilities.required_by(machine)
         if needed.dithers and not self.flags & DITHERS_FLAG:
-            raise DriverError("the rig adds no dither", where=where, right="let its firmware add the dither, as nobody else does")
+            raise DriverError("the rig adds no dither", where=where, right="let its firmware add the dither")
         if needed.lets_down and not self.flags & LETS_DOWN_FLAG:
             what = "the rig opens the valves as it lets out the air, and this arm would fall"
             raise DriverError(
