@@ -71,7 +71,7 @@ class JogMotion:
     def send_demand(self, session: RigSession, shot: RigSnapshot, now: float) -> None:  # noqa: ARG002  (as of `Move`)
         """Advance the demand by the time since the last call, at most `JOG_RISE_TIME`, and send it with its velocity.
 
-        A velocity takes `JOG_RISE_TIME` to rise from 0 to its greatest demanded value; it is 0 at the end of the stroke.
+        A velocity takes `JOG_RISE_TIME` from 0 to its greatest demanded value, and is 0 at the end of the stroke.
 
         Args:
             session: session of the rig.

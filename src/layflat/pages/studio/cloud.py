@@ -138,7 +138,7 @@ def default_step(machine: Machine) -> JointStep:
 
 
 def step_scenario(machine: Machine, step: JointStep) -> Scenario:
-    """Return the scenario of a step after `STEP_DELAY`, from minus to plus half its size; other joints stay at 0 rad."""
+    """Return the scenario of a step after `STEP_DELAY`, from minus to plus half its size; other joints stay at 0."""
     half_size = step.size / 2
     before, after = ({**dict.fromkeys(machine.joints, 0.0), step.joint: sign * half_size} for sign in (-1.0, 1.0))
     return Scenario(demand=[(0.0, before), (STEP_DELAY, after)], duration=STEP_DELAY + step.duration)
