@@ -140,6 +140,7 @@ def _build_kernels(joint_like, kept_like):
 
     @kernel
     def command(joints, kept, voltages, cycle):
+        """Kernel of `JointKernels.command`."""
         for j in range(len(joints)):
             joint, before = read_numbers(joint_like, joints[j]), read_numbers(kept_like, kept[j])
             opening, line = driven_opening(joint.valve, before.line, voltages[j], cycle)
@@ -147,6 +148,7 @@ def _build_kernels(joint_like, kept_like):
 
     @kernel
     def push(joints, kept, around, span, at, qpos, qvel, applied, loads, brakes, kick):
+        """Kernel of `JointKernels.push`."""
         places, dofs, q, v, torques = at[0], at[1], kick[0], kick[1], kick[2]
         air, cut = read_numbers(around_like, around), read_numbers(span_like, span)
         for j in range(len(joints)):
@@ -160,6 +162,7 @@ def _build_kernels(joint_like, kept_like):
 
     @kernel
     def settle(joints, kept, around, span, at, qpos, qvel, kick, braked, loads, holes, seen):
+        """Kernel of `JointKernels.settle`."""
         places, dofs, q, v, impulses, after = at[0], at[1], kick[0], kick[1], braked[0], braked[1]
         air, cut = read_numbers(around_like, around), read_numbers(span_like, span)
         diverged = -1
@@ -180,6 +183,7 @@ def _build_kernels(joint_like, kept_like):
 
     @kernel
     def sample(joints, seen, noise, out):
+        """Kernel of `JointKernels.sample`."""
         for j in range(len(joints)):
             joint = read_numbers(joint_like, joints[j])
             out[0, j] = read_sensor(joint.angle_sensor, seen[j, 0], noise[j, 0])

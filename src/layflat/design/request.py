@@ -107,7 +107,7 @@ def _text(kind: u.Quantity | None, value: float) -> str:
 
 
 def hoses_and_cylinders(request: SizingRequest, c: float) -> Iterator[tuple[float, float]]:
-    """Yield widths of hose, of peel ratio c, and diameters of cylinder that sweep enough volume, m, smallest first."""
+    """Yield widths of hose and the smallest (or requested) cylinder diameters that sweep enough, m, by width."""
     needed = request.torque * (request.stroke + TRAVEL_RESERVE) / request.supply
     contact_end = CONTACT_SHARE * request.wrap
 

@@ -44,7 +44,7 @@ class StrapStress:
 
     @property
     def safety(self) -> float:
-        """Yield stress over stress."""
+        """Yield stress over the total stress; infinite without stress."""
         return self.yield_stress / self.total if self.total > 0 else inf
 
 

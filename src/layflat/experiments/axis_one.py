@@ -96,7 +96,7 @@ class InertiaSweep:
 
 
 def sweep_inertia(machine: Machine, brake: float) -> InertiaSweep:
-    """Simulate steps of the small joint with every inertia of `INERTIA_RATIOS`, with several seeds each."""
+    """Return the settling of steps of the small joint at each of `INERTIA_RATIOS`, medians over `SEED_COUNT` seeds."""
     torque = maximum_torque(machine, "small")
     payloads = [payload_for_inertia(machine, "small", ratio * torque) for ratio in INERTIA_RATIOS]
     vary = {
@@ -202,7 +202,7 @@ class AxisOneExperiment(Experiment):
 
     @claim("braked-joint")
     def braked_joint(self) -> Evaluation:
-        """Settle with the brake, and compare the greatest inertias that settle, whatever the time allowed."""
+        """Measure settling with the brake, and ratios of the greatest inertias that settle, new over earlier joint."""
         time, stationary = step_settling(self.braked), not is_sustained(*_step_response(self.braked))
         new, earlier = self.carried_braked, self.carried_earlier
         pairs = {

@@ -67,7 +67,7 @@ class ControllerExperiment(Experiment):
 
     @cached_property
     def all_axes(self) -> float:
-        """Median time of one cycle of all axes, s."""
+        """Median computing time of a control cycle of all axes, s."""
         settings = parameters.control(self.bench.arm)
         noise = np.random.default_rng(5).standard_normal((3, 256))
         samples = (0.1 * noise[0], 1e5 * noise[1], 0.5 * noise[2])

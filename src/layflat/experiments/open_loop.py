@@ -47,7 +47,7 @@ class OpenLoopExperiment(Experiment):
 
     @claim("open-loop-hysteresis")
     def hysteresis(self) -> Evaluation:
-        """Compare the height of the curves."""
+        """Measure the hysteresis of the earlier actuator, and of the new joint without and with brake, % of torque."""
         before, now, braked = (
             hysteresis_percent(self.earlier),
             hysteresis_percent(self.unbraked),

@@ -148,6 +148,7 @@ def reproduce(
     reproduction, evaluated = Reproduction.from_bench(bench), dict[str, Claim]()
 
     def add_claim(claim: Claim) -> None:
+        """Keep an evaluated claim, and report progress."""
         evaluated[claim.id] = claim
         progress(len(evaluated), len(chosen))
 

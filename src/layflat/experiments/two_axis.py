@@ -110,7 +110,7 @@ class TwoAxisExperiment(Experiment):
 
     @claim("repeatability")
     def repeatability(self) -> Evaluation:
-        """Measure the range of the positions at which the arm comes to rest."""
+        """Measure half the range of each joint's rest angles, and the tip's greatest distance from its mean."""
         complete = len(self.rest_angles) == APPROACH_COUNT
         half_range = np.degrees(np.ptp(self.rest_angles, axis=0)) / 2 if complete else np.array([inf, inf])
         tip = self.tip - self.tip.mean(axis=0) if complete else np.array([[inf, inf]])

@@ -16,6 +16,7 @@ __all__ = ["Joint", "Machine", "build", "changed", "load", "names"]
 
 @draw.register(Machine)
 def _draw_machine(machine: Machine) -> "Figure":
+    """Draw a machine, as `draw` and `Machine.plot` do."""
     from layflat.machine.picture import draw_machine  # noqa: PLC0415  # the laws of arms, and numpy
 
     return draw_machine(machine)

@@ -26,7 +26,11 @@ class MachineLibrary(Library):
     """Library of machines, whose files may name files of kinds, relative to their own folders."""
 
     def layers(self, where: str | Path, above: tuple[str, ...] = ()) -> list[Layer]:
-        """Return the layers of a machine; those of `NAME@17` have the layer of a cloud's member above each."""
+        """Return the layers of a machine; those of `NAME@17` have the layer of a cloud's member above each.
+
+        Raises:
+            MachineError: there is no such machine, cloud or member, or the cloud has no values of the machine.
+        """
         if (member := split_member_name(str(where))) is None:
             return super().layers(where, above)
         name, file, number = member
@@ -96,6 +100,7 @@ def _with_meshes(plain: Plain, folder: Path) -> Plain:
 
 
 def _with_mesh(shape: Any, folder: Path) -> Any:
+    """Return a shape whose file has a full path; a shape without file, or a wrong one, is unchanged."""
     file = shape.get("file") if isinstance(shape, dict) else None
     return shape | {"file": str((folder / file).resolve())} if isinstance(file, str) and file else shape
 

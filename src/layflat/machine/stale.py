@@ -83,6 +83,7 @@ def tubes_counted_twice(machine: Machine) -> list[StaleValue]:
 
 
 def _value(joint: Joint, key: str) -> float:
+    """Return the value of a joint at a key such as "link.mass"."""
     part, _, name = key.partition(".")
     return float(getattr(getattr(joint, part), name))
 

@@ -136,6 +136,7 @@ def _joint_demand(acting):
 
 @composition
 def _arm_demand(acting):
+    """Return the `Demand` of the arm from the signals of its joints, a slot each."""
     angles, velocities, accelerations, stiffnesses = each(_joint_demand, gather(acting, acting))
     return Demand(angles, velocities, accelerations, stiffnesses)
 

@@ -89,6 +89,7 @@ def _make_move(setting_like, carry_like):
 
     @kernel
     def move(setting, carries, inputs, outputs, steps, step, last, due):
+        """Kernel of `PlantKernels.move`."""
         arm, all_joints, cycle, around = read_numbers(setting_like, setting)
         n, h, p_a = len(carries), cycle / steps, around.ambient_pressure
         before, acting = read_numbers(carry_like, carries[0]), read_numbers(inputs_like, inputs[0])
@@ -149,6 +150,7 @@ def _make_sample(setting_like, carry_like):
 
     @kernel
     def sample(setting, carries, noise, out):
+        """Kernel of `PlantKernels.sample`."""
         joints = slots(read_numbers(setting_like, setting).joints)
         for j in range(len(carries)):
             state = read_numbers(carry_like, carries[j]).state

@@ -227,6 +227,7 @@ def nominal_configurations(joints: int) -> Array:
 
 
 def _sequence_scenario(machine: Machine, configurations: Sequence[StrokeFractions], window: float) -> Scenario:
+    """Return the scenario of steps to configurations, the first one at the start, then one every `window`, s."""
     rows = (np.array(configurations) * half_strokes(machine)).tolist()
     times = [0.0, *(REST_TIME + window * i for i in range(len(rows) - 1))]
     return Scenario(demand=list(zip(times, rows, strict=True)), duration=REST_TIME + window * (len(rows) - 1))

@@ -52,6 +52,7 @@ def value_rows(tuning: Tuning, tuned: Machine) -> list[Row]:
     """
 
     def source(machine: Machine, path: str) -> str:
+        """Return the source of a value with its note; "default" for a value that no file sets."""
         provenance = machine.provenance.get(path, Provenance("default"))
         return f"{provenance.source}: {provenance.note}" if provenance.note else provenance.source
 

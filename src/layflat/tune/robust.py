@@ -159,7 +159,10 @@ def validation_conditions(make_conditions: MakeConditions) -> Conditions:
 
 
 def validate(machine: Machine, make_conditions: MakeConditions) -> Validation:
-    """Return the results of a machine, as it is described, under the conditions of the validation."""
+    """Return the results of a machine, as it is described, under the conditions of the validation.
+
+    Settling times of runs that diverge are infinite.
+    """
     by = validation_conditions(make_conditions)
     runs = by.simulate(machine, by.repeat_varied(1))
     settling = by.measure.settling(runs)
@@ -186,7 +189,7 @@ def _coupling_deflections(machine: Machine, response: xarray.Dataset, window: fl
 
 
 def coupling_warnings(before: Validation | None, after: Validation) -> list[str]:
-    """Return a warning for each joint that another one's step deflects by over 3 deg and more than twice as before."""
+    """Return a warning for each joint that another's step deflects by over 3 deg, and over twice as far as before."""
     messages = []
     for what, now in after.deflections.items():
         was = 0.0 if before is None else before.deflections.get(what, 0.0)

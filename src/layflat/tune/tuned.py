@@ -46,6 +46,7 @@ class TunedController:
         by, machine = validation_conditions(self.tuning.make_conditions), self.tuning.machine
 
         def figures(of: Validation) -> dict[str, str]:
+            """Return the texts of a validation by the names of the rows."""
             moves = {
                 f"{machine.arm.payload:g} kg: {m}": s
                 for m, s in zip(describe_nominal_moves(machine), of.nominal, strict=True)

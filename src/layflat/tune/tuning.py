@@ -94,6 +94,7 @@ class Tuning:
         start = time.perf_counter()
 
         def report(best: SearchResult, done: int, name: str) -> None:
+            """Append the best so far to the history, update the duration, and pass both on."""
             nonlocal start
             if not self.history:
                 start = time.perf_counter()

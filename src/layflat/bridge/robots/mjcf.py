@@ -238,7 +238,7 @@ class _Model:
         )
 
     def _soft_limits(self, joint: str, limits: tuple[float, float] | None) -> tuple[float, float] | None:
-        """Return the working stroke about the middle of a joint's limits, which exports of layflat have."""
+        """Return the working stroke about the middle of a joint's limits, if the file has it and limits; else None."""
         strokes = [float(one.data[0]) for one in self.spec.numerics if one.name == f"{joint}.working_stroke"]
         if not strokes or limits is None:
             return None

@@ -250,6 +250,7 @@ class _ChainExtractor:
         poses: dict[str, Pose] = {}
 
         def add(name: str, pose: Pose) -> None:
+            """Add a body at a pose, and the bodies on it up to the joint `after`."""
             poses[name] = pose
             for link in self.robot.links_on(name):
                 if after is not None and link.name == after.name and link.child == after.child:
@@ -282,7 +283,11 @@ class _ChainExtractor:
         return body.solid and self._mass(name) == 0.0
 
     def _tool(self, tool: str, to: str, last: dict[str, Pose]) -> tuple[str, Pose]:
-        """Return name and pose of the tool's frame, which the last joint moves."""
+        """Return name and pose, in the last joint's frame, of the tool's frame; the default is that of `extract_chain`.
+
+        Raises:
+            InputError: the last joint moves no frame of this name.
+        """
         frames = dict(last)
         frames |= {name: last[body].then(pose) for name, (body, pose) in self.robot.frames.items() if body in last}
         if tool:

@@ -137,6 +137,7 @@ class Viewer:
                     self._arcs.append(scene.add_line_segments(path, points.astype(np.float32), colour, thickness=0.004))
 
     def _names(self) -> list[str]:
+        """Return the names of all frames: base, joints and tool, numbered."""
         # With numbers, as a joint may have the name of the base or the tool.
         return [f"{i}-{name}" for i, name in enumerate(["base", *self._shown.machine.joints, "tool"])]
 

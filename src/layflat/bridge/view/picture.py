@@ -92,6 +92,10 @@ def render_picture(shown: Scenery, angles: Sequence[float], *, motion: Sequence[
         shown: the arm and its floor.
         angles: rad, an item a joint.
         motion: see `save_picture`.
+
+    Raises:
+        InputError: a mesh can't be drawn.
+        NoDrawingError: there is no OpenGL.
     """
     mj = import_mujoco("view")
     pieces = shown.placed(angles)

@@ -70,6 +70,7 @@ def description_text(task: ArmTask, parts: Sequence[SizedPart]) -> str:
 
 @cache
 def _model() -> tuple[Plain, Sources]:
+    """Return values and sources of the machine that sized joints extend."""
     return MACHINE_LIBRARY.tables(MODEL_MACHINE)
 
 

@@ -117,5 +117,6 @@ def _reach_points(task: ArmTask, machine: Machine, points: Array) -> Array:
 
 
 def _point_text(point: Array) -> str:
+    """Return a point (m) as text in mm."""
     x, y, z = 1e3 * point + 0.0
     return f"x = {x:.0f} mm, y = {y:.0f} mm, z = {z:.0f} mm"

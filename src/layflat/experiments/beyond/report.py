@@ -153,7 +153,7 @@ def _draw_figures(comparison: Comparison) -> Iterator[CaptionedFigure]:
 
 
 def _draw_ablations(comparison: Comparison) -> Figure:
-    """Draw the time (s) in which 95 % settle, for the whole tracking law and without each of its parts."""
+    """Draw the time (s) in which 95 % settle, cut to `SETTLING_WINDOW`, for the whole law and without each part."""
     whole = comparison.settling_of(TRACKING_LABEL, settling.ROBUST_CASE)
     reference = [] if whole is None else [whole]
     names = [*("all of it" for _ in reference), *(one.law.removeprefix("tracking, ") for one in comparison.ablations)]

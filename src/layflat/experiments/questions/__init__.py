@@ -140,5 +140,6 @@ def read_answers(out: Path) -> list[Answer]:
 
 
 def _read_answer(name: str, out: Path) -> Answer:
+    """Return the answer from the files of finding and figure in a folder."""
     finding, svg = ((out / file).read_text(encoding="utf-8") for file in (FINDING_FILE, FIGURE_FILE))
     return Answer(f"question-{name}", **QUESTION_TEXTS[name], finding=finding.strip(), svg=svg)

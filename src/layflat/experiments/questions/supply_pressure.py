@@ -26,6 +26,7 @@ def results_by_pressure(frame: pandas.DataFrame) -> dict[str, Array]:
     keys = [frame["variant"], frame["scenario"], frame[PRESSURE_COLUMN]]
 
     def median_column(variant: str, scenario: str, column: str) -> Array:
+        """Return the medians of a column, (pressures,); runs that diverged count as infinite."""
         median = frame[column].fillna(inf).groupby(keys).quantile(0.5, interpolation="higher")
         return np.asarray(median.loc[variant, scenario], dtype=float)
 

@@ -58,6 +58,7 @@ def finding(study: Study, frame: pandas.DataFrame) -> str:
     results = best_by_valve(study, frame)
 
     def ends(column: str) -> list[tuple[float, str]]:
+        """Return the least and the greatest value of a column, each with its valve."""
         return [
             (float(results.loc[name, column]), name) for name in (results[column].idxmin(), results[column].idxmax())
         ]

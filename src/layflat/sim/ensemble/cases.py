@@ -197,6 +197,7 @@ class Cases:
 
     @cached_property
     def _starts(self) -> list[Array]:
+        """Angles at which the arm rests at the start of each scenario, (joints,), rad."""
         return [
             start_angles(s, self.base, e.named("demand")) for s, e in zip(self.scenarios, self._expanded, strict=True)
         ]

@@ -160,7 +160,7 @@ def _write_one(number: Any) -> None:
 
 
 def _chunks(prepared: Cases, results: Results) -> Iterator[NDArray[np.int64]]:
-    """Yield the numbers of the runs of each chunk that fits into the device's memory; raise InputError if none does."""
+    """Yield the numbers of the runs of each chunk that fits into the device's memory; raise InputError if none fits."""
     noisy = any(scenario.noise for scenario in prepared.scenarios)
     inputs = len(prepared.numbers) + 2 * noisy * prepared.cycles * len(prepared.base.joints)
     outputs = (results.tallies.size + results.totals.size + results.traces.size) // prepared.count

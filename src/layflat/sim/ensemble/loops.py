@@ -47,6 +47,7 @@ def loop_heights(prepared: "Cases", share: float = 1.0, workers: int = 1) -> tup
         cases.append((*swept, machine.supply.pressure_gauge, share * described.stops.working_stroke))
 
     def sweep(batch: tuple[int, int]) -> None:
+        """Fill `heights` for joint j of a batch of runs from number `first` on."""
         j, first = batch
         rows = np.minimum(np.arange(first, first + size), count - 1)
         forward, results = np.empty((SWEEP_POINTS, lanes)), np.empty((2, size))

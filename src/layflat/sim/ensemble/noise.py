@@ -49,12 +49,14 @@ def _multiply_by_factor(high, low):
 
 @composition
 def _add_128(high, low, other_high, other_low):
+    """Return the sum of two 128-bit numbers, by halves, without its carry."""
     total = low + other_low
     return high + other_high + (ONE_U64 if total < low else ZERO_U64), total
 
 
 @composition
 def _next_state(high, low, step_high, step_low):
+    """Return the state of a generator, by halves, after one step."""
     high, low = _multiply_by_factor(high, low)
     return _add_128(high, low, step_high, step_low)
 

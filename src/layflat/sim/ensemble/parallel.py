@@ -301,6 +301,7 @@ def _run_on_threads(
     )
 
     def work(rows: NDArray[np.int64]) -> int:
+        """Simulate runs, store their results, and return their number."""
         block = make_block(prepared, rows, bands, results)
         run_block(like, block.runs, block.scenarios, block.moves, timing, block.results, new_watch(block.runs))
         return store_results(results, block.results, int(rows[0]))

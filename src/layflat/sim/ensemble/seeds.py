@@ -91,5 +91,6 @@ def _constants(first: int, factor: int) -> Iterator[tuple[np.uint32, np.uint32]]
 
 
 def _hash_word(word: Words, before: np.uint32, after: np.uint32) -> Words:
+    """Return 32-bit words hashed with a multiplier and the one after it."""
     stirred: Words = (word ^ before) * after
     return stirred ^ stirred >> np.uint32(16)
