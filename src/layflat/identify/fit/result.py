@@ -124,7 +124,7 @@ class Fit:
         return worst if worst is not None and worst.relative_rms > limit else None
 
     def estimate(self, path: str) -> FittedParameter:
-        """Return the estimate of an unknown."""
+        """Return the estimate of the unknown at a path, which must exist."""
         return next(estimate for estimate in self.estimates if estimate.unknown.path == path)
 
     def qualities(self) -> list[Quality]:

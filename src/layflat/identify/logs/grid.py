@@ -66,7 +66,10 @@ def build_clock(stamps: Array, where: str) -> SampleClock:
 
 
 def _estimate_period(time: Array) -> tuple[float, float, bool]:
-    """Return period and jitter of a clock, s, and whether it is even, with no stamp missing."""
+    """Return period and jitter of a clock, s, and whether it is even, with no stamp missing.
+
+    The period is the mean one, and jitter 0, of a clock that is even but for missing stamps; else it is the median.
+    """
     steps = np.diff(time)
     median = float(np.median(steps))
     counts = np.rint(steps / median)

@@ -72,7 +72,7 @@ MIN_TORQUE_CHANGE = 1e-9  # relative change of the torques by a parameter that a
 
 
 def link_parameters(machine: Machine) -> list[ParameterSpec]:
-    """Return the parameters of every link, from the base on; none of an arm that has its links in its joints."""
+    """Return the parameters of every link that act on a joint, from the base on; none if links belong to joints."""
     if not machine.arm.own_links:
         return []
     ends = [machine.arm.link[name].position for name in machine.arm.joints[1:]] + [machine.arm.tool]

@@ -95,7 +95,7 @@ MIN_DURATION = 3.0  # of a log before its first impact, s
 
 
 def cut_at_impacts(machine: Machine, logs: Logs) -> tuple[dict[str, Dataset], tuple[str, ...]]:
-    """Return logs up to their first impacts, and a remark for each log that has one.
+    """Return logs up to the sample before their first impact, and a remark for each log that has one.
 
     Args:
         machine: machine whose joints the logs are of.

@@ -181,7 +181,7 @@ def resting_joint(q):
 
 @law
 def step_regulated_joint(joint, state, p_a, p_b, fractions, h):
-    """Return the state of the joint after a step at these pressures; a joint that sticks has velocity 0.0."""
+    """Return the joint's state after a step at these pressures; its velocity is 0.0 if it sticks or meets a stop."""
     Q = state.lagged_angle + fractions.friction_angle * (state.angle - state.lagged_angle)
     load = joint.load_torque + joint.stiffness * state.angle
     momentum = joint.inertia * state.velocity + h * (joint.torque_per_pressure * (p_a - p_b) - load)

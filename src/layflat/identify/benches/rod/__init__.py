@@ -84,7 +84,7 @@ def rod_unknowns(bench: RodBench, scales: RodScales, logs: Sequence[str]) -> dic
     Args:
         bench: bench as described; its values are the guesses.
         scales: scales of its logs, from which the bounds follow.
-        logs: names of those that are fitted.
+        logs: names of those that are fitted; a single one has no nuisances.
     """
     piston, friction = bench.piston, bench.friction
     force, span = scales.max_force, scales.max_force_range
@@ -233,7 +233,7 @@ class RodModel(CurveModel[RodBench]):
         return np.array([values for _, values in sorted(starts, key=lambda start: start[0])])
 
     def described_values(self, values: Array) -> dict[str, float]:
-        """Return values by their paths in the description; see `Model.described_values`."""
+        """Return values by their paths in the description, with the ends of a profile laid over the logs' positions."""
         ends = {path: float(value_at(self.origin, path)) for path in PROFILE_ENDS} if self.spread_profile else {}
         return super().described_values(values) | ends
 

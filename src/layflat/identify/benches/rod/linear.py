@@ -122,7 +122,7 @@ def linearise(model: Model, values: Array, nearby: Collection[str] = ()) -> tupl
 
 
 def linear_step(model: Model, values: Array) -> tuple[Array, float]:
-    """Return values with the linear unknowns at their least-squares solution, and the sum of squares that remains."""
+    """Return values with the linear unknowns solved by least squares, then clipped; and the sum of squares before."""
     J, r, linear = linearise(model, values)
     A, b = np.vstack([J, np.eye(len(linear))]), np.concatenate([-r, np.zeros(len(linear))])
     moves = np.linalg.lstsq(A, b)[0]

@@ -210,7 +210,7 @@ def step_vessel(gas, vessel, state, k_1, middle, after, opening, h):
 
 @law
 def count_steps(vessel, state, flows, time, refined):
-    """Return the number of steps for a time (s) at the present rates; 0 if it exceeds `MAX_STEPS`."""
+    """Return the number of steps for a time (s) at the present rates, `refined` times finer; 0 from `MAX_STEPS` on."""
     flow, rest = rate_bounds(vessel, state, flows)
     count = refined * time * (flow / MAX_FLOW_STEP + rest / MAX_HEAT_STEP)
     return int(count) + 1 if count < MAX_STEPS else 0

@@ -81,7 +81,7 @@ class Channel:
         return float(np.percentile(self.samples, 100.0 - TAIL_PERCENT))
 
     def format_value(self, value: float) -> str:
-        """Return a value (SI) as text with the signal's display unit."""
+        """Return a value (SI) as text with three significant digits and the signal's display unit."""
         unit, size = self.signal.display_unit
         return f"{value / size:.3g} {unit}"
 

@@ -176,7 +176,7 @@ def constant_issues(log: CheckedLog) -> Iterator[Issue]:
 
 
 def _constant_issue(channel: Channel, log: CheckedLog) -> Issue:
-    """Return the issue of a constant channel: an error if other channels of its joint move."""
+    """Return the issue of a constant channel: an error if another of its joint moves, a note for a loop's pressure."""
     others = [other for other in log.filled if other.joint == channel.joint and other is not channel]
     moving = [
         channel_beside
@@ -249,7 +249,7 @@ def stationary_issues(log: CheckedLog) -> Iterator[Issue]:
 
 
 def is_moving(channel: Channel) -> bool:
-    """Return whether a signal moves by more than its noise."""
+    """Return whether a signal's range, 1 % left out at each end, exceeds `MIN_MOTION_RATIO` times its noise."""
     samples = channel.samples
     span = float(np.percentile(samples, 99.0) - np.percentile(samples, 1.0))
     return span > MIN_MOTION_RATIO * noise_deviation(samples)

@@ -61,7 +61,7 @@ def zero_issue(channel: Channel, log: CheckedLog) -> Issue | None:
 
 
 def _stays_at_level(channel: Channel, level: float, period: float) -> bool:
-    """Return whether a signal stays at a level (Pa) for `MIN_LEVEL_TIME`."""
+    """Return whether a signal stays within `LEVEL_WIDTH` of a level (Pa) for `MIN_LEVEL_TIME`, and 3 samples."""
     longest = max((length for _, length in find_runs(np.abs(channel.values - level) < LEVEL_WIDTH)), default=0)
     return longest >= 3 and longest * period >= MIN_LEVEL_TIME
 
@@ -234,7 +234,7 @@ def _voltage_issues(channel: Channel, log: CheckedLog) -> Iterator[Issue]:
 
 
 def _fraction_issues(channel: Channel, _: CheckedLog) -> Iterator[Issue]:
-    """Yield fractions outside 0 to 1."""
+    """Yield fractions that lie outside 0 to 1 by more than 0.05."""
     low, high = channel.low, channel.high
     if low < -0.05 or high > 1.05:
         text, otherwise = f"{low:.3g} to {high:.3g}", "a share lies from 0 to 1"
