@@ -136,7 +136,7 @@ class Identification:
         return self.path.with_suffix(".json")
 
     def write_figures(self, result: Fit) -> Path:
-        """Write all figures of a fit as JSON, which works for values that no description holds."""
+        """Write all figures of a fit as JSON, even those that no description holds, and return the path."""
         return write_text(self.figures_path, json.dumps(_json_values(self.figures(result)), indent=2, allow_nan=False))
 
     def write_results(self, result: Fit) -> Machine | BenchDescription:

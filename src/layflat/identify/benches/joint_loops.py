@@ -174,7 +174,10 @@ class LoopModel(CurveModel[Machine]):
         }
 
     def _read_log(self, log: Dataset, out: ModelOutput) -> TurnedLog:
-        """Return angle, gauge pressures and brake duty of a log, and the rotation (rad) from which friction slips."""
+        """Return angle, gauge pressures and brake duty of a log, and the rotation (rad) from which friction slips.
+
+        Without a signal the pressure of hose B is 0, and the duty 1.
+        """
         ambient = self.origin.supply.ambient_pressure
         angle = curves.read_moving_signal(log, "angle", out.log, self.joint)
         gauge = [np.zeros_like(angle), np.zeros_like(angle)]

@@ -36,7 +36,7 @@ class FittedParameter:
 
     @property
     def identified(self) -> bool:
-        """Return whether the confidence interval is narrow enough, and the value away from its bounds."""
+        """Return whether the interval is narrower than `MAX_INTERVAL_RATIO` allows, and the value at no bound."""
         if self.at_bound:
             return False
         if self.unknown.log:
@@ -106,7 +106,7 @@ class Fit:
 
     @property
     def trusted(self) -> bool:
-        """Return whether it converged with no value at a bound, and predicts."""
+        """Return whether the search converged, no value is at a bound, and no output is mispredicted."""
         return self.converged and not any(one.at_bound for one in self.estimates) and self.mispredicted is None
 
     @cached_property
@@ -118,7 +118,7 @@ class Fit:
 
     @property
     def mispredicted(self) -> Quality | None:
-        """Return the worst prediction, if its error exceeds the limit; otherwise None."""
+        """Return the worst prediction if beyond `MAX_PREDICTION_ERROR` (with feedback `MAX_TRACKING_ERROR`)."""
         worst = max(self.predictions, key=lambda one: one.relative_rms, default=None)
         limit = MAX_PREDICTION_ERROR if self.tracking is None else MAX_TRACKING_ERROR
         return worst if worst is not None and worst.relative_rms > limit else None

@@ -154,7 +154,7 @@ def ros2_idl_decoder(kind: str, definition: str) -> Decode:
 
 
 def _decoder(kind: str, types: dict[str, Any], method: str) -> Decode:
-    """Return a decoder of one type, by the types of its definition and a method of the store of types."""
+    """Return a decoder of messages of a type, by the types of its definition and a method such as "deserialize_cdr"."""
     from rosbags.typesys import Stores, get_typestore  # noqa: PLC0415
     from rosbags.typesys.msg import normalize_msgtype  # noqa: PLC0415
 

@@ -186,7 +186,7 @@ def _signal_by_roles(roles: set[str], kind: u.Quantity | None) -> str | None:
 
 
 def _check_stated_unit(candidate: SignalCandidate) -> SignalCandidate | str:
-    """Return the candidate if its stated unit fits signal and values; else why it is left out."""
+    """Return the candidate if its unit fits the signal and its values are possible; else why it is left out."""
     header, signal, kind = candidate.column.header, candidate.signal, candidate.signal.kind
     fits = (kind is not None and is_unit_of(header.unit, kind)) or (kind is None and header.unit in {"%", "1"})
     if header.unit and not fits:

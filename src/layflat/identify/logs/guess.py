@@ -125,7 +125,7 @@ def _describe_own_columns(mapping: LogMapping, table: LogTable) -> dict[str, str
 
 
 def _covers_log(mapping: LogMapping, table: LogTable) -> bool:
-    """Return whether all columns of a log have layflat's own names, and values that are possible in SI."""
+    """Return whether all columns of a log have layflat's own names, and its clock and values are possible."""
     used = {column for entry in mapping.column for column in entry.columns} | {
         mapping.time.column if mapping.time else None
     }
@@ -222,7 +222,7 @@ def _mapping_entry(candidate: SignalCandidate, joint: str | None, notes: dict[st
 
 
 def _set_gauges(entries: list[dict[str, Any]], candidates: list[SignalCandidate], notes: dict[str, str]) -> None:
-    """Set `gauge` of pressures whose header states no zero: only gauge pressures fall below ambient."""
+    """Set `gauge` in entries without stated zero, true if any falls below ambient or all stated are; add notes."""
     columns = {candidate.column.header.name: candidate.column for candidate in candidates}
     unsure = [e for e in entries if SIGNALS[e["signal"]].absolute and "gauge" not in e]
     below_ambient = {e["from"]: _falls_below_ambient(columns[e["from"]], e) for e in unsure}

@@ -36,7 +36,7 @@ class _FieldSamples:
     values: list[float] = field(default_factory=list)
 
     def column(self, name: str, first: int) -> LogColumn:
-        """Return the column of these samples by log time, which is relative to `first`, ns."""
+        """Return the column of these samples in order of log time, in s since `first` (ns)."""
         stamps = np.array([stamp - first for stamp in self.stamps], dtype=np.int64)
         order = np.argsort(stamps, kind="stable")
         since = stamps[order].astype(np.float64) * 1e-9
@@ -124,7 +124,7 @@ class TopicNames(dict[str, str]):
 
 
 def decompress_messages(decode: Decode | str) -> Decode | str:
-    """Return the decoder, also for messages compressed one by one, as in rosbag2's message mode."""
+    """Return the decoder, extended to messages compressed one by one, as in rosbag2's message mode; a reason as is."""
     if isinstance(decode, str):
         return decode
 

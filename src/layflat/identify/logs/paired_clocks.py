@@ -57,7 +57,7 @@ def find_shared_stamps(stamps: Array, columns: Iterable[Array] = ()) -> SharedSt
 
 
 def _are_repeated(stamps: Array, columns: Iterable[Array]) -> bool:
-    """Return whether rows with the stamp of the row before repeat it, or hold what it leaves empty."""
+    """Return whether nearly all rows with the stamp of the row before repeat it, or fill its gaps."""
     same = np.diff(stamps) == 0.0
     agree, apart = np.ones(same.size, dtype=bool), np.ones(same.size, dtype=bool)
     for values in columns:

@@ -244,7 +244,7 @@ def _convert_column(
 
 
 def _last_valid(values: Array, clock: SampleClock) -> Array:
-    """Return the values at the rows that a clock keeps: of several with one stamp the last finite one."""
+    """Return the values at the rows that a clock keeps: of several with one stamp the last finite one, NaN for none."""
     last = np.maximum.accumulate(np.where(np.isfinite(values), np.arange(values.size), -1))[clock.rows]
     return np.where(last >= clock.firsts, values[np.maximum(last, 0)], np.nan)
 

@@ -102,7 +102,7 @@ class ArmModel(Model):
         return [[self._with_stage(stage) for stage in (first, *FINAL_STAGES)] for first in starts]
 
     def mirrored_values(self, values: Array) -> Array:
-        """Return values with the mirrored ones of each pair of elements of a joint's losses; see blocks.py."""
+        """Return values with one pair of elements of a joint's losses mirrored, a row a pair: see `mirrored_losses`."""
         columns = self.columns(values)
         pairs = mirrored_losses(self.machine, columns)
         rows = [[float((columns | pair)[unknown.path]) for unknown in self.unknowns] for pair in pairs]
@@ -133,7 +133,7 @@ class ArmModel(Model):
         return of_bodies if of_bodies.bodies else of_bodies.plain
 
     def project(self, scaled: Array, triangle: Array) -> Array:
-        """Return feasible links: those that were simulated, or the nearest ones where the stage allows any."""
+        """Return scaled values with feasible links: the simulated ones, or the nearest where the stage allows any."""
         if not isinstance(self.scaling, BodyScaling):
             return scaled
         if not self.stage.bodies:

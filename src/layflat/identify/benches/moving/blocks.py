@@ -99,7 +99,7 @@ def _single_link_parameters(link: LinkPart, length: float) -> Iterator[Parameter
 
 
 def _product_range(link: LinkPart) -> RangeRule:
-    """Return the range of a product of inertia: its greatest values in any orientation of the body."""
+    """Return the range of a product of inertia: the described one plus and minus its greatest in any orientation."""
     return symmetric_range(lambda _: 0.5 * max(link.inertia[:3]))
 
 

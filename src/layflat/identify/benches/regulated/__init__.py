@@ -88,7 +88,7 @@ class RegulatedModel(Model):
         )
 
     def continuations(self) -> Sequence[Sequence[Model]]:
-        """Return the model with imposed motion, then with imposed pressures, then with neither."""
+        """Return the model with imposed motion, imposed pressures (both only with unknowns to fit), and neither."""
         easier = ((laws.MOTION_IMPOSED, {"valve", "gas"}), (laws.PRESSURES_IMPOSED, {"motion"}))
         return [[*(self._with_imposed(imposed) for imposed, fitted in easier if fitted & self.blocks), self]]
 

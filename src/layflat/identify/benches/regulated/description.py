@@ -105,7 +105,7 @@ class RegulatedJointBench(BenchDescription):
 
 
 def min_volume(bench: RegulatedJointBench) -> float:
-    """Return the volume in the middle of the stroke of a chamber without any dead volume, m3."""
+    """Return the volume in the middle of the stroke, m3, of a chamber whose volume is zero at the farther stop."""
     return bench.chamber.torque_per_pressure * max(-bench.stroke.lower_stop, bench.stroke.upper_stop)
 
 

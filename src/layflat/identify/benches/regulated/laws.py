@@ -166,7 +166,7 @@ def lag_fractions(joint, h):
 
 @law
 def resting_chamber(joint, travel, p, air):
-    """Return the state of a chamber held at pressure p; `travel` is q for chamber A, -q for chamber B."""
+    """Return the state of a chamber at rest, its pressure and set-point p; `travel` is q for chamber A, -q for B."""
     volume = joint.chamber.dead_volume + joint.torque_per_pressure * travel
     stored = energy(joint.chamber, p, volume, air.ambient_pressure)
     mass = air_mass(joint.chamber, p, air.temperature, volume, air.ambient_pressure)

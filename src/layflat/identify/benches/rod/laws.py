@@ -68,7 +68,7 @@ class RodLog(NamedTuple):
 
 @law
 def smooth_force(rod, x, v, p_g, p_m):
-    """Return the force on the rod without its friction, but for the viscous one, N."""
+    """Return the force on the rod of gas, spring, offset and viscous friction, without slip and film, N."""
     shape = (rod.area_growth + rod.area_slope_growth * x) * p_m * p_m
     return (rod.area + rod.area_slope * x) * p_g + shape + rod.offset + rod.spring * x + rod.viscous * v
 
@@ -84,7 +84,7 @@ def profile_at(rod, x):
 
 @law
 def pressure_friction(rod, p_g):
-    """Return the friction that the pressure adds where there is no profile, N."""
+    """Return the friction that the pressure adds where there is no profile, N; 0 for a negative pressure."""
     p = max(p_g, 0.0)
     if rod.exponent == 1.0:
         return rod.slope * p
@@ -99,13 +99,16 @@ def slip_force(rod, x, p_g):
 
 @law
 def film_force(rod, v, level):
-    """Return the force of the film at a friction `level` (N) and speed v: smooth through rest, against the motion."""
+    """Return the force that moves the film at a friction `level` (N) and speed v: of the sign of v, smooth at 0."""
     return rod.film_fraction * level * tanh(v / rod.film_speed)
 
 
 @kernel
 def rod_force(rod, log, force):
-    """Write the force on a rod through a log, N, to `force`, (samples,)."""
+    """Write the force on a rod through a log, N, to `force`, (samples,).
+
+    Elements begin with the common fraction of their friction that explains the first measured force.
+    """
     x, v, p, p_m = log.position, log.speed, log.pressure, log.mean_pressure
     f = np.empty(len(rod.weights))
     level = slip_force(rod, x[0], p[0])

@@ -117,7 +117,7 @@ class CheckedLog:
 
     @property
     def supply_gauge(self) -> float | None:
-        """Gauge pressure of the supply, Pa: the machine's, else the median in the log; None where neither is known."""
+        """Gauge pressure of the supply, Pa: the machine's, else the median in the log if positive, else None."""
         if self.machine is not None:
             return self.machine.supply.pressure_gauge
         supply = self.find_channel("supply")

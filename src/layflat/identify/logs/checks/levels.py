@@ -19,14 +19,14 @@ MIN_FOLLOWING_CORRELATION = 0.8  # of a pressure that follows its set-point
 
 
 def level_issues(log: CheckedLog) -> Iterator[Issue]:
-    """Yield pressures whose zero differs from that of related ones, and impossible ambient pressures."""
+    """Yield issues of pressures whose zero differs from that of related ones, and of impossible ambient pressures."""
     yield from _ambient_issues(log)
     for joint in log.joints or (None,):
         yield from _hose_issues(joint, log)
 
 
 def _ambient_issues(log: CheckedLog) -> Iterator[Issue]:
-    """Yield ambient pressures of the log that are impossible, or differ from the machine's."""
+    """Yield an error for each impossible ambient pressure of the log, a warning for one that the machine has not."""
     channel_by_ambient = {float(c.source["ambient"]): c for c in log.channels.values() if c.source.get("gauge")}
     for ambient, channel in channel_by_ambient.items():
         text = f"counts from an ambient pressure of {channel.format_value(ambient)}"
@@ -40,7 +40,7 @@ def _ambient_issues(log: CheckedLog) -> Iterator[Issue]:
 
 
 def _hose_issues(joint: str | None, log: CheckedLog) -> Iterator[Issue]:
-    """Yield pressures of one joint with a zero that differs from that of set-point, difference or other hose."""
+    """Yield issues of a joint's pressures whose zero differs from that of set-point, difference or other hose."""
     a, b = log.find_channel("pressure_a", joint), log.find_channel("pressure_b", joint)
     different_zeros = False
     for pressure, hose in ((a, "a"), (b, "b")):

@@ -42,7 +42,7 @@ NEEDED_SIGNALS: tuple[tuple[str, Severity, tuple[str, ...], str], ...] = (
 
 
 def missing_issues(log: CheckedLog) -> Iterator[Issue]:
-    """Yield notes on the reading, joints without signals, channels without samples, and a log that is too short."""
+    """Yield notes on the reading, and issues of joints without signals, channels without samples, and a short log."""
     for note in log.notes:
         yield Issue("note", "log", note)
     yield from _joint_issues(log)
@@ -57,7 +57,7 @@ def missing_issues(log: CheckedLog) -> Iterator[Issue]:
 
 
 def _joint_issues(log: CheckedLog) -> Iterator[Issue]:
-    """Yield unknown joints, joints without channels, and joints without needed signals."""
+    """Yield issues of unknown joints, joints without channels, and joints without needed signals."""
     joints = tuple(log.machine.joints) if log.machine is not None else log.joints
     for name in log.joints:
         if name not in joints:
@@ -107,7 +107,7 @@ def _length_issues(log: CheckedLog) -> Iterator[Issue]:
 
 
 def clock_issues(log: CheckedLog) -> Iterator[Issue]:
-    """Yield faults of each clock, gaps of each channel, and a period that does not suit the control cycle."""
+    """Yield issues of clocks with faults, channels with gaps, and a period that does not suit the control cycle."""
     for clock in log.clocks:
         yield from _clock_faults(clock)
     for channel in log.filled:
@@ -122,7 +122,7 @@ def clock_issues(log: CheckedLog) -> Iterator[Issue]:
 
 
 def _clock_faults(clock: dict[str, Any]) -> Iterator[Issue]:
-    """Yield resets, duplicate stamps, missing stamps and jitter of a clock, from its attributes."""
+    """Yield issues of resets, duplicate stamps, missing stamps and jitter of a clock, from its attributes."""
     names = name_several(clock["channels"])
     if clock["reset"] is not None:
         before, after = clock["reset"]
@@ -165,7 +165,7 @@ CONSTANT_SIGNALS = ("brake", *(name for name, row in ACTING.items() if not row.b
 
 
 def constant_issues(log: CheckedLog) -> Iterator[Issue]:
-    """Yield measured channels that are constant or at a rail."""
+    """Yield issues of measured channels that are constant or at a rail, but for `CONSTANT_SIGNALS`."""
     for channel in log.filled:
         if channel.signal.held or channel.signal.name in CONSTANT_SIGNALS:
             continue
@@ -194,7 +194,7 @@ def _constant_issue(channel: Channel, log: CheckedLog) -> Issue:
 
 
 def _rail_issues(channel: Channel, log: CheckedLog) -> Iterator[Issue]:
-    """Yield extremes at which a signal stops abruptly, and stays for several samples."""
+    """Yield a warning for each extreme at which a signal stops abruptly, and stays for several samples."""
     values = channel.values
     if np.unique(channel.samples).size < 20:
         return
@@ -226,7 +226,7 @@ def _is_abrupt(values: Array, first: int, length: int) -> bool:
 
 
 def stationary_issues(log: CheckedLog) -> Iterator[Issue]:
-    """Yield signals that move no more than their noise, and commands that never change: they identify nothing."""
+    """Yield issues of signals that move no more than their noise (`NOTHING_MOVES` for all) and of constant commands."""
     measured = [c for c in log.filled if not c.signal.held and c.signal.name not in CONSTANT_SIGNALS]
     stationary = [channel for channel in measured if not is_moving(channel)]
     if measured and len(stationary) == len(measured):

@@ -25,13 +25,13 @@ MIN_CORRELATION_SAMPLES = 30  # of a correlation
 
 
 def sign_issues(log: CheckedLog) -> Iterator[Issue]:
-    """Yield wrong signs of angle, pressures, voltage, demand and set-points of each joint."""
+    """Yield an error for each wrong sign of a joint's angle, pressures, voltage, demand or set-points."""
     for joint in log.joints or (None,):
         yield from _joint_sign_issues(joint, log)
 
 
 def _joint_sign_issues(joint: str | None, log: CheckedLog) -> Iterator[Issue]:
-    """Yield issues where angle, pressures, voltage or set-points of a joint contradict each other in sign."""
+    """Yield an error where angle, pressures, voltage, demand or set-points of a joint contradict each other in sign."""
     angle, voltage, demand = (log.find_channel(signal, joint) for signal in ("angle", "voltage", "demand"))
     difference = log.difference(joint)
     against = (

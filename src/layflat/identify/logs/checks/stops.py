@@ -46,7 +46,7 @@ def find_impact(machine: Machine, joint: str, angles: Array, period: float) -> i
 
 
 def stop_issues(log: CheckedLog) -> Iterator[Issue]:
-    """Yield the first impact of each joint of a machine."""
+    """Yield a warning for the first impact of each joint of a machine; nothing without a machine."""
     if log.machine is None:
         return
     for joint in log.machine.joints:

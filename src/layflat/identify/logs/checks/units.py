@@ -16,7 +16,7 @@ MIN_LEVEL_TIME = 0.1  # that a level has to last, s
 
 
 def gauge_issues(log: CheckedLog) -> Iterator[Issue]:
-    """Yield absolute pressures with a wrong zero: gauge read as absolute, or the reverse."""
+    """Yield issues of absolute pressures with a wrong zero: gauge read as absolute, or the reverse."""
     issues = (zero_issue(channel, log) for channel in log.filled if channel.signal.absolute)
     yield from (issue for issue in issues if issue is not None)
 
@@ -93,7 +93,7 @@ UNIT_ADVICE = "check unit and scale"
 
 
 def unit_issues(log: CheckedLog) -> Iterator[Issue]:
-    """Yield signals with impossible ranges, with the unit or factor that would fit."""
+    """Yield issues of signals with impossible ranges, with the unit that would fit as advice."""
     for channel in log.filled:
         by_kind = _pressure_issues if channel.signal.kind == u.PRESSURE else None
         check_range = RANGE_CHECKS.get(channel.signal.name, by_kind)
@@ -131,7 +131,7 @@ def _fits_between(value: float, lowest: float, highest: float) -> Callable[[floa
 
 
 def _angle_issues(channel: Channel, log: CheckedLog) -> Iterator[Issue]:
-    """Yield angles beyond the stroke, or beyond one rotation, and angles too small for their pressures."""
+    """Yield an issue if an angle lies beyond the stroke (or 2.1 pi if unknown), or is too small for its pressures."""
     low, high = channel.low, channel.high
     span, greatest = high - low, max(-low, high)
     joint = log.machine.joints.get(str(channel.joint)) if log.machine is not None else None
@@ -166,7 +166,7 @@ def _is_loaded(channel: Channel, log: CheckedLog) -> bool:
 
 
 def _pressure_issues(channel: Channel, log: CheckedLog) -> Iterator[Issue]:
-    """Yield pressures below vacuum or ambient, above the supply, or too small."""
+    """Yield an issue if a pressure lies below vacuum or ambient, above the supply, or is too small."""
     if not channel.signal.absolute:
         yield from _difference_issues(channel, log)
         return
@@ -200,7 +200,7 @@ def _pressure_issues(channel: Channel, log: CheckedLog) -> Iterator[Issue]:
 
 
 def _difference_issues(channel: Channel, log: CheckedLog) -> Iterator[Issue]:
-    """Yield differential pressures above the supply's gauge pressure, or below 1 % of it."""
+    """Yield an issue if a differential pressure exceeds the supply's gauge pressure by 10 %, or is below 1 % of it."""
     supply, greatest = log.supply_gauge, max(-channel.low, channel.high)
     if supply is None:
         return
@@ -215,7 +215,7 @@ def _difference_issues(channel: Channel, log: CheckedLog) -> Iterator[Issue]:
 
 
 def _voltage_issues(channel: Channel, log: CheckedLog) -> Iterator[Issue]:
-    """Yield voltages beyond twice the valve's range, or with a median far from its centre."""
+    """Yield an issue if a voltage goes beyond twice the valve's range, or its median is far from the valve's centre."""
     if log.machine is None or log.machine.valve is None:
         return
     centre, full = log.machine.valve.centre_voltage, log.machine.valve.volts_to_full
@@ -234,7 +234,7 @@ def _voltage_issues(channel: Channel, log: CheckedLog) -> Iterator[Issue]:
 
 
 def _fraction_issues(channel: Channel, _: CheckedLog) -> Iterator[Issue]:
-    """Yield fractions that lie outside 0 to 1 by more than 0.05."""
+    """Yield an error if a fraction lies outside 0 to 1 by more than 0.05."""
     low, high = channel.low, channel.high
     if low < -0.05 or high > 1.05:
         text, otherwise = f"{low:.3g} to {high:.3g}", "a share lies from 0 to 1"
@@ -242,7 +242,7 @@ def _fraction_issues(channel: Channel, _: CheckedLog) -> Iterator[Issue]:
 
 
 def _temperature_issues(channel: Channel, _: CheckedLog) -> Iterator[Issue]:
-    """Yield temperatures that are in the wrong one of K and degC."""
+    """Yield an error if a temperature, K, below 60 or above 480 shows that degC and K were confused."""
     text = f"{channel.low:.4g} K to {channel.high:.4g} K"
     if channel.low < 60.0:
         yield Issue("error", channel.name, text, 'no gas is so cold: unit = "degC" would add 273.15 K')
@@ -251,7 +251,7 @@ def _temperature_issues(channel: Channel, _: CheckedLog) -> Iterator[Issue]:
 
 
 def _demand_issues(joint: str | None, log: CheckedLog) -> Iterator[Issue]:
-    """Yield an angle that follows its demand in another unit."""
+    """Yield an error if an angle follows its demand, but is 20 times as large or as small."""
     angle, demand = log.find_channel("angle", joint), log.find_channel("demand", joint)
     if angle is None or demand is None:
         return

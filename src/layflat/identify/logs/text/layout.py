@@ -157,7 +157,7 @@ def _usual_width(kinds: Sequence[list[CellKind]]) -> tuple[int, float]:
 
 
 def _holds_numbers(row: Sequence[CellKind]) -> bool:
-    """Return whether at least half of a row's filled cells are numbers or stamps."""
+    """Return whether a row has filled cells, of which at most half are words."""
     return len(row) - row.count("missing") >= max(2 * row.count("text"), 1)
 
 
@@ -232,7 +232,7 @@ def _commented_names(lines: Sequence[str], layout: TextLayout) -> list[str] | No
 
 
 def _count_types(cells: Sequence[str]) -> int:
-    """Return the number of cells that are words for types of numbers, or for subjects of columns."""
+    """Return the number of cells that are `TYPE_WORDS`, or begin with a subject, as "Type: double" does."""
     return sum(cell.lower() in TYPE_WORDS or _cell_subject(cell) != "" for cell in cells)
 
 
@@ -266,7 +266,7 @@ def _name_cells(names: list[str], arrivals: bool) -> list[str]:
 
 
 def _has_number(row: Sequence[CellKind], numeric: Sequence[bool]) -> bool:
-    """Return whether most filled cells of a row's numeric columns are no words."""
+    """Return whether a row has all columns, and most filled cells of its numeric ones are no words."""
     numeric_cells = [kind for kind, number in zip(row, numeric, strict=False) if number and kind != "missing"]
     return len(row) == len(numeric) and len(numeric_cells) > 2 * numeric_cells.count("text")
 

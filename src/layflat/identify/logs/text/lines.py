@@ -72,7 +72,7 @@ def detect_encoding(path: Path) -> tuple[str, str]:
 
 
 def _guess_utf16(head: bytes) -> str:
-    """Return the variant of UTF-16 of a text in which every other byte is null; "" for other texts."""
+    """Return the variant of UTF-16 of a text in which nearly every other byte is null; "" for other texts."""
     even, odd = head[0::2].count(0), head[1::2].count(0)
     half = max(len(head) // 2, 1)
     return "utf-16-le" if odd > 0.8 * half and not even else "utf-16-be" if even > 0.8 * half and not odd else ""
