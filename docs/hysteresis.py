@@ -45,7 +45,7 @@ def curve(described: dict[str, Any], size: float) -> tuple[Any, Any]:
 
 
 def main(path: Path) -> None:
-    """Draw the figure."""
+    """Draw torque over angle, one plot for each kind and one line for each size of motion, into a file."""
     with styled_figure(1, len(SHOWN), width=10.0, height=3.1, above=0.6, between=0.42) as (figure, axes):
         for place, (name, described) in zip(axes, SHOWN.items(), strict=True):
             for line, size in zip(SERIES_STYLES, SIZES, strict=False):

@@ -61,7 +61,7 @@ def cam_path() -> str:
 
 
 def logo() -> str:
-    """Return the logo as SVG."""
+    """Return the text of the logo's SVG file."""
     cylinder = move_to(polar(CYLINDER, CYLINDER_RADIUS, SLOT[1])) + arc(
         CYLINDER, CYLINDER_RADIUS, SLOT[1], SLOT[0] + 2.0 * pi
     )
@@ -92,7 +92,7 @@ def logo() -> str:
 
 
 def social_page(picture: str) -> str:
-    """Return a page of the social picture's size."""
+    """Return the HTML of the social picture: a picture (SVG) beside name and slogan."""
     return f"""<style>
 body {{ margin: 0; display: flex; align-items: center; gap: 72px; height: 640px; padding: 0 96px;
   box-sizing: border-box; background: #fff; color: #1d2a36; font-family: "DejaVu Sans", Arial, sans-serif; }}
@@ -106,7 +106,7 @@ p {{ margin: 0; font-size: 38px; line-height: 1.35; color: #44525f; }}
 
 
 def main() -> None:
-    """Write both."""
+    """Write docs/logo.svg, and docs/social.png as chromium shows it."""
     (FOLDER / "logo.svg").write_text(logo(), encoding="utf-8")
     with chromium() as browser:
         page = browser.new_page(viewport=dict(zip(("width", "height"), SOCIAL_SIZE, strict=True)))

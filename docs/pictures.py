@@ -20,7 +20,7 @@ SIZE = (1280, 900)
 
 
 def panel(page: Any) -> None:
-    """The operator's panel, with an arm on its way through a sequence."""
+    """Send an arm to two targets on the operator's panel, and wait until it is on its way to a third."""
     for angles, seconds in (((35, 25, -40, 20), 8.0), ((-30, -10, 30, -15), 7.0), ((40, 30, -20, 25), 1.2)):
         page.get_by_role("tab", name="Target", exact=True).click()
         for joint, angle in zip(("base", "shoulder", "elbow", "wrist"), angles, strict=True):
@@ -30,7 +30,10 @@ def panel(page: Any) -> None:
 
 
 def until_it_moves(page: Any) -> None:
-    """Bring the air and go, anew where a busy computer let the arm be held."""
+    """Click Start, Go on and Go to target, as far as they are enabled, until the panel shows that the arm moves.
+
+    Raise RuntimeError after 600 attempts.
+    """
     going = page.locator(".lf-state", has_text="Moving")
     for _ in range(600):
         for name in ("Start", "Go on", "Go to target"):
@@ -41,11 +44,11 @@ def until_it_moves(page: Any) -> None:
         page.wait_for_timeout(200)
         if going.is_visible():
             return
-    raise RuntimeError("the rig does not get ready")
+    raise RuntimeError("panel: the arm does not move after 600 clicks on Start, Go on and Go to target")
 
 
 def studio(page: Any) -> None:
-    """The studio, with a hose that was widened, beside the design before."""
+    """Widen a hose in the studio to 180 mm, with the design before kept as A, and wait for the results."""
     current = "() => document.querySelector('.st-row') && !document.querySelector('.st-old')"
     page.wait_for_function(current, timeout=120_000)
     page.get_by_role("button", name="Keep as A").click()
@@ -57,7 +60,7 @@ def studio(page: Any) -> None:
 
 
 def watch(page: Any) -> None:
-    """The packing cell at its third pick or so, as a fruit is carried."""
+    """Run the packing cell up to its third pick, then 2.5 s in real time, so that a fruit is carried."""
     page.get_by_role("button", name="as fast as it computes").click()
     carried = "() => parseInt(document.querySelector('#cell-picks').innerText) > 2"
     page.wait_for_function(carried, timeout=120_000)
@@ -66,7 +69,7 @@ def watch(page: Any) -> None:
 
 
 def ended(page: Any) -> None:
-    """The run has ended by itself."""
+    """Run the packing cell, as fast as it computes, until the run has ended by itself."""
     page.get_by_role("button", name="as fast as it computes").click()
     page.wait_for_selector("#cell-end", timeout=120_000)
 
@@ -74,7 +77,10 @@ def ended(page: Any) -> None:
 def taken(
     words: tuple[str, ...], name: str, act: Callable[[Any], None], then: Callable[[Any], None] | None = None
 ) -> None:
-    """Serve a page, act on it, keep a picture of it, and act again."""
+    """Serve a page, call `act` with it, write a picture of it to docs/NAME.png, and call `then` with it.
+
+    `words` is the command line that serves the page.
+    """
     with tempfile.TemporaryDirectory() as folder, served(Path(folder), *words) as found, chromium() as browser:
         page = found.page(browser, *SIZE)
         act(page)
@@ -84,7 +90,7 @@ def taken(
 
 
 def main() -> None:
-    """Take all pictures."""
+    """Write the pictures of panel, studio and packing cell."""
     taken(("panel", "picking-arm"), "panel", panel)
     taken(("studio", "paper-arm"), "studio", studio)
     taken(("cell", "pack", "--watch", "--picks", "5"), "watch", watch, ended)

@@ -37,7 +37,7 @@ def lines_of(room: str) -> int:
 
 
 def imports_between(rooms: list[str]) -> dict[tuple[str, str], int]:
-    """Return how many modules of a room import one of another, by both."""
+    """Return how many modules of one room import any of another, by (importing room, imported room)."""
     graph, found = grimp.build_graph("layflat"), dict[tuple[str, str], int]()
     for module in graph.modules - {"layflat"}:
         own = module.split(".")[1]
@@ -48,7 +48,7 @@ def imports_between(rooms: list[str]) -> dict[tuple[str, str], int]:
 
 
 def main() -> None:
-    """Draw them."""
+    """Draw the rooms, and the imports between them, into docs/rooms.png."""
     layers = rooms_by_layer()
     figure, axes = plt.subplots(figsize=(11.0, 9.0))
     place: dict[str, tuple[float, float]] = {}

@@ -47,7 +47,7 @@ class Words:
 
     @classmethod
     def read(cls, path: Path = WORDS) -> "Words":
-        """Return those of a file."""
+        """Return the words in a TOML file with a key for each attribute."""
         table: dict[str, Any] = tomllib.loads(path.read_text(encoding="utf-8"))
         sets = {key: frozenset(table[key]) for key in ("first", "functions", "parameters", "constants", "classes")}
         phrases, page_phrases = table["phrases"], table["page_phrases"]

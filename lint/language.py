@@ -44,7 +44,7 @@ def check_module(module: Module, words: Words) -> Iterator[Finding]:
     found = [*_constants(module, words), *_docstrings(module, words), *_messages(module, words)]
     for node in ast.walk(module.tree):
         if isinstance(node, Function):
-            found += _function(node, words)
+            found += _check_names(node, words)
     for function in _outer_functions(module.tree.body):
         found += _arguments(function)
     for line, rule, text in sorted(found):
@@ -57,6 +57,7 @@ Line = tuple[int, str, str]
 
 
 def _constants(module: Module, words: Words) -> Iterator[Line]:
+    """Yield constants of the module whose name is a single word, except those in `words.constants`."""
     for node in module.tree.body:
         targets = node.targets if isinstance(node, ast.Assign) else [getattr(node, "target", None)]
         for target in targets:
@@ -67,6 +68,7 @@ def _constants(module: Module, words: Words) -> Iterator[Line]:
 
 
 def _docstrings(module: Module, words: Words) -> Iterator[Line]:
+    """Yield docstrings, also those below constants, that begin with one of `words.first`."""
     for node in ast.walk(module.tree):
         body = getattr(node, "body", [])
         for one in body if isinstance(body, list) else []:
@@ -77,6 +79,7 @@ def _docstrings(module: Module, words: Words) -> Iterator[Line]:
 
 
 def _messages(module: Module, words: Words) -> Iterator[Line]:
+    """Yield texts with one of `words.phrases` in calls of names that end in "Error"."""
     for node in ast.walk(module.tree):
         if not (isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id.endswith("Error")):
             continue
@@ -87,6 +90,7 @@ def _messages(module: Module, words: Words) -> Iterator[Line]:
 
 
 def _parameters(function: Function) -> list[ast.arg]:
+    """Return the parameters of a function, without self, cls, `*` and `**`."""
     arguments = function.args
     return [
         one for one in [*arguments.posonlyargs, *arguments.args, *arguments.kwonlyargs]
@@ -94,7 +98,8 @@ def _parameters(function: Function) -> list[ast.arg]:
     ]  # fmt: skip
 
 
-def _function(function: Function, words: Words) -> Iterator[Line]:
+def _check_names(function: Function, words: Words) -> Iterator[Line]:
+    """Yield a function's name if it is one of `words.functions`, and its parameters that are in `words.parameters`."""
     if function.name.strip("_") in words.functions:
         yield function.lineno, "function", f"{function.name} does not say what it computes; use a verb with its object"
     for one in _parameters(function):
@@ -112,10 +117,12 @@ def _outer_functions(body: list[ast.stmt]) -> Iterator[Function]:
 
 
 def _decorators(function: Function) -> set[str]:
+    """Return all words in the source of a function's decorators."""
     return {word for one in function.decorator_list for word in re.findall(r"\w+", ast.unparse(one))}
 
 
 def _arguments(function: Function) -> Iterator[Line]:
+    """Yield a public function of `MIN_PARAMETERS` or more without an Args section, unless its decorator excepts it."""
     public = not function.name.startswith("_")
     shown = _decorators(function) & (SYMBOL_DECORATORS | {"command", "register", "callback", "overload", "override"})
     described = "Args:" in (ast.get_docstring(function) or "")
@@ -124,7 +131,7 @@ def _arguments(function: Function) -> Iterator[Line]:
 
 
 def check_classes(modules: Iterable[Module], words: Words) -> Iterator[Finding]:
-    """Yield classes that share their name with another one."""
+    """Yield a finding for each class that shares its name with another one, except names in `words.classes`."""
     homes: dict[str, list[tuple[Module, int]]] = defaultdict(list)
     for module in modules:
         for node in ast.walk(module.tree):
@@ -139,7 +146,7 @@ def check_classes(modules: Iterable[Module], words: Words) -> Iterator[Finding]:
 
 
 def check_repository(root: Path = ROOT, words: Words | None = None) -> list[Finding]:
-    """Return the findings of the package under `src` and of the pages."""
+    """Return the findings of the package under `src` and of the pages, without those in `words.pending`."""
     words = words or Words.read()
     paths = sorted(path.relative_to(root) for path in (root / "src").rglob("*.py"))
     modules = [Module(path, (root / path).read_text(encoding="utf-8")) for path in paths]

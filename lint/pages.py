@@ -20,7 +20,7 @@ def check_page(path: Path, text: str, words: Words) -> Iterator[Finding]:
 
 
 def find_phrases(text: str, phrases: Mapping[str, str]) -> Iterator[tuple[int, str, str]]:
-    """Yield the phrases in a text: position, text as it stands there, and what to use instead."""
+    """Yield the phrases that a text has as whole words, in any case: position, text there, and what to use instead."""
     for phrase, right in phrases.items():
         pattern = phrase.replace(" ", r"\s+")
         for match in re.finditer(rf"\b(?:{pattern})\b", text, re.IGNORECASE):
@@ -28,11 +28,13 @@ def find_phrases(text: str, phrases: Mapping[str, str]) -> Iterator[tuple[int, s
 
 
 def _page_phrases(prose: str, words: Words) -> Iterator[tuple[int, str, str]]:
+    """Yield position, rule and text of a finding for each phrase that pages do without."""
     for at, phrase, right in find_phrases(prose, words.phrases | words.page_phrases):
         yield at, "page", f"{phrase!r}; use {right}"
 
 
 def _headings(prose: str, words: Words) -> Iterator[tuple[int, str, str]]:
+    """Yield position, rule and text of findings: headings, and the page's first sentence, that begin wrongly."""
     for pattern, rule in ((HEADING, "heading"), (OPENING, "first sentence")):
         for match in pattern.finditer(prose):
             if match[1].lower() in words.first:
@@ -40,5 +42,6 @@ def _headings(prose: str, words: Words) -> Iterator[tuple[int, str, str]]:
 
 
 def _fragments(prose: str) -> Iterator[tuple[int, str, str]]:
+    """Yield position, rule and text of a finding for each sentence that begins with "Of"."""
     for match in FRAGMENT.finditer(prose):
         yield match.start(1), "sentence", f"{' '.join(match[1].split())!r} begins with 'Of'; put subject and verb first"

@@ -45,7 +45,7 @@ class InputError(LayflatError):
 
 
 class MissingExtraError(InputError):
-    """A package that an extra brings is not installed.
+    """A package of an extra is not installed, or can't be imported.
 
     Args:
         extra: name of the extra.
@@ -160,7 +160,7 @@ class DivergedError(LayflatError):
         time: of the divergence, s.
         joint: the joint's name.
         run: the data up to then, if any.
-        cause: the reason, if known.
+        cause: reason or advice that ends the message; default: advice on step, valve and gains.
 
     Example:
         >>> import layflat as lf

@@ -39,7 +39,7 @@ def require(extra: str, *modules: str, where: str = "") -> None:
 
     Args:
         extra: a key of `EXTRA_PACKAGES`.
-        modules: names to import; default: all of the extra.
+        modules: import names of the extra's packages, without submodules; default: all of the extra.
         where: the command, option or file that needs them.
 
     Raises:
@@ -56,7 +56,7 @@ def available(extra: str, *modules: str) -> bool:
 
 
 def import_extra(extra: str, name: str, where: str = "") -> Any:
-    """Import a package of an extra, or one of its submodules.
+    """Import and return a package of an extra, or one of its submodules.
 
     Args:
         extra: a key of `EXTRA_PACKAGES`.

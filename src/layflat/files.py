@@ -21,9 +21,11 @@ TRIAL_BYTES = bytes(1 << 16)  # written to detect a full disk
 def whole_file(path: Path, *, owned: bool = False) -> Iterator[Path]:
     """Yield a temporary path to write to; move it to `path` when the block succeeds, remove it otherwise.
 
+    A running command records the file (see outputs.py). An error of the block passes, unless writing caused it.
+
     Args:
         path: of the file; its folder is made.
-        owned: whether an existing file may be replaced in any case, and no record is kept (see outputs.py).
+        owned: whether an existing file may be replaced in any case, and no record is kept.
 
     Raises:
         OutputError: the folder can't be made or written, the disk is full, or an existing file may not be
@@ -57,7 +59,7 @@ def whole_file(path: Path, *, owned: bool = False) -> Iterator[Path]:
     except LayflatError:
         raise
     except Exception as error:
-        failure = _refusal(error, path, temporary)
+        failure = _write_error(error, path, temporary)
         if failure is None:
             raise
         raise failure from error
@@ -82,12 +84,12 @@ def write_text(path: Path, text: str, *, owned: bool = False) -> Path:
     return path
 
 
-def _refusal(error: Exception, path: Path, temporary: Path | None) -> OutputError | None:
-    """Return the error that writing failed with; None if the disk was not the cause.
+def _write_error(error: Exception, path: Path, temporary: Path | None) -> OutputError | None:
+    """Return the OutputError that explains an error while writing a file; None if neither it nor the disk is the cause.
 
     Libraries raise errors of their own on a full disk, without its number: a trial write shows the cause.
     """
-    cause = error if isinstance(error, OSError) and error.errno is not None else _trial(temporary)
+    cause = error if isinstance(error, OSError) and error.errno is not None else _try_write(temporary)
     other = temporary is not None and cause is not None and cause.filename not in {None, str(temporary), str(path)}
     if cause is None or other:
         return None
@@ -96,8 +98,8 @@ def _refusal(error: Exception, path: Path, temporary: Path | None) -> OutputErro
     return OutputError(f"can't write here ({cause.strerror})", where=str(path), right=right)
 
 
-def _trial(temporary: Path | None) -> OSError | None:
-    """Return the error of a trial write; None if it succeeds."""
+def _try_write(temporary: Path | None) -> OSError | None:
+    """Append `TRIAL_BYTES` to a temporary file and return the error; None if it succeeds or there is no file."""
     if temporary is None:
         return None
     try:
@@ -111,6 +113,7 @@ def _trial(temporary: Path | None) -> OSError | None:
 
 
 def _umask() -> int:
+    """Return the umask of this process; to read it, it is set to 0 for an instant."""
     mask = os.umask(0)
     os.umask(mask)
     return mask
@@ -124,7 +127,7 @@ def check_file(path: Path, *, costly: bool = False) -> Path:
         costly: as in `check_replaceable`.
 
     Raises:
-        OutputError: it can't, or an existing file may not be replaced.
+        OutputError: nothing can be written there, or an existing file may not be replaced.
     """
     check_folder(path.parent, path.name, costly=costly)
     return path
@@ -142,7 +145,7 @@ def check_folder(folder: Path, *names: str, costly: bool = False) -> Path:
         The folder.
 
     Raises:
-        OutputError: they can't, or an existing file may not be replaced.
+        OutputError: nothing can be written there, or an existing file may not be replaced.
     """
     for name in names:
         check_replaceable(folder / name, costly=costly)

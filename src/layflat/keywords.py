@@ -8,7 +8,10 @@ AnyFunction = TypeVar("AnyFunction", bound=Callable[..., Any])
 
 
 def with_keywords_of(described: Callable[..., Any]) -> Callable[[AnyFunction], AnyFunction]:
-    """Return a decorator that shows the keywords of a class in place of a function's `**` parameter."""
+    """Return a decorator that writes out a function's `**` in its signature: the parameters of a callable, as keywords.
+
+    Parameters that the function has itself are not repeated. How it is called does not change.
+    """
 
     def decorate(function: AnyFunction) -> AnyFunction:
         own = signature(function)

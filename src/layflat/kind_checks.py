@@ -70,7 +70,7 @@ def check_record(value: Any, cls: type, what: str) -> None:
 
 
 def check_nested(value: Any, what: str) -> None:
-    """Raise MisfitError if something is not a nested tuple of finite numbers, with one at least."""
+    """Raise MisfitError if a value is not a nested tuple of finite numbers, or one of its tuples is empty."""
     if not isinstance(value, tuple):
         raise MisfitError(f"{what} is {described(value)}, not a named tuple of floats")
     if not value:
@@ -85,12 +85,12 @@ def check_nested(value: Any, what: str) -> None:
 
 
 def check_alike(value: Any, like: Any, what: str) -> None:
-    """Raise MisfitError if a nested tuple of finite numbers has another structure than a reference.
+    """Raise MisfitError if a value has a tuple of another class or length than a reference, or no finite number.
 
     Args:
         value: result of a law.
-        like: the reference.
-        what: its name in the message.
+        like: the reference, a number or a nested tuple of numbers, which are not compared.
+        what: name of the value in the message.
     """
     if not isinstance(like, tuple):
         check_number(value, what)
@@ -125,6 +125,8 @@ def described(value: Any) -> str:
 def naming_law(kind: str, entry: str, law: Callable[..., Any], when: str = "") -> Iterator[None]:
     """Turn an error of a law, or of its result, into one line that names the law.
 
+    Errors of `NO_FAILURES`, and arithmetic errors of a law that will be compiled, pass unchanged.
+
     Args:
         kind: thing and name of the kind, such as "valve 'spool'".
         entry: the law's name in the kind.
@@ -149,7 +151,10 @@ def naming_law(kind: str, entry: str, law: Callable[..., Any], when: str = "") -
 
 @contextmanager
 def tolerating_arithmetic(law: Callable[..., Any]) -> Iterator[None]:
-    """Ignore arithmetic errors of a compiled law in plain Python: compiled, 1/0 is infinite and raises nothing."""
+    """Ignore arithmetic errors that a law to be compiled raises as plain Python; other laws' errors pass.
+
+    Compiled, 1/0 is infinite and raises nothing.
+    """
     try:
         yield
     except (ArithmeticError, ValueError) as error:
@@ -158,12 +163,12 @@ def tolerating_arithmetic(law: Callable[..., Any]) -> Iterator[None]:
 
 
 def _is_compiled_otherwise(law: Callable[..., Any], error: BaseException) -> bool:
-    """Return whether an error is one of arithmetic, which a compiled law does not raise."""
+    """Return whether a law will be compiled and the error is arithmetic, so that it raises nothing once compiled."""
     of_arithmetic = isinstance(error, ArithmeticError) or str(error) == "math domain error"
     return of_arithmetic and isinstance(law, Law)
 
 
 def place_of(law: Callable[..., Any]) -> str:
-    """Return file and line of a law; empty where it has none."""
+    """Return "file:line" of a law's definition; empty where it is unknown."""
     code = getattr(getattr(law, "py_func", law), "__code__", None)
     return f"{code.co_filename}:{code.co_firstlineno}" if code is not None else ""

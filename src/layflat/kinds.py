@@ -83,7 +83,7 @@ class Kind:
             )
 
     def try_laws(self, parameters: Any, *described: Any) -> None:  # noqa: ARG002
-        """Call the laws of a user's kind once, as plain Python, and check their results.
+        """Call the laws of a user's kind once, as plain Python, and check their results; here nothing.
 
         Args:
             parameters: of its laws, for one machine.
@@ -95,7 +95,7 @@ class Kind:
         return
 
     def guarded(self) -> "Kind":
-        """Return the kind with laws that return nan, which ends a run, in place of wrong values.
+        """Return the kind with laws that return nan, which ends a run, in place of wrong values; here the kind itself.
 
         Only users' kinds are guarded, since the laws of the package are tested.
         """
@@ -142,12 +142,18 @@ class KindTable(Generic[K]):
         return iter(self._kinds.values())
 
     def register(self, kind: K) -> K:
-        """Add a kind and return it; raise KindError if its name or a class of its parameters is taken."""
+        """Add a kind, also to laws that `law` has returned, and return it.
+
+        Raises:
+            KindError: its name, or a class of its parameters, is taken.
+        """
         if kind.name in self._kinds:
-            raise KindError(f"there is a kind {kind.name!r} of {self.thing} already", where="kinds")
+            what = f"there is a kind {kind.name!r} of {self.thing} already"
+            raise KindError(what, where="kinds", right="choose another name")
         taken = [other.__name__ for other in kind.parameter_types if self._owner(other) is not None]
         if taken:
-            raise KindError(f"{taken[0]} holds the parameters of another kind of {self.thing}", where=kind.name)
+            what = f"{taken[0]} holds the parameters of another kind of {self.thing}"
+            raise KindError(what, where=kind.name, right="give it a class of parameters of its own")
         self._kinds[kind.name] = kind
         if self._from_outside:
             self._tried[kind.name] = None
@@ -157,7 +163,7 @@ class KindTable(Generic[K]):
         return kind
 
     def _entries(self, kind: K) -> Iterable[tuple[type, Any]]:
-        """Return the holder of the laws that are run, by class of the parameters."""
+        """Return pairs of a parameter class and the object with its laws, which are guarded for a user's kind."""
         return (kind.guarded() if self.is_from_outside(kind) else kind).laws_by_parameter_type().items()
 
     def named(self, name: object) -> K:
@@ -171,8 +177,15 @@ class KindTable(Generic[K]):
     def parameters(self, described: Any, *others: Any) -> Any:
         """Return the parameters of the laws for a description, by the kind that it names.
 
+        With new parameters, a user's kind is tried by `try_laws` first.
+
+        Args:
+            described: description with a field `kind`.
+            others: further arguments of the kind's `parameters`.
+
         Raises:
-            KindError: they are of another class than the kind declares, or no numbers.
+            KindError: the kind is unknown, its parameters are of another class than it declares or no numbers, or a
+                law fails.
         """
         kind = self.named(described.kind)
         if kind.name in self._tried:
@@ -190,7 +203,10 @@ class KindTable(Generic[K]):
         return parameters
 
     def _try(self, kind: K, parameters: Any, *described: Any) -> None:
-        """Try the laws of a user's kind, unless they were tried with these parameters; of arrays the first item."""
+        """Try the laws of a user's kind with the first item of array parameters, unless the last try was with the same.
+
+        Raise KindError if a parameter is nan or a law fails.
+        """
         single = mapped(parameters, lambda leaf: leaf if np.ndim(leaf) == 0 else np.ravel(leaf)[0])
         if any(leaf != leaf for leaf in leaves(single)):  # noqa: PLR0124
             raise _misfit(kind, "yields a number that is none (nan)", "give floats in SI units")

@@ -93,7 +93,7 @@ def select(condition: Any, yes: Any, no: Any) -> Any:
 
 
 def anywhere(number: Any) -> bool:
-    """Return whether a number is not zero in any lane."""
+    """Return whether a number is not zero in at least one lane."""
     return any(number) if isinstance(number, Lanes) else number != 0.0
 
 

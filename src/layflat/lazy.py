@@ -29,6 +29,7 @@ def lazy_getattr(package: str, homes: Mapping[str, str]) -> Callable[[str], Any]
 
 
 def _unknown_name(package: str, name: str, homes: Mapping[str, str]) -> str:
+    """Return the message for an unknown name: with up to three similar public names, or with all if none is similar."""
     from difflib import get_close_matches  # noqa: PLC0415  # for the message alone
 
     folded = {public.lower(): public for public in homes}

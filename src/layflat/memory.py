@@ -16,12 +16,15 @@ CGROUP_FOLDER = Path("/sys/fs/cgroup")  # limits of a container: version 2, and 
 
 
 def free_memory() -> float:
-    """Return the memory that this process can still allocate, bytes; infinite where the system does not say."""
+    """Return the memory that this process can still allocate, bytes: the least of system, container and process limit.
+
+    It is infinite where none of them is known.
+    """
     return min(_free_of_system(), _free_of_container(), _free_of_process())
 
 
 def check_memory(needed: float, work: str, where: str, right: Callable[[float], str]) -> None:
-    """Raise InputError if work needs more memory than is free.
+    """Raise InputError if work needs more than `USABLE_FRACTION` of the free memory; 64 MiB are always allowed.
 
     Args:
         needed: memory of the work, bytes.
@@ -41,7 +44,7 @@ def check_memory(needed: float, work: str, where: str, right: Callable[[float], 
 
 
 def _free_of_system() -> float:
-    """Return the free memory of the whole system, bytes; infinite where it does not say."""
+    """Return the free memory of the system, bytes: its total memory where that is unknown, else infinite."""
     if sys.platform == "linux":
         with suppress(OSError, ValueError):
             for line in Path("/proc/meminfo").read_text(encoding="ascii").splitlines():
@@ -55,7 +58,7 @@ def _free_of_system() -> float:
 
 
 def _free_of_container() -> float:
-    """Return the free memory of a control group, bytes; cached files count as free."""
+    """Return the free memory of a control group, bytes, inactive cached files included; infinite without a limit."""
     for limit, used, cached in (
         (CGROUP_FOLDER / "memory.max", CGROUP_FOLDER / "memory.current", CGROUP_FOLDER / "memory.stat"),
         *((CGROUP_FOLDER / "memory" / f"memory.{name}" for name in ("limit_in_bytes", "usage_in_bytes", "stat")),),
@@ -69,7 +72,7 @@ def _free_of_container() -> float:
 
 
 def _free_of_process() -> float:
-    """Return the free memory below a limit on the address space (`ulimit -v`), bytes."""
+    """Return the free memory below a limit on the address space (`ulimit -v`), bytes; infinite without a limit."""
     with suppress(ImportError, OSError, ValueError):
         import resource  # noqa: PLC0415  # not on every system
 

@@ -106,8 +106,8 @@ def check_replaceable(path: Path, *, costly: bool = False) -> None:
             those of other inputs.
 
     Raises:
-        OutputError: the path is a folder or a device; or a command runs, and the existing file was not written by it
-            from the same inputs, or has been changed since.
+        OutputError: the path is a folder or a device; or a command runs that reads the file; or, without --force, the
+            existing file was not written by it from the same inputs, or has been changed since.
     """
     check_reachable(path)
     if path.exists() and not path.is_file():
@@ -132,13 +132,16 @@ def check_replaceable(path: Path, *, costly: bool = False) -> None:
 
 
 def replaced_record(path: Path) -> OutputRecord | None:
-    """Return the record of a file that results of other inputs are about to replace; None if there is none."""
+    """Return the record of an existing file if it has other words than the running command; None otherwise."""
     record = _read_record(path) if _running is not None and path.exists() else None
     return record if record is not None and _running is not None and record.words != _running.words else None
 
 
 def record_output(path: Path, replaced: OutputRecord | None = None) -> None:
-    """Record a file that the running command has written, and report the command whose results it replaced."""
+    """Record a file that the running command has written, and report, once, the command line that wrote it before.
+
+    Without a running command, or where the record can't be written, it does nothing.
+    """
     command = _running
     if command is None:
         return
@@ -146,7 +149,7 @@ def record_output(path: Path, replaced: OutputRecord | None = None) -> None:
         command.reported.add(replaced.line)
         command.report(f"{path}: replaced what `{replaced.line}` wrote")
     content = {"path": str(path.resolve()), "name": command.name, "words": command.words, "digest": _digest(path)}
-    place = _place(path)
+    place = _record_path(path)
     with suppress(OSError):  # without a record the file is taken for somebody else's, which loses nothing
         place.parent.mkdir(parents=True, exist_ok=True)
         temporary = place.with_suffix(f".{os.getpid()}")
@@ -168,14 +171,14 @@ def parse_command(typed: Sequence[str], groups: Sequence[str], report: Callable[
 def _read_record(path: Path) -> OutputRecord | None:
     """Return the record of a file that a command has written, None if there is none."""
     try:
-        content = json.loads(_place(path).read_text(encoding="utf-8"))
+        content = json.loads(_record_path(path).read_text(encoding="utf-8"))
         return OutputRecord(content["name"], content["words"], content["digest"])
     except (OSError, ValueError, KeyError, TypeError):
         return None
 
 
-def _place(path: Path) -> Path:
-    """Return the path of the record of a file."""
+def _record_path(path: Path) -> Path:
+    """Return the path of the record of a file, in LAYFLAT_STATE_DIR or the user's state folder."""
     import platformdirs  # noqa: PLC0415  # only commands that write need it
 
     root = Path(os.environ.get("LAYFLAT_STATE_DIR") or platformdirs.user_state_dir("layflat"))
@@ -184,6 +187,7 @@ def _place(path: Path) -> Path:
 
 
 def _digest(path: Path) -> str:
+    """Return the BLAKE2b digest of a file's content, 32 hexadecimal digits."""
     with path.open("rb") as file:
         return hashlib.file_digest(file, lambda: hashlib.blake2b(digest_size=16)).hexdigest()
 

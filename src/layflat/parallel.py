@@ -24,7 +24,9 @@ FROM_TERMINAL = [getattr(signal, name) for name in ("SIGINT", "SIGHUP") if hasat
 
 
 def run_on_all_cores(work: Callable[[Job], None], jobs: Sequence[Job], threads: int | None = None) -> None:
-    """Call a function with every job, in threads.
+    """Call a function with every job, in threads, and wait for all; a single job runs in this thread.
+
+    The first error, in the order of the jobs, is raised when all have ended.
 
     Args:
         work: the function; it stores its results itself.
@@ -39,7 +41,7 @@ def run_on_all_cores(work: Callable[[Job], None], jobs: Sequence[Job], threads: 
 
 
 def split_candidates(count: int, cases: int = 1, threads: int | None = None) -> list[slice]:
-    """Return slices that divide candidates into parts that keep all cores busy.
+    """Return equal slices of candidates, with about 4 pairs of slice and case a thread; the last may reach beyond.
 
     Args:
         count: number of candidates.
@@ -85,7 +87,7 @@ def end_process(process: SpawnProcess, timeout: float) -> None:
 
 @contextmanager
 def _kept_from_terminal() -> Iterator[None]:
-    """Block a terminal's signals in processes that start in this block, for good, where the system can."""
+    """Block SIGINT and SIGHUP in processes that start in this block, for good; do nothing on Windows."""
     if not hasattr(signal, "pthread_sigmask"):
         yield
         return
@@ -135,18 +137,19 @@ def _initialize_worker(ending: Event, first: Callable[[], object] | None) -> Non
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, _interrupt)
     _Worker.ending = ending
-    Thread(target=_heed, args=(ending,), daemon=True).start()
+    Thread(target=_interrupt_at_end, args=(ending,), daemon=True).start()
     if first is not None:
         first()
 
 
-def _heed(ending: Event) -> None:
+def _interrupt_at_end(ending: Event) -> None:
+    """Wait until `ending` is set, and then simulate SIGTERM in the main thread."""
     ending.wait()
     interrupt_main(signal.SIGTERM)
 
 
 def _interrupt(*_: object) -> None:
-    """Interrupt the work in progress; without any, end the process, unless all are ending."""
+    """Handle SIGTERM in a worker: interrupt its work; without work exit, unless the whole pool is ending."""
     if _Worker.at_work:
         raise KeyboardInterrupt
     if not _Worker.ending.is_set():
@@ -166,32 +169,33 @@ def _run_unless_ending(work: Callable[..., Any], *arguments: Any) -> Any:
 
 @contextmanager
 def generate_in_process(generator: str, *arguments: Any) -> Iterator[Iterator[Any]]:
-    """Run a generator in a subprocess, and yield an iterator over its values as they come.
+    """Run a generator in a subprocess, which ends with the block, and yield an iterator over its values as they come.
 
-    The generator is named as "module:function", so that its imports run in the subprocess, concurrently. The values end
-    early with one processor, without POSIX, or after an error in the subprocess: the caller has to compute the rest.
+    The generator is named as "module:function", so that its imports run in the subprocess, concurrently. There are no
+    values with one processor or without POSIX, and they end early after an error there: the caller computes the rest.
     """
     if processors() < 2 or os.name != "posix":
         yield iter(())
         return
     ours, theirs = multiprocessing.Pipe(duplex=False)
-    process = start_process(_make, (generator, arguments, theirs), "layflat aside", daemon=True)
+    process = start_process(_send_values, (generator, arguments, theirs), "layflat aside", daemon=True)
     theirs.close()
     try:
-        yield _received(ours)
+        yield _received_values(ours)
     finally:
         process.kill()
         process.join()
         ours.close()
 
 
-def _received(pipe: Connection) -> Generator[Any]:
+def _received_values(pipe: Connection) -> Generator[Any]:
+    """Yield the values that are received from a pipe until its other end is closed."""
     with suppress(EOFError, OSError):
         while True:
             yield pipe.recv()
 
 
-def _make(generator: str, arguments: tuple[Any, ...], pipe: Connection) -> None:
+def _send_values(generator: str, arguments: tuple[Any, ...], pipe: Connection) -> None:
     """Send a generator's values through a pipe; an error ends them, and occurs again where the rest is computed."""
     module, function = generator.split(":")
     with suppress(Exception):

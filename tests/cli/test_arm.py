@@ -49,19 +49,19 @@ def test_options_of_an_import_are_taken(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("words", "expected"),
     [
-        (["--stroke", "elbow"], "--stroke: 'elbow' has no two limits; give \"wrist=-60 deg, 60 deg\""),
-        (["--stroke", "elbow=1 deg, 0 deg"], "--stroke: 'elbow=1 deg, 0 deg' has no two limits"),
+        (["--stroke", "elbow"], "--stroke: 'elbow' has no joint with two limits, the lower first; give such as"),
+        (["--stroke", "elbow=1 deg, 0 deg"], "--stroke: 'elbow=1 deg, 0 deg' has no joint with two limits"),
         (["--stroke", "elbow=1, 2"], "--stroke: '1' is a bare number; give an angle such as \"120 deg\""),
         (["--gravity", "0, 1"], "--gravity: '0, 1' has 2 values; give \"0, 0, -9.81 m/s^2\""),
         (["--gravity", "0, 0, 9.81"], "--gravity: '9.81' is a bare number"),
         (["--to", "hand"], "--to: there is no link 'hand'"),
         (["--gravity", "-,.,+"], "--gravity: '-'"),
         (["--gravity", "0, ., -9 m/s^2"], "--gravity: '.'"),
-        (["--stroke", "=0 deg, 1 deg"], "--stroke: '=0 deg, 1 deg' has no two limits"),
-        (["--stroke", "elbow=0 deg, 1 deg", "--stroke", "elbow=0 deg, 2 deg"], "--stroke: 'elbow' stands there twice"),
+        (["--stroke", "=0 deg, 1 deg"], "--stroke: '=0 deg, 1 deg' has no joint with two limits"),
+        (["--stroke", "elbow=0 deg, 1 deg", "--stroke", "elbow=0 deg, 2 deg"], "--stroke: 'elbow' is given twice"),
         (["--package", "x"], "--package: 'x' names no folder; give NAME=FOLDER, such as my_robot=../my_robot"),
         (["--package", "x=none"], "--package: there is no folder 'none'; give the package's own folder"),
-        (["--package", "x=.", "--package", "x=.."], "--package: 'x' stands there twice; give one of both"),
+        (["--package", "x=.", "--package", "x=.."], "--package: 'x' is given twice; give it once"),
     ],
 )
 def test_mistakes_leave_nothing(words: list[str], expected: str, tmp_path: Path) -> None:

@@ -177,7 +177,7 @@ def test_a_fit_is_printed_and_kept_though_no_description_can_be_written(bench: P
     done = subprocess.run(command, capture_output=True, text=True, cwd=bench, check=False, timeout=300)
     assert done.returncode == 2
     assert len(done.stderr.splitlines()) == 1
-    assert "what was found is no description" in done.stderr
+    assert "the fitted values make no valid description" in done.stderr
     assert "all figures are in spoilt/paper-small-joint-identified.json" in done.stderr
     assert "joint.small.brake.torque" in done.stdout
     assert sorted(path.suffix for path in (bench / "spoilt").iterdir()) == [".html", ".json"]

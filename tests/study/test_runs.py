@@ -119,6 +119,6 @@ def test_a_device_that_is_none_is_told_before_any_work(tmp_path: Path) -> None:
     study = read_study(written(tmp_path))
     with pytest.raises(InputError, match='device: \'tpu\' is not a device; use "cpu" or "cuda"'):
         run_study(study, tmp_path / "out", device="tpu")
-    with pytest.raises(InputError, match="device: a cluster works on its processors; leave out `scheduler`"):
+    with pytest.raises(InputError, match="device: a cluster works on its processors, not on 'cuda'"):
         run_study(study, tmp_path / "out", device="cuda", scheduler="tcp://127.0.0.1:1")
     assert not (tmp_path / "out").exists()

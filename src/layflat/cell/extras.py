@@ -36,7 +36,7 @@ def opencv() -> Any:
 
 @contextmanager
 def single_thread() -> Iterator[None]:
-    """Restrict OpenCV to one thread, so that sums have one order and their last digits are reproducible."""
+    """Restrict OpenCV to one thread in this block, so that sums have one order and reproducible last digits."""
     cv2 = opencv()
     threads = cv2.getNumThreads()
     cv2.setNumThreads(1)
@@ -108,7 +108,10 @@ def marker_dictionary(name: str, last: int) -> Any:
 
 
 def make_charuco_board(board: CharucoBoard) -> Any:
-    """Return a board as `cv2.aruco.CharucoBoard`; its frame begins at the first corner, x right, y down."""
+    """Return a board as `cv2.aruco.CharucoBoard`; its frame begins at the first corner, x right, y down.
+
+    Raise CameraError if the dictionary has too few markers.
+    """
     markers = np.arange(board.first_id, board.first_id + board.columns * board.rows // 2)
     words = marker_dictionary(board.dictionary, int(markers[-1]))
     return opencv().aruco.CharucoBoard((board.columns, board.rows), board.square, board.marker, words, markers)

@@ -14,7 +14,7 @@ Quaternion = tuple[float, float, float, float]
 
 
 def rectangle_corners(centre: tuple[float, float], rotation: float, size: tuple[float, float]) -> Array:
-    """Return the corners of a rotated rectangle, (4, 2) m.
+    """Return the corners of a rotated rectangle, counter-clockwise from its (-x, -y) corner, (4, 2) m.
 
     Args:
         centre: m.
@@ -39,7 +39,7 @@ def to_parent_frame(centre: tuple[float, float], rotation: float, points: ArrayL
 
 
 def outlines_overlap(first: Array, second: Array) -> bool:
-    """Return whether two convex outlines (n, 2), m, overlap, by the separating axis theorem."""
+    """Return whether two convex outlines (n, 2), m, overlap (touching is none), by the separating axis theorem."""
     for outline in (first, second):
         sides = np.roll(outline, -1, axis=0) - outline
         for side in sides:

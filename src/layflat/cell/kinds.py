@@ -69,7 +69,7 @@ class SkinRegion:
         return cls((hue, saturation), reach, [(hue + start, hue + end, low, high)], darkest)
 
     def distance(self, hue: float, saturation: float) -> float:
-        """Return the distance of a colour from the skin's, in units of `reach`."""
+        """Return the distance of a colour from the skin's, in units of `reach`; hues are not wrapped at 360 degrees."""
         return hypot((hue - self.midpoint[0]) / self.reach[0], (saturation - self.midpoint[1]) / self.reach[1])
 
     def colours(self, backgrounds: Sequence[tuple[float, ...]]) -> list[Colour]:
@@ -112,7 +112,10 @@ def divide_overlap(first: SkinRegion, second: SkinRegion) -> None:
 def _split_by_distance(
     part: Rectangle, first: SkinRegion, second: SkinRegion, wrap: float
 ) -> tuple[list[Rectangle], list[Rectangle]]:
-    """Return the cells of a rectangle that are nearer to the first skin, and to the second; rows are merged."""
+    """Return the cells of a rectangle that are nearer to the first skin, and to the second; rows are merged.
+
+    The rectangle is in hues of the first skin; the second's cells are in its own, which are less by `wrap` (degree).
+    """
     first_cells: list[Rectangle] = []
     second_cells: list[Rectangle] = []
     count = (
@@ -214,5 +217,6 @@ def _flattening(kind: Produce) -> float:
 
 
 def _part_colours(cell: Cell) -> list[tuple[float, float, float]]:
+    """Return the RGB colours, 0 to 1, of table, trays or conveyor, and containers."""
     containers = [container.layout.colour for container in cell.container.values()]
     return [cell.table.colour, *(source.colour for source in cell.sources.values()), *containers]

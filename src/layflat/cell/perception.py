@@ -172,7 +172,10 @@ def _grade_or_reason(cell: Cell, detection: Detection) -> tuple[str, str]:
 
 
 def _nearest_skins(skins: Mapping[str, Skin], colour: tuple[float, float, float]) -> tuple[str, str]:
-    """Return the nearest skin, and another that is about as near, if any; distances in standard deviations."""
+    """Return the name of the nearest skin, and of the next if the distances' ratio is over `AMBIGUITY_RATIO`, else "".
+
+    Distances are those of chromaticities, in standard deviations of each skin.
+    """
     measured = _chromaticity(colour)
     deviations = {name: float(np.hypot(0.5 * skin.std / sum(skin.rgb), TINT_ERROR)) for name, skin in skins.items()}
     distances = {
@@ -184,11 +187,12 @@ def _nearest_skins(skins: Mapping[str, Skin], colour: tuple[float, float, float]
 
 
 def _chromaticity(colour: tuple[float, float, float]) -> Array:
+    """Return r and g of a colour, scaled so that r + g + b = 1."""
     return np.array(colour[:2]) / max(sum(colour), 1e-6)
 
 
 def _possible_grades(produce: Produce, diameter: float, colour: str) -> list[str | None]:
-    """Return the grades that a fruit may have within the error of its diameter."""
+    """Return the grades that a fruit may have within `DIAMETER_ERROR` of its diameter, by size; None: of no grade."""
     low, high = diameter * (1.0 - DIAMETER_ERROR), diameter * (1.0 + DIAMETER_ERROR)
     limits = [limit for grade in produce.grade.values() for limit in (grade.min, grade.max) if low < limit <= high]
     return list(dict.fromkeys(produce.grade_of(possible, colour) for possible in (low, *sorted(limits))))

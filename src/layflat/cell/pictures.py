@@ -36,7 +36,7 @@ ENCODER_THREADS = 1  # with two the same film has other bytes now and then, and 
 
 
 def check_suffix(path: Path, *suffixes: str) -> str:
-    """Return the suffix of a path; raise OutputError unless it is one of the allowed ones."""
+    """Return the suffix of a path in lower case; raise OutputError unless it is one of `suffixes`."""
     suffix = path.suffix.lower()
     if suffix not in suffixes:
         problem = f"{path.suffix!r} is not a kind of file that is written here" if suffix else "has no suffix"
@@ -198,17 +198,18 @@ class Film:
             check_suffix(path, ".mp4", ".gif") == ".gif",
         )
         if not 0.0 < fps <= 100.0:
-            raise InputError(f"{fps:g} frames a second are not shown", where="fps", right="give 20, or any up to 100")
+            raise InputError(f"{fps:g} is out of range", where="fps", right="give more than 0, up to 100 a second")
         self._rate = Fraction(fps).limit_denominator(1000)
         self._shape: tuple[int, ...] = ()
         self._frames = 0
 
     def add(self, frame: Picture) -> None:
-        """Add a frame, (H, W, 3) RGB."""
+        """Encode a frame, (H, W, 3) RGB; raise InputError unless it has the size of the first."""
         if not self._shape:
             self._start_stream(frame)
         if frame.shape != self._shape:
-            raise InputError(f"{frame.shape} is not {self._shape}", where="frame of a film", right="give all one size")
+            what = f"has the shape {frame.shape}, the first frame {self._shape}"
+            raise InputError(what, where="frame of a film", right="give all frames one size")
         encoded = self._indexed(frame) if self._gif else self._even_sized(frame)
         encoded.pts = self._frames
         self._frames += 1
@@ -232,7 +233,7 @@ class Film:
                 if self._shape:
                     self._file.mux(self._stream.encode())
             if not self._shape:
-                raise OutputError("the film has no frame", where=str(self._path), right="add some")
+                raise OutputError("the film has no frame", where=str(self._path), right="add one or more")
 
     def _start_stream(self, frame: Picture) -> None:
         """Start the stream in the size of the first frame, for MP4 rounded up to even; GIF gets its colours."""
@@ -260,6 +261,7 @@ class Film:
         return self._av.VideoFrame.from_ndarray(np.ascontiguousarray(frame), format="rgb24")
 
     def _indexed(self, frame: Picture) -> Any:
+        """Return a frame for GIF, in the 256 colours of the first frame, without dithering."""
         image = Image.fromarray(frame).quantize(palette=self._colours, dither=Image.Dither.NONE)
         return self._av.VideoFrame.from_ndarray((np.asarray(image), self._palette), format="pal8")
 

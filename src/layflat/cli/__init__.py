@@ -75,6 +75,7 @@ def main() -> None:
 
 
 def _status_after(signals: list[int]) -> int:
+    """Return the exit status of an interrupted command: 143 if SIGTERM is among the signals, else 130."""
     return TERMINATED_EXIT if signal.SIGTERM in signals else INTERRUPTED_EXIT
 
 
@@ -98,7 +99,7 @@ def _signals_as_interrupts() -> Iterator[list[int]]:
 
 
 def _protect_outputs(words: list[str]) -> AbstractContextManager[None]:
-    """Return a context in which a command replaces only files of its own, unless its page asks before."""
+    """Return a context in which a command replaces only files of its own; for `PAGE_COMMANDS` one that does nothing."""
     if words and words[0] in PAGE_COMMANDS:
         return nullcontext()
     groups = [name for name, place in app.places.items() if isinstance(place, LazyTyper)]
@@ -119,6 +120,7 @@ def _fail_usage(error: typer.TyperException) -> NoReturn:
 
 
 def _fail(text: str, status: int = 2) -> NoReturn:
+    """Print a text on stderr in one line, and exit with a status."""
     with suppress(OSError):
         print(f"layflat: {' '.join(text.split())}", file=sys.stderr)  # noqa: T201
     sys.exit(status)

@@ -126,14 +126,15 @@ def _print_arm(imported: "ImportedArm") -> None:
 
 
 def _parse_stroke(text: str) -> tuple[str, tuple[float, float]]:
-    """Return joint and limits (rad) of an option such as "wrist=-60 deg, 60 deg"."""
+    """Return joint and limits (rad) of a text such as "wrist=-60 deg, 60 deg"; raise InputError for any other."""
     from layflat.description import units as u  # noqa: PLC0415
 
     name, _, limits = text.rpartition("=")
     parts = [one.strip() for one in limits.split(",") if one.strip()] if name.strip() else []
     both = [u.quantity(one, u.ANGLE, "--stroke") for one in parts]
     if len(both) != 2 or both[0] >= both[1]:
-        raise InputError(f"{text!r} has no two limits", where="--stroke", right='give "wrist=-60 deg, 60 deg"')
+        what = f"{text!r} has no joint with two limits, the lower first"
+        raise InputError(what, where="--stroke", right='give such as "wrist=-60 deg, 60 deg"')
     return name.strip(), (both[0], both[1])
 
 
@@ -154,7 +155,7 @@ def _unique_values(pairs: list[tuple[str, Value]], option: str) -> dict[str, Val
     values: dict[str, Value] = {}
     for name, value in pairs:
         if name in values:
-            raise InputError(f"{name!r} stands there twice", where=option, right="give one of both")
+            raise InputError(f"{name!r} is given twice", where=option, right="give it once")
         values[name] = value
     return values
 

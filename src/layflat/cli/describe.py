@@ -126,12 +126,12 @@ def print_docs(
 
 
 def page_title(path: Path) -> str:
-    """Return the heading of a page."""
+    """Return the heading of a page: its first line without "# "."""
     return path.read_text(encoding="utf-8").partition("\n")[0].lstrip("# ")
 
 
 def print_page(text: str) -> None:
-    """Print a page: laid out in a terminal, as it is written elsewhere."""
+    """Print a page: laid out and in a pager on a terminal, as Markdown elsewhere."""
     if not sys.stdout.isatty():
         typer.echo(text, nl=False)
         return

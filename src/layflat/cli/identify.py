@@ -102,11 +102,14 @@ def identify_machine(
 
 
 def _write_description(session: "Identification", fit: "Fit") -> Path:
-    """Write the fitted description; if it can't hold the values, raise InputError with the path of the figures."""
+    """Write the fitted description and return its path.
+
+    Raise InputError, with the path of the figures, if the values make no valid description.
+    """
     try:
         session.write_description(fit)
     except InputError as error:
-        what = f"what was found is no description ({error})"
+        what = f"the fitted values make no valid description ({error})"
         raise InputError(what, where=str(session.path), right=f"all figures are in {session.figures_path}") from None
     return session.path
 

@@ -127,14 +127,17 @@ def command_examples(command: Any, path: str) -> list[str]:
 
 
 def _with_short_help(command: Any) -> Any:
-    """Set the help line of a command in the list of its group: the first sentence of its help, whole."""
+    """Set the help line of a command in the list of its group, the whole first sentence of its help; return it."""
     first = " ".join(cleandoc(command.help).partition("\n\n")[0].split())
     command.short_help = first.partition(". ")[0].removesuffix(".") + "."
     return command
 
 
 def _with_force(command: Any) -> Any:
-    """Add the option --force to a command that writes files; `layflat.outputs` reads it, no function receives it."""
+    """Add the option --force to a command with an output path, and return the command.
+
+    `layflat.outputs` reads the option, and no function receives it.
+    """
     if OUTPUT_PARAMETERS & {one.name for one in command.params}:
         single = typer.Typer(add_completion=False, rich_markup_mode=None)
         single.command()(_forced)

@@ -89,7 +89,7 @@ class Migration:
 
 
 def plan_migration(path: Path) -> Migration:
-    """Return the migration of a file, which stays as it is until then.
+    """Return the migration of a file, which stays as it is until `Migration.write`.
 
     Raises:
         InputError: it can't be read, is no file that layflat knows, or has a key that no version has.
@@ -112,6 +112,7 @@ def _is_json(text: str) -> bool:
 
 
 def _parse(text: str, where: str) -> Plain:
+    """Return the content of a TOML or JSON file; raise InputError, naming `where`, if it is neither."""
     if not _is_json(text):
         return parse_toml(text, where, EXAMPLE_LINE)
     try:
@@ -122,7 +123,7 @@ def _parse(text: str, where: str) -> Plain:
 
 
 def _noun_of_json(content: Plain, where: str) -> str:
-    """Return the noun of a JSON file."""
+    """Return the noun of a JSON file: "learnt motion" or "cloud"; raise InputError for any other."""
     if content.get("format") == FORMAT:
         return "learnt motion"
     if all(key in content for key in REQUIRED_KEYS):
@@ -162,6 +163,9 @@ def _description_class(plain: Plain, base: Plain, noun: str, where: str) -> tupl
         base: those that it extends.
         noun: of the built-in description that it extends; empty: the one that has most of the keys.
         where: the file, for messages.
+
+    Raises:
+        InputError: no class has any of the keys.
     """
     kind = str(plain.get("kind", base.get("kind")))
     if kind in KINDS and noun in {"", BENCH_LIBRARY.noun}:
@@ -215,6 +219,9 @@ def _rewrite(text: str, renamed: list[RenamedKey], present: Plain, where: str) -
         renamed: keys and paths.
         present: the parsed content with present keys, which the new text has to have.
         where: the file, for messages.
+
+    Raises:
+        InputError: the new text has another content, since a key is written in an unusual way.
     """
     names = {one.steps: one.present for one in renamed}
     tokens = [token for token in names_in(text, json=_is_json(text)) if token.is_name and token.steps in names]

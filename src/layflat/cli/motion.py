@@ -65,7 +65,7 @@ def plan_arm_motion(
 
 
 def _write_plan(plan: "MotionPlan", demand: Path, figure: Path) -> Path:
-    """Write the demands and the figure of a motion, and return where the demands are."""
+    """Write the demands and the figure of a motion, print both paths, and return that of the demands."""
     from layflat.motion.demand_file import write_demand  # noqa: PLC0415
     from layflat.plot.style import save_figure  # noqa: PLC0415
 

@@ -250,7 +250,7 @@ def _run_and_report(request: PackRequest, calibration: Path | None, link: "PageL
 
 
 def _wait(link: "PageLink", error: LayflatError | None) -> None:
-    """Serve the page until Ctrl-C."""
+    """Print how the run ended, and serve the page until Ctrl-C or the end of its process."""
     how = f" early: {error}" if error is not None else ""
     typer.echo(f"the run has ended{how}; the page stays until Ctrl-C")
     try:

@@ -162,12 +162,12 @@ class VirtualBench:
         from layflat.rig.device.failures import execute_line  # noqa: PLC0415
 
         if self._device is None:
-            raise LayflatError("the virtual rig is not there yet")
+            raise LayflatError("the virtual rig is not started yet: connect to it first")
         with self._guard:
             return str(self._device.call(execute_line, line.split()))
 
     def close(self) -> None:
-        """End the process."""
+        """End the process, if it was started."""
         if self._device is not None:
             self._device.__exit__(None, None, None)
 

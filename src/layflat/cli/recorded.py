@@ -87,7 +87,7 @@ def export_log(
 
 
 def _read(log: Path) -> "xarray.Dataset":
-    """Return a rig's recorded log, or its NetCDF of `log export`, as a data set."""
+    """Return a rig's recorded log, or its NetCDF of `log export`, as a data set; raise InputError for another file."""
     from layflat.rig.recorder.run import read_run  # noqa: PLC0415
     from layflat.sim.dataset import open_run  # noqa: PLC0415
 

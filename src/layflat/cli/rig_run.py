@@ -178,7 +178,7 @@ def _status(rig: RecordedSession) -> Iterator[None]:
 
 
 def status_line(shot: RigSnapshot, joints: list[str]) -> str:
-    """Return state, fault, angles and demands (deg), pressures (bar) and lateness in one line."""
+    """Return one line of state, time, fault, angles / demands (deg), differential pressures, supply (bar), lateness."""
     parts = [f"{shot.state.name.lower():8s}", f"{shot['time']:6.1f} s"]
     if shot.fault:
         parts.insert(1, f"FAULT {shot.fault_text}")
@@ -189,7 +189,10 @@ def status_line(shot: RigSnapshot, joints: list[str]) -> str:
 
 
 def _report(rig: RecordedSession, performance: PlanRunner, followed: str | None) -> None:
-    """Print metrics, events and the paths of log and figure."""
+    """Print metrics, events and messages, write the figure beside the log, and print the paths of both.
+
+    `followed` is the file of demands, against which errors are measured in place of moves.
+    """
     from layflat.plot.runs import run_figure  # noqa: PLC0415
     from layflat.plot.style import save_figure  # noqa: PLC0415
     from layflat.rig.recorder.run import read_run  # noqa: PLC0415
@@ -236,7 +239,7 @@ def _moves(log: xarray.Dataset, performance: PlanRunner) -> list[tuple[float, Mo
 
 
 def _print_events(log: xarray.Dataset) -> None:
-    """Print the warnings and errors of a log."""
+    """Print the first `MAX_LISTED_EVENTS` warnings and errors of a log as a table; nothing without any."""
     events = zip(log["event_time"].values, log["event_level"].values, log["event_text"].values, strict=True)
     rows = [[f"{t:.3f}", {30: "warning", 40: "error"}[int(n)], str(text)] for t, n, text in events if n >= 30]
     if rows:

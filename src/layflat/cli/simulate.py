@@ -89,8 +89,8 @@ class ScenarioOptions:
         elif self.demand is not None:
             followed = _scenario_from_file(machine, self.demand)
             if twice := [key for key in DISTURBANCE_SIGNALS if key in followed and key in acting]:
-                what = f"stands beside the columns of {self.demand}"
-                raise InputError(what, where=f"--{twice[0]}", right="give one or the other")
+                what = f"is a column of {self.demand}, too"
+                raise InputError(what, where=f"--{twice[0]}", right="leave out the option or the column")
             acting |= followed if self.start is None else followed | {"start": acting["start"]}
         else:
             acting["demand"] = _delayed_signal(parse_steps(self.move or [], names, "--move"))
@@ -160,7 +160,10 @@ def _print_rounded_step(run: xarray.Dataset, requested: str) -> None:
 
 
 def _scenario_from_file(machine: Machine, demand: Path) -> dict[str, Any]:
-    """Return the scenario's fields from a file of demands: it begins at the first row and ends with the last."""
+    """Return the scenario's fields from a file of demands: it begins at the first row and ends with the last.
+
+    Raise InputError if the machine has no controller, or the file is no file of demands.
+    """
     from layflat.motion.demand_file import read_acting  # noqa: PLC0415
 
     if machine.controller is None:

@@ -181,13 +181,16 @@ def _print(arm: "SizedArm") -> None:
 
 
 def _grid(pareto: bool, pressures: str | None, times: str | None) -> tuple[list[float], list[float]]:
-    """Return pressures (gauge, Pa) and times (s) of a comparison; empty where an option is not given."""
+    """Return pressures (gauge, Pa) and times (s) of a comparison, ascending; empty where an option is not given.
+
+    Raise InputError for an option without --pareto, or a value that is not above zero.
+    """
     from layflat.description import units as u  # noqa: PLC0415
 
     options = {"--pressures": (pressures, u.PRESSURE), "--times": (times, u.TIME)}
     for option, (text, _) in options.items():
         if text is not None and not pareto:
-            raise InputError("needs --pareto", where=option, right="it is what that goes through")
+            raise InputError("needs --pareto", where=option, right="add it, or leave this option out")
     grid = []
     for option, (text, kind) in options.items():
         values = sorted({u.quantity(one, kind, option) for one in _listed(text)}) if text is not None else []
@@ -198,7 +201,10 @@ def _grid(pareto: bool, pressures: str | None, times: str | None) -> tuple[list[
 
 
 def _compare(arm: "SizedArm", pressures: list[float], times: list[float], out: Path) -> None:
-    """Size the arm's task at other pressures and times of its moves; write a table and the picture."""
+    """Size the arm's task at other pressures and times of its moves; write a table and the picture, print their paths.
+
+    Empty lists stand for the defaults. Raise StoppedError after Ctrl-C.
+    """
     from layflat.design.arm.trade_off import PACE_RATIOS, PRESSURES, sizes_picture, trade_off, write_trials  # noqa: PLC0415
     from layflat.plot.style import save_figure  # noqa: PLC0415
 

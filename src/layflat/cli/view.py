@@ -72,7 +72,10 @@ def _serve_view(machine: "Machine", angles: list[float], motion: "PlayedMotion |
 
 
 def _parse_pose(machine: "Machine", text: str) -> list[float]:
-    """Return the angles (rad) of an option, one for each joint."""
+    """Return the angles (rad) of the option --pose, one for each joint.
+
+    Raise InputError for another number of values, or one beyond the joint's stops.
+    """
     from layflat.description import units as u  # noqa: PLC0415
 
     parts = [part.strip() for part in text.split(",")]
@@ -89,7 +92,7 @@ def _parse_pose(machine: "Machine", text: str) -> list[float]:
 
 
 def _run_motion(machine: "Machine", run: Path) -> "PlayedMotion":
-    """Return the motion of the arm in a run."""
+    """Return the motion of the arm in a run; raise InputError if it has no angles, or those of other joints."""
     from layflat.bridge.view.browser import PlayedMotion  # noqa: PLC0415
     from layflat.sim.dataset import open_run  # noqa: PLC0415
 

@@ -68,7 +68,7 @@ def check_runs(
 
 @contextmanager
 def locate_errors(where: str, keys: set[str]) -> Iterator[None]:
-    """Prefix errors at one of these keys with their table, `where`."""
+    """Put `where` before the place of InputErrors at one of these keys; other errors pass unchanged."""
     try:
         yield
     except InputError as error:

@@ -71,7 +71,7 @@ class VariedQuantity:
         return number
 
     def format(self, value: float) -> Any:
-        """Return an SI value as it is written in a file."""
+        """Return an SI value as it is written in a file: a text with its SI unit, or a plain number without a unit."""
         return f"{value!r} {self.unit}" if self.quantity else value
 
 
@@ -122,7 +122,10 @@ class SignalAnnotation:
     by_joint: bool = True  # False: one value for all joints
 
     def read(self, value: Any) -> Any:
-        """Return the SI value, in the form that `Scenario` takes."""
+        """Return the SI value in the form that `Scenario` takes: steps as pairs of time (s) and values.
+
+        Raise ValueError if a text, or a number, does not fit the quantity.
+        """
         if isinstance(value, list) and value and all(isinstance(item, list) and len(item) == 2 for item in value):
             return [(_parse_number(time, u.TIME), self._read_values(item)) for time, item in value]
         return self._read_values(value)
@@ -152,7 +155,7 @@ class SignalAnnotation:
 
 
 def _parse_number(value: object, kind: u.Quantity | None) -> float:
-    """Return a number in SI units, plain if it has no quantity; refuse any other value."""
+    """Return a number in SI units; without a quantity only a plain number up to `MAX_PLAIN_NUMBER` is valid."""
     if kind is None:
         if isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) <= MAX_PLAIN_NUMBER:
             return float(value)
@@ -188,9 +191,9 @@ class ScenarioTable(_Signals):
 class VaryTable(Part):
     """Range of one thing that varies: evenly from low to high, among values, or normally about a mean.
 
-    What is written depends on the path that varies, so the values are read later, by `varied.resolved`. The paths in
-    `also` vary along with it. Of what is `relative` the values are factors on what the machine says. A `group` has
-    sensitivity indices of its own.
+    Values are in the unit of the path that varies, so they are read later, by `varied.resolve_axis`. The paths in
+    `also` vary along with it. With `relative` the values are factors on the machine's own. A `group` has sensitivity
+    indices of its own.
     """
 
     low: Any = None
@@ -244,6 +247,7 @@ class StudyFile(Part):
     @field_validator("scenario", mode="before")
     @classmethod
     def _wrap_single_scenario(cls, value: Any) -> Any:
+        """Return a single table as a tuple of one; any other value is returned as it is."""
         return (value,) if isinstance(value, dict) else value
 
 
@@ -256,7 +260,7 @@ def check_rules(where: str, *rules: tuple[bool, str, str]) -> None:
 
 
 def explain_study_error(error: ValidationError, where: str) -> InputError:
-    """Return one line for what is wrong in a study file."""
+    """Return the InputError, of one line, for the first mistake in a study file; `where` is the file."""
     explanation = explain_error(error, where, StudyFile, complete=COMPLETE_STUDY)
     first = error.errors(include_url=False)[0]
     if first["type"] == "extra_forbidden" and first["loc"][0] == "vary" and isinstance(first["input"], dict):

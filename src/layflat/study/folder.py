@@ -56,7 +56,7 @@ class StudyFolder:
         return self.place / "chunks" / f"{number:05d}.parquet"
 
     def finished_chunks(self) -> dict[int, int]:
-        """Return the number of rows of each complete chunk, by its index."""
+        """Return the number of rows of each chunk that can be read, by its index, which is below `chunks`."""
         parquet, counts = _import_arrow("parquet"), {}
         for number in sorted(int(one.stem) for one in self.chunk(0).parent.glob("*.parquet") if one.stem.isdecimal()):
             try:
@@ -83,7 +83,10 @@ class StudyFolder:
         write_text(self.partial, f"partial: {done}; the same command goes on from here\n", owned=True)
 
     def write_table(self) -> Path:
-        """Write the table from all chunks, in their order, as Parquet and, with units in its header, as CSV."""
+        """Write the table from all chunks, in their order, as Parquet and, with units in its header, as CSV.
+
+        Remove partial.txt, and return the path of the Parquet file.
+        """
         parquet, csv = _import_arrow("parquet"), _import_arrow("csv")
         schema = parquet.read_schema(self.chunk(0))
         headed = [f"{field.name} [{field.metadata[b'unit'].decode()}]" for field in schema]
@@ -102,7 +105,9 @@ class StudyFolder:
 
     @contextmanager
     def lock(self, content: dict[str, Any]) -> Iterator[None]:
-        """Lock a new folder for a study, or the one in which it was stopped, for this process.
+        """Lock a new folder for a study, or the one in which it was stopped, for this process; write study.json.
+
+        Temporary files of a killed run are removed, and with --force another study.
 
         Raises:
             ChangedError: it holds another study.
@@ -131,7 +136,7 @@ class StudyFolder:
             shutil.rmtree(path) if path.is_dir() else path.unlink()
 
     def _refuse_foreign(self) -> None:
-        """Make sure that the folder holds nothing but a study."""
+        """Raise OutputError for any other file than a study's; without study.json for any but temporary ones."""
         expected = STUDY_FILES if self.study.exists() else set()
         foreign = [path.name for path in self.place.iterdir() if path.name not in expected]
         if expected:
@@ -144,12 +149,12 @@ class StudyFolder:
             raise OutputError(what, where=str(self.place), right=right)
 
     def _refuse_other(self, content: dict[str, Any]) -> None:
-        """Make sure that the folder holds a study of this content."""
+        """Raise ChangedError, with the differences, for a study of another content; OutputError if it can't be read."""
         try:
             before = _flatten(json.loads(self.study.read_text(encoding="utf-8")))
         except ValueError:
             right = "give a new or an empty folder"
-            raise OutputError("is not a study's", where=str(self.study), right=right) from None
+            raise OutputError("is not a study's file", where=str(self.study), right=right) from None
         now = _flatten(json.loads(json.dumps(content)))
         lines = [
             f"{key}: {before.get(key, '(none)')} -> {now.get(key, '(none)')}"
@@ -212,7 +217,10 @@ def _import_arrow(part: str) -> Any:
 
 @contextmanager
 def _lock_folder(place: Path) -> Iterator[None]:
-    """Lock a folder against other processes; the system releases the lock when this process ends in any way."""
+    """Lock a folder against other processes, until the block or this process ends; do nothing on Windows.
+
+    Raise OutputError if another process holds the lock.
+    """
     if sys.platform == "win32":
         yield
         return

@@ -45,7 +45,10 @@ def metric_columns(frame: pandas.DataFrame, metric: str) -> list[str]:
 
 
 def summarize_study(out: str | Path, metrics: tuple[str, ...]) -> StudySummary:
-    """Return quantiles of the chosen metrics in a study's table, and the counts of settled and diverged runs."""
+    """Return the summary of a study's table: quantiles of the chosen metrics, settled fraction, diverged runs.
+
+    Quantiles are in units for people, and include infinite values; a diverged run counts as not settled.
+    """
     frame = study_table(out)
     diverged = frame["diverged"].notna()
     quantiles = {}
@@ -64,7 +67,10 @@ def summarize_study(out: str | Path, metrics: tuple[str, ...]) -> StudySummary:
 
 
 def draw_study(study: Study, frame: pandas.DataFrame) -> Figure:
-    """Draw the first metrics of a study's table, at their worst over joints and moves, over the decisive axes."""
+    """Draw the first metrics, each at its largest magnitude over joints and moves, over the varied values.
+
+    There are at most `MAX_RESULTS` metrics, and `MAX_VARIED` axes: those that correlate most with the first metric.
+    """
     from layflat.plot.bars_and_maps import study_figure  # noqa: PLC0415  # a summary needs no figure
 
     results, varied = {}, {}
@@ -97,7 +103,7 @@ def _display_label(name: str, si: str) -> tuple[str, float]:
 
 
 def _most_correlated(frame: pandas.DataFrame, paths: list[str], result: Array) -> list[str]:
-    """Return the paths with the greatest rank correlation with a result, as many as fit the figure."""
+    """Return the `MAX_VARIED` paths with the greatest rank correlation (magnitude) with a result, in their order."""
     if len(paths) <= MAX_VARIED:
         return paths
     ranks = frame[paths].rank().corrwith(frame.assign(result=result)["result"].rank()).abs().fillna(0.0)
@@ -106,7 +112,7 @@ def _most_correlated(frame: pandas.DataFrame, paths: list[str], result: Array) -
 
 
 def _case_masks(frame: pandas.DataFrame) -> dict[str, NDArray[np.bool_]]:
-    """Return masks of the runs of each variant and scenario, by their names."""
+    """Return masks of the runs of each variant and scenario, by their names; "" where there is only one case."""
     by = [name for name in ("variant", "scenario") if name in frame and frame[name].nunique() > 1]
     names = frame[by].astype(str).agg(", ".join, axis=1) if by else frame.assign(case="")["case"]
     return {name: (names == name).to_numpy() for name in names.unique()}

@@ -38,7 +38,7 @@ Work = Iterable[tuple[int, dict[str, Array]]]  # numbers of chunks, and their ru
 
 
 def software_versions(study: Study) -> dict[str, str]:
-    """Return the versions of software and kinds on which the bits of a study's table depend."""
+    """Return versions of libraries, and digests of laws and users' kinds, on which a table's bits depend."""
     libraries = {name: version(name) for name in ("numpy", "scipy", "numba")}
     files = [Path(path) for variant in study.variants for path in variant.machine.kinds]
     kinds = {path.name: sha256(path.read_bytes()).hexdigest()[:16] for path in files}
@@ -59,10 +59,10 @@ def simulate_rows(
         runs: one value per row, by path, as of `study_rows`.
         device: "cpu" or "cuda".
         threads: number of threads; default: one per core.
-        progress: called with numbers of finished rows.
+        progress: called with the number of rows that are newly finished.
 
     Returns:
-        Table with a column's unit in its metadata.
+        Table, variant by variant, with a column's unit in its metadata.
     """
     import pyarrow  # noqa: PLC0415
 
@@ -135,7 +135,7 @@ QUEUED_CHUNKS = 64  # at the scheduler, besides two per thread, so that new work
 
 
 def simulate_on_cluster(study: Study, work: Work, scheduler: str) -> "Iterator[tuple[int, pyarrow.Table]]":
-    """Yield chunks of a study as they are completed, in any order.
+    """Yield number and table of each chunk of a study as it is completed, in any order.
 
     Args:
         study: study to run.
@@ -183,7 +183,10 @@ def _completed_chunks(client: Any, study: Study, work: Work) -> "Iterator[tuple[
 
 
 def _connect_client(scheduler: str, where: str) -> Any:
-    """Return a client of a Dask scheduler; raise InputError if none answers within `SCHEDULER_TIMEOUT`."""
+    """Return a client of a Dask scheduler, with its log silenced.
+
+    Raise InputError if no scheduler answers within `SCHEDULER_TIMEOUT`.
+    """
     client = import_extra("cluster", "distributed", where=where).Client
     logging.getLogger("distributed.client").setLevel(logging.CRITICAL)  # what fails is told in one line, by us
     try:
@@ -195,7 +198,7 @@ def _connect_client(scheduler: str, where: str) -> Any:
 
 
 async def _check_scheduler(scheduler: str) -> None:
-    """Query a scheduler's identity: a client without a scheduler takes long to close."""
+    """Query a scheduler's identity, and raise if none answers: a client without a scheduler takes long to close."""
     from distributed import Security  # noqa: PLC0415
     from distributed.core import rpc  # noqa: PLC0415
 
@@ -223,13 +226,13 @@ def run_study(
     """Run a study, or what is left of it where it was stopped before.
 
     Args:
-        study: what to run.
+        study: study to run.
         out: folder for the results; new, empty, or of the same study.
         scheduler: address of a Dask cluster's scheduler that does the work, such as "tcp://10.0.0.1:8786".
         device: device that makes the runs here, "cpu" or "cuda".
-        progress: is called with the runs done so far, and with how many there are.
-        threads: how many work at a time here; default: one a core.
-        chunk: runs that are kept together; default: as suits the device.
+        progress: called with the number of runs done so far, and of all runs.
+        threads: number of threads here; default: one a core.
+        chunk: number of runs that are saved together; default: that of `CHUNK_SIZES` for the device.
 
     Returns:
         The table's file: rows in order, the same whatever did the work and how often it was stopped.
@@ -272,15 +275,16 @@ def run_study(
 
 
 def _check_means(scheduler: str | None, device: str) -> None:
-    """Raise InputError if the study can't be made by this cluster or device."""
+    """Raise InputError if pyarrow is missing, the device can't be used, or one is named for a cluster."""
     require("study", "pyarrow", where="study")
     if scheduler is not None and device != "cpu":
-        raise InputError("a cluster works on its processors", where="device", right="leave out `scheduler`")
+        what = f"a cluster works on its processors, not on {device!r}"
+        raise InputError(what, where="device", right="leave out `scheduler`, or `device`")
     check_device(device)
 
 
 def _write_chunks(tables: "Generator[tuple[int, pyarrow.Table]]", folder: StudyFolder, rows: int) -> None:
-    """Write all chunks of a study of so many rows; raise StoppedError if the user stops it (Ctrl-C)."""
+    """Write all chunks of a study of so many rows; after Ctrl-C write partial.txt and raise StoppedError."""
     try:
         with closing(tables):
             for number, table in tables:

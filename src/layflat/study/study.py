@@ -127,6 +127,8 @@ def study_names() -> tuple[str, ...]:
 def read_study(path: str | Path) -> Study:
     """Return a study from its TOML file, or a built-in one by its name.
 
+    The samples of a file's study that fit in memory are drawn and checked, too.
+
     Raises:
         InputError: in one line, which file, key and value is wrong and what would be right.
     """

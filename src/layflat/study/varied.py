@@ -71,7 +71,10 @@ def _machine_path(machine: str, folder: Path) -> str:
 
 
 def _build_variant(table: VariantTable, usual: str, folder: Path, where: str) -> Machine:
-    """Return a machine of a study: its description overlaid by `set`, its numbers multiplied by `times`."""
+    """Return a machine of a study: its description overlaid by `set`, its numbers multiplied by `factors`.
+
+    Raise InputError if a factor is not a number from 0 on, or its path is no number of the machine.
+    """
     place = _machine_path(table.machine or usual, folder)
     plain, sources = tables(place)
     over, own = split_provenance(table.set, f"{where}.set")
@@ -117,11 +120,11 @@ class StudyAxis:
 
     @property
     def paths(self) -> tuple[str, ...]:
-        """Everything that it changes."""
+        """Paths of the numbers that it sets: those of a cloud's member, or its own and `also`."""
         return tuple(self.members) or (self.path, *self.also)
 
     def quantiles(self, levels: Array) -> Array:
-        """Return the values at cumulative probabilities, 0 to 1, of the distribution."""
+        """Return the values at cumulative probabilities, 0 to 1, of the distribution; `values` are equally probable."""
         if self.values:
             count = len(self.values)
             chosen: Array = np.array(self.values)[np.minimum((levels * count).astype(int), count - 1)]
@@ -248,7 +251,7 @@ def _cloud_axis(table: VaryTable, machine: Machine, where: str) -> StudyAxis:
 
 
 def _read_distribution(table: VaryTable, kind: VariedQuantity, sampling: str, where: str) -> dict[str, Any]:
-    """Return the parameters of a distribution, by the fields of `StudyAxis`."""
+    """Return the parameters of a distribution, by the fields of `StudyAxis`; raise InputError for the first mistake."""
     normal, grid, log = table.mean is not None or table.std is not None, sampling == "grid", table.scale == "log"
     needed = ("mean", "std") if normal else ("low", "high")
     missing = next((key for key in needed if getattr(table, key) is None), "")

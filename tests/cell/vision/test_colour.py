@@ -176,7 +176,7 @@ def test_the_same_picture_gives_the_same_detections() -> None:
     [
         (np.zeros_like, "is black: mean level 0 of 255"),
         (lambda picture: np.full_like(picture, 255), "is white"),
-        (lambda picture: picture[:-1], "is 1280 x 959 px; calibrated were 1280 x 960"),
+        (lambda picture: picture[:-1], "is 1280 x 959 px; give 1280 x 960 px"),
         (lambda picture: picture[..., 0], "needs uint8"),
         (lambda picture: picture.astype(float), "needs uint8"),
         (lambda picture: np.full_like(picture, 128), "has no edges"),
@@ -211,5 +211,5 @@ def test_motion_blur_is_refused() -> None:
 def test_kinds_must_make_sense() -> None:
     with pytest.raises(InputError, match="each with its own name"):
         ColourDetector([KINDS[0], KINDS[0]], TABLE)
-    with pytest.raises(InputError, match="needs least, then most"):
+    with pytest.raises(InputError, match="give the least, then the greatest"):
         ProduceKind("plum", (Colour(),), (0.05, 0.04))

@@ -43,7 +43,7 @@ def test_a_file_that_is_no_network_is_told(tmp_path: Path) -> None:
 
 def test_a_network_of_other_shapes_is_told(tmp_path: Path, picture: Picture) -> None:
     without_kind = OnnxDetector(network(tmp_path / "five.onnx", last=(0.9,)), KINDS, TABLE, size=(ROWS, COLUMNS))
-    with pytest.raises(InputError, match=r"gives \(1, 1, 5\); needs boxes"):
+    with pytest.raises(InputError, match=r"an output of the shape \(1, 1, 5\); export it with boxes"):
         without_kind.detect(picture, true_calibration())
     smaller = OnnxDetector(network(tmp_path / "six.onnx"), KINDS, TABLE, size=(320, 320))
     with pytest.raises(InputError, match=r"fails on its input \(1, 3, 320, 320\); give the size"):

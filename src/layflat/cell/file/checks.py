@@ -1,6 +1,7 @@
 """Checks of a cell: parts that overlap, out of reach or view, unknown kinds, too small, a lift too short."""
 
 from itertools import combinations
+from math import degrees
 from pathlib import Path
 
 import numpy as np
@@ -36,8 +37,10 @@ def _check_arm(cell: Cell) -> None:
     if set(cell.mount.home) != set(joints):
         raise ValueError(f"mount.home has {sorted(cell.mount.home)}; give an angle for each of {joints}")
     for name, joint in cell.machine.joints.items():
-        if abs(cell.mount.home[name]) > joint.stops.working_stroke / 2:
-            raise ValueError(f"mount.home.{name} is outside of the joint's working stroke")
+        half = joint.stops.working_stroke / 2
+        if abs(angle := cell.mount.home[name]) > half:
+            limits = f"-{degrees(half):.4g} to {degrees(half):.4g} deg"
+            raise ValueError(f"mount.home.{name} is {degrees(angle):.4g} deg; stay in the working stroke, {limits}")
 
 
 def _check_sources(cell: Cell) -> None:
@@ -78,9 +81,9 @@ def _check_markers(cell: Cell) -> None:
     for name, marker in cell.base_markers.marker.items():
         where = f"base_markers.marker.{name}.number {marker.number}"
         if marker.number in seen:
-            raise ValueError(f"{where} is that of {seen[marker.number]!r} too")
+            raise ValueError(f"{where} is that of {seen[marker.number]!r} too; give each marker its own number")
         if marker.number in held and board.dictionary == cell.base_markers.dictionary:
-            raise ValueError(f"{where} is one of the board's ({held[0]} to {held[-1]})")
+            raise ValueError(f"{where} is one of the board's ({held[0]} to {held[-1]}); give a number beyond them")
         seen[marker.number] = name
 
 
@@ -92,12 +95,12 @@ def _check_sizes(cell: Cell) -> None:
         if layout.opening < greatest:
             raise ValueError(
                 f"container.{name} is too small: a place of {layout.name!r} takes {_mm(layout.opening)}, "
-                f"{container.kind} of grade {container.grade!r} has up to {_mm(greatest)}"
+                f"{container.kind} of grade {container.grade!r} has up to {_mm(greatest)}; give another layout"
             )
     for key, source in cell.sources.items():
         for kind_name in source.produce:
-            if min(source.size) < cell.produce[kind_name].diameter.max:
-                raise ValueError(f"{key} is too small for one {kind_name}")
+            if min(source.size) < (largest := cell.produce[kind_name].diameter.max):
+                raise ValueError(f"{key} is too small for a {kind_name} of {_mm(largest)}; give a greater size")
     cup = cell.cup.diameter
     smallest = min((kind.diameter.min for kind in cell.incoming.values()), default=cup)
     if cup > smallest:
@@ -160,7 +163,7 @@ def _check_lift(cell: Cell) -> None:
     for name, kind in cell.incoming.items():
         if low > (lowest := kind.diameter.min * kind.flattening.min):
             reach = f"the cup comes down to {_mm(low)}, a {name} is as low as {_mm(lowest)}"
-            raise ValueError(f"lift.stroke is too short: {reach}")
+            raise ValueError(f"lift.stroke is too short: {reach}; give a longer stroke")
     tallest, over = cell.tallest_fruit, cell.obstacle_height
     if cell.lift.clearance < tallest + over:
         pass_over = f"a fruit of {_mm(tallest)} must pass over {_mm(over)}"

@@ -53,9 +53,9 @@ class Conveyor(Bed):
         """Raise ValueError unless speeds are in the order of their times and spacing is (min, max)."""
         times = [time for time, _ in self.speeds]
         if times != sorted(times):
-            raise ValueError("speeds are not in the order of their times")
+            raise ValueError(f"speeds have the times {times} s; give them in the order of time")
         if self.spacing[0] > self.spacing[1]:
-            raise ValueError("spacing gives a min that is greater than its max")
+            raise ValueError("spacing has a min that is greater than its max; give the min first")
         return self
 
     @property
@@ -64,7 +64,7 @@ class Conveyor(Bed):
         return rectangle_corners(self.centre, self.rotation, self.size)
 
     def demanded_speed(self, time: float) -> float:
-        """Return the speed that is demanded of the belt at a time (s), m/s."""
+        """Return the speed that is demanded of the belt at a time (s), m/s; 0 before the first of `speeds`."""
         return next((speed for since, speed in reversed(self.speeds) if since <= time), 0.0)
 
 
@@ -144,11 +144,11 @@ class Cell(DescribedFile):
         return next((tray for tray in self.tray.values() if tray.holds(x, y)), None)
 
     def floor_at(self, x: float, y: float) -> float:
-        """Return the height above the table at which fruit lies at a point (m), m."""
+        """Return the height above the table of the tray's floor or belt at a point (m), m; 0 beside them."""
         return next((floor_of(source) for source in self.sources.values() if source.holds(x, y)), 0.0)
 
     def place_at(self, x: float, y: float) -> tuple[str, int] | None:
-        """Return the container's name and the place's number that a point (m) is over, None where it is over none."""
+        """Return container (name) and place (number from 0, row by row) under a point (m); None beside them."""
         for name, container in self.container.items():
             if (number := container.place_at(x, y)) is not None:
                 return name, number

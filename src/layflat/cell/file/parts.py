@@ -109,7 +109,7 @@ class PlacedPart(Part):
         return to_parent_frame(self.centre, self.rotation, points)
 
     def to_own_axes(self, points: ArrayLike) -> Array:
-        """Return vectors of the cell's frame along the part's axes, (n, 2) m."""
+        """Return vectors of the cell's frame in components along the part's axes, (n, 2) m; they are only rotated."""
         return to_parent_frame((0.0, 0.0), -self.rotation, points)
 
 
@@ -124,7 +124,7 @@ class Bed(PlacedPart):
         return along, across
 
     def holds(self, x: float, y: float) -> bool:
-        """Return whether a point (m) is over it."""
+        """Return whether a point of the cell's frame (m) is inside of the rectangle, its edge excluded."""
         along, across = self.from_centre(x, y)
         return abs(along) < self.size[0] / 2 and abs(across) < self.size[1] / 2
 
@@ -197,7 +197,7 @@ class Container(PlacedPart):
         return self.to_cell_frame(self.layout.places)
 
     def place_at(self, x: float, y: float) -> int | None:
-        """Return the number of the place that a point (m) is over, None where it is over none."""
+        """Return the number (from 0, row by row) of the place that a point (m) is over, None where it is over none."""
         away = self.to_own_axes(np.array([x, y]) - self.places)
         over = (2.0 * np.abs(away) < self.layout.pitch).all(axis=1)
         return int(np.argmax(over)) if over.any() else None

@@ -23,12 +23,13 @@ class TruncatedNormal(Part):
 
     @model_validator(mode="after")
     def _check_order(self) -> Self:
+        """Raise ValueError unless min <= mean <= max."""
         if not self.min <= self.mean <= self.max:
-            raise ValueError("mean must lie between min and max")
+            raise ValueError(f"mean {self.mean:g} must lie between min {self.min:g} and max {self.max:g}")
         return self
 
     def draw(self, rng: np.random.Generator) -> float:
-        """Draw one value, by rejection."""
+        """Return a random value between min and max, by rejection; it may use several random numbers."""
         while True:
             value = rng.normal(self.mean, self.std)
             if self.min <= value <= self.max:
@@ -97,7 +98,7 @@ class Produce(Part):
         return self
 
     def grade_of(self, diameter: float, colour: str) -> str | None:
-        """Return the first grade that takes a fruit, None if none does."""
+        """Return the first grade with min <= diameter (m) < max and this colour; None if there is none."""
         grades = self.grade.items()
         return next((name for name, one in grades if one.min <= diameter < one.max and colour in one.colours), None)
 

@@ -65,7 +65,7 @@ class ContainerPlace:
         return self.container, self.name
 
     def accepts(self, fruit: Fruit) -> bool:
-        """Return whether the fruit may lie here."""
+        """Return whether the fruit has the kind, grade and diameter (limits included) of this place."""
         return self.sort == (fruit.kind, fruit.grade) and self.smallest <= fruit.diameter <= self.largest
 
 
@@ -82,7 +82,7 @@ class Packing:
         return [place for place in self.places if place.key not in self.contents]
 
     def best_place(self, fruit: Fruit) -> ContainerPlace | None:
-        """Return the smallest place that accepts a fruit, the first of equal ones; None where there is none."""
+        """Return the free place with the lowest limit of diameter that accepts a fruit, the first of equals; else None."""
         candidates = [place for place in self.free if place.accepts(fruit)]
         return min(candidates, key=lambda place: place.largest, default=None)
 
@@ -122,7 +122,7 @@ def empty_packing(cell: Cell) -> Packing:
 
 
 def free_place_at(cell: Cell, packing: Packing, fruit: Fruit) -> ContainerPlace | None:
-    """Return the free place that contains a detected fruit; None where there is none, or it is occupied.
+    """Return the place that a detected fruit is over; None if it is over none, or `packing` has a fruit there already.
 
     Args:
         cell: cell with the containers.
@@ -155,7 +155,7 @@ class NotPicked(NamedTuple):
 
 
 class PickSelection(NamedTuple):
-    """Fruit to pick next, None where nothing can be picked, and the reasons why the others are not picked."""
+    """Fruit to pick next, None where nothing can be picked, and reasons against each fruit that can't be picked."""
 
     choice: PickChoice | None
     not_picked: tuple[NotPicked, ...]
@@ -216,6 +216,8 @@ def select_pick(
 def cup_room(fruit: Fruit, other: Fruit, cup: float) -> float:
     """Return the clearance between the cup on a fruit and another fruit, m; infinite where that is too low to touch.
 
+    It is negative where they would overlap.
+
     Args:
         fruit: under the cup.
         other: its neighbour.
@@ -230,7 +232,10 @@ def cup_room(fruit: Fruit, other: Fruit, cup: float) -> float:
 
 
 def lift_room(fruit: Fruit, other: Fruit) -> float:
-    """Return the clearance between a lifted fruit and a higher neighbour, m; infinite where that is no higher."""
+    """Return the clearance between a lifted fruit and a higher neighbour, m; infinite where that is no higher.
+
+    It is negative where the fruit would drag the neighbour.
+    """
     if other.radius <= fruit.radius:
         return float("inf")
     return hypot(other.x - fruit.x, other.y - fruit.y) - fruit.radius - other.radius

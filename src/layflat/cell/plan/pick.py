@@ -51,7 +51,7 @@ class PickTask:
     carrying: float  # at which a cup with the fruit clears everything
 
     def seated(self, height: float) -> Self:
-        """Return the task corrected by the measured height (m) at which the cup sits on the fruit."""
+        """Return the task with the measured height (m) of the cup on the fruit; `place_height` changes by as much."""
         higher = height - self.fruit_height
         return replace(self, fruit_height=height, place_height=self.place_height + higher)
 

@@ -87,7 +87,7 @@ PhaseResult = tuple[PickEvent | None, PickState]
 
 
 def begin_pick(task: PickTask, measured: CellReadings) -> PickState:
-    """Return the first state of a pick, with an empty cup."""
+    """Return the first state of a pick: APPROACH, or FOLLOW for a moving fruit, with an empty cup and the arm held."""
     phase = PickPhase.APPROACH if measured.moving is None else PickPhase.FOLLOW
     return PickState(task, phase, measured.time, measured.angles)
 
@@ -132,6 +132,7 @@ def _relative_to_fruit(state: PickState, measured: CellReadings, moving: MovingF
 
 
 def _target_angles(rules: PickRules, state: PickState) -> Angles:
+    """Return the joint angles (rad) that the phase demands; RAISE and DONE keep the present target."""
     if state.phase in {PickPhase.CLEAR, PickPhase.AWAIT_IMAGE}:
         return rules.clear
     return state.target if state.phase in {PickPhase.RAISE, PickPhase.DONE} else state.phase_angles
@@ -160,23 +161,24 @@ def _is_lowered(rules: PickRules, state: PickState, measured: CellReadings) -> b
 
 
 def _is_stationary_at(rules: PickRules, target: Angles, measured: CellReadings) -> bool:
-    """Return whether the arm is stationary at joint angles, so that the lift may be lowered."""
+    """Return whether every joint is slower than `still`, and the tip within `near_distance` of that at the target."""
     stationary = all(abs(v) <= rules.still for v in measured.velocities)
     return stationary and dist(rules.tip(measured.angles), rules.tip(target)) <= rules.near_distance
 
 
 def _is_disturbed(rules: PickRules, state: PickState, measured: CellReadings) -> bool:
-    """Return whether the arm moves or is off its target, so that a lowered lift has to be raised."""
+    """Return whether a joint is faster than `shaken`, or the tip farther than `off` from that at the phase's angles."""
     moves = any(abs(v) > rules.shaken for v in measured.velocities)
     return moves or dist(rules.tip(measured.angles), rules.tip(state.phase_angles)) > rules.off
 
 
 def _end_phase(event: PickEvent, state: PickState, outcome: PickOutcome | None, trouble: str) -> PhaseResult:
+    """Return an event that ends the phase, and the state with outcome and trouble."""
     return event, replace(state, outcome=outcome, trouble=trouble)
 
 
 def _wait(state: PickState, measured: CellReadings, time_limit: float, trouble: str = "") -> PhaseResult:
-    """Return no event up to a time limit (s), then STUCK."""
+    """Return no event within a time limit (s) of the phase, then STUCK with this trouble, or a general one."""
     if measured.time - state.since < time_limit:
         return None, state
     return _end_phase(
@@ -185,14 +187,14 @@ def _wait(state: PickState, measured: CellReadings, time_limit: float, trouble: 
 
 
 def _note_disturbance(state: PickState) -> PhaseResult:
-    """Return the event of an arm that moved while the lift was down."""
+    """Return DISTURBED, with the disturbance counted; the outcome is LOST in RELEASE, STUCK in PUT_BACK, else open."""
     outcome = {PickPhase.RELEASE: PickOutcome.LOST, PickPhase.PUT_BACK: PickOutcome.STUCK}.get(state.phase)
     after = replace(state, shaken=state.shaken + 1)
     return _end_phase(PickEvent.DISTURBED, after, outcome, f"the arm moved while it {state.phase.value}")
 
 
 def _settle(rules: PickRules, state: PickState, measured: CellReadings, target: Angles) -> PhaseResult:
-    """Return SETTLED once the arm has been stationary at its target for `rules.dwell`."""
+    """Return SETTLED once the arm has been stationary at a target for `dwell`, lift up; STUCK after `settle_time`."""
     if not (_is_raised(rules, state, measured) and _is_stationary_at(rules, target, measured)):
         event, after = _wait(state, measured, rules.settle_time, f"the arm does not settle: it {state.phase.value}")
         return event, replace(after, near_since=None)
@@ -202,17 +204,22 @@ def _settle(rules: PickRules, state: PickState, measured: CellReadings, target: 
 
 
 def _approach(rules: PickRules, state: PickState, measured: CellReadings) -> PhaseResult:
+    """Wait until the arm has settled over the fruit, then count an attempt and clear the trouble."""
     event, after = _settle(rules, state, measured, state.task.over_fruit)
     return event, replace(after, tried=state.tried + 1, trouble="") if event is PickEvent.SETTLED else after
 
 
 def _follow(rules: PickRules, state: PickState, measured: CellReadings) -> PhaseResult:
+    """Wait as in APPROACH, relative to the moving fruit; LEFT in place of STUCK."""
     event, after = _approach(rules, state, measured)
     return (PickEvent.LEFT, replace(after, outcome=None)) if event is PickEvent.STUCK else (event, after)
 
 
 def _lower(rules: PickRules, state: PickState, measured: CellReadings) -> PhaseResult:
-    """Wait until the cup is lowered: on the fruit, or with it into its place or back to its old position."""
+    """Wait for CONTACT of the lowered cup: with the fruit, or of the fruit with its place or its old position.
+
+    DROPPED where the vacuum is lost in PLACE, STUCK after `lower_time`.
+    """
     holds = measured.vacuum >= rules.lost_vacuum
     if state.phase is PickPhase.PLACE and not holds:
         return _lose_fruit(state)
@@ -257,6 +264,7 @@ def _await_arrival(rules: PickRules, state: PickState, measured: CellReadings) -
 
 
 def _lose_fruit(state: PickState) -> PhaseResult:
+    """Return DROPPED, with outcome LOST, for a vacuum that is lost in this phase."""
     return _end_phase(
         PickEvent.DROPPED, state, PickOutcome.LOST, f"the vacuum was lost while the arm {state.phase.value}"
     )

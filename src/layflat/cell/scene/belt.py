@@ -90,7 +90,10 @@ class BeltDrive:
         self._waking: list[slice] = []
 
     def advance(self, held: int | None) -> bool:
-        """Advance the belt by a timestep; return whether fruit was added or removed, except the fruit `held`."""
+        """Advance the belt by a timestep in the MjData: move it, lay fruit on it and remove fruit at its ends.
+
+        Return whether any fruit was laid or removed; that of number `held` is never removed.
+        """
         demand = self._belt.demanded_speed(self._data.time) if self.speed_override is None else self.speed_override
         max_change = self._belt.acceleration * self._step
         self.speed += min(max(demand - self.speed, -max_change), max_change)
@@ -113,7 +116,10 @@ class BeltDrive:
         return changed
 
     def _place_fruit(self, number: int, onwards: float, across: float) -> None:
-        """Lay a fruit on the belt with its orientation on the shelf, at the belt's speed."""
+        """Lay a fruit on the belt, at its speed, `onwards` m from the laying position and `across` m from the middle.
+
+        It keeps the orientation that it had on the shelf.
+        """
         belt, data, rest = self._belt, self._data, self._rest[number]
         x, y = belt.to_cell_frame(np.array([[onwards - belt.size[0] / 2 + belt.size[1] / 2, across]]))[0]
         data.qpos[self._places[number]] = [x, y, rest[2] - SHELF_HEIGHT + belt.height + LAYING_CLEARANCE, *rest[3:]]
@@ -124,7 +130,7 @@ class BeltDrive:
         self.here[number] = True
 
     def _has_passed(self, number: int) -> bool:
-        """Return whether a fruit on the belt has reached one of its ends."""
+        """Return whether a fruit over the belt is at its end, or at its begin while the belt runs backwards."""
         x, y = self._data.qpos[self._places[number]][:2]
         along, across = self._belt.from_centre(float(x), float(y))
         if abs(across) > self._belt.size[1] / 2:  # it was taken elsewhere

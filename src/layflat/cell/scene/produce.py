@@ -162,7 +162,7 @@ def _draw_orientation(max_tilt: float, rng: np.random.Generator) -> tuple[float,
 
 
 def add_clutter(spec: Any, cell: Cell, fruits: list[SceneFruit], rng: np.random.Generator) -> None:
-    """Add random pieces of clutter to a spec, half of them in trays, half on the table.
+    """Add random pieces of clutter to a spec, each in a tray or on the table; one without room is left out.
 
     Args:
         spec: MjSpec.
@@ -198,7 +198,7 @@ def _draw_spot(cell: Cell, taken: dict[str, Array], reach: float, rng: np.random
 
 
 def _is_clear(spot: Array, rotation: float, size: tuple[float, float], fruits: list[SceneFruit]) -> bool:
-    """Return whether a piece is clear of all fruit."""
+    """Return whether a rectangular piece is farther than `CLUTTER_CLEARANCE` from all fruit."""
     if not fruits:
         return True
     vectors = np.array([fruit.position[:2] for fruit in fruits]) - spot

@@ -100,7 +100,10 @@ class Scene:
         return self._recorder.truth(self._grip, None if self.belt is None else self.belt.here)
 
     def _settle_fruit(self) -> bool:
-        """Simulate heavily damped fruit until it rests; return whether it does, in its trays."""
+        """Simulate heavily damped fruit until it rests, then restore all else, at time 0 and home.
+
+        Return whether it came to rest in `MAX_SETTLING_TIME`, in its trays or at its positions on the shelf.
+        """
         model, data = self.model, self.data
         for name, angle in self.cell.mount.home.items():
             data.qpos[model.joint(name).qposadr[0]] = angle

@@ -62,7 +62,7 @@ class TruthRecorder:
         self._cup = model.geom("cup").id
 
     def record(self) -> None:
-        """Record a timestep."""
+        """Record the fruit's acceleration in the last timestep, its greatest so far, and new collisions."""
         velocity = self._data.qvel[self._dofs]
         change = velocity - self._before
         self._before = velocity

@@ -60,15 +60,18 @@ class BaseMarkers:
         numbers = [marker.number for marker in self.markers]
         if not numbers or len(set(numbers)) < len(numbers):
             right = "give at least one, each with its own number"
-            raise CameraError(f"numbers {numbers}", where="base markers", right=right)
+            raise CameraError(f"have the numbers {numbers}", where="base markers", right=right)
 
     @property
     def description(self) -> str:
-        """Description of the target, in words."""
+        """Numbers of the markers, such as "1, 2, 3", for messages."""
         return ", ".join(str(marker.number) for marker in self.markers)
 
     def detect(self, grey: Picture) -> PointPairs | None:
-        """Return corners and pixels of the markers in a grey picture; a number that is read twice is left out."""
+        """Return corners and pixels of the markers in a grey picture; None where none is detected.
+
+        A number that is read twice is left out.
+        """
         cv2 = opencv()
         parameters, last = cv2.aruco.DetectorParameters(), max(marker.number for marker in self.markers)
         parameters.cornerRefinementMethod = cv2.aruco.CORNER_REFINE_SUBPIX
@@ -96,7 +99,7 @@ class BaseBoard:
 
     @property
     def description(self) -> str:
-        """Description of the target, in words."""
+        """Size and first marker of the board, in words, for messages."""
         return f"board of {self.board.columns} x {self.board.rows}, from number {self.board.first_id}"
 
     def detect(self, grey: Picture) -> PointPairs | None:

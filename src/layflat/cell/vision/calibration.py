@@ -163,13 +163,17 @@ def self_check(picture: Picture, calibration: Calibration, markers: Base) -> flo
 
 
 def _grey(picture: Picture, size: tuple[int, int], where: str) -> Picture:
+    """Return an RGB picture in grey; raise PictureError if it can't be used or has another size (px)."""
     check_picture(picture, size, where=where)
     grey: Picture = opencv().cvtColor(picture, opencv().COLOR_RGB2GRAY)
     return grey
 
 
 def _detect_boards(pictures: Sequence[Picture], board: Board, size: tuple[int, int]) -> list[PointPairs]:
-    """Return the board's corners in each picture that shows it; raise an error below `MIN_VIEWS` of them."""
+    """Return the board's corners in each picture that shows it; raise CameraError if fewer than `MIN_VIEWS` do.
+
+    Raise PictureError if a picture can't be used.
+    """
     seen = [board.detect(_grey(picture, size, f"board picture {i}")) for i, picture in enumerate(pictures, start=1)]
     views = [view for view in seen if view is not None]
     if len(views) < MIN_VIEWS:
@@ -181,7 +185,7 @@ def _detect_boards(pictures: Sequence[Picture], board: Board, size: tuple[int, i
 def _fit_lens(views: list[PointPairs], size: tuple[int, int]) -> tuple[Array, Array, float]:
     """Return camera matrix, 5 distortion coefficients and RMS error (px) of the views of a board.
 
-    Raises an error in one line if views are too little tilted, focal length too uncertain, or corners too far off.
+    Raise CameraError if views are too little tilted, the focal length is too uncertain, or corners are too far off.
     """
     cv2 = opencv()
     board_points = [place.astype(np.float32) for place, _ in views]
@@ -213,7 +217,10 @@ def _detect_markers(picture: Picture, markers: Base, size: tuple[int, int], wher
 
 
 def _fit_pose(seen: PointPairs, matrix: Array, distortion: Array) -> tuple[Array, Array, float]:
-    """Return rotation and translation (m) from the cell's frame to the camera's, and the RMS error of markers (px)."""
+    """Return rotation and translation (m) from the base frame to the camera's, and the RMS error of markers (px).
+
+    Raise CameraError if no pose fits, or the error exceeds `MAX_CORNER_ERROR`.
+    """
     cv2 = opencv()
     places, pixels = seen
     has_solution, turn, shift = cv2.solvePnP(places, pixels, matrix, distortion, flags=cv2.SOLVEPNP_SQPNP)

@@ -40,10 +40,11 @@ class ProduceKind:
 
     def __post_init__(self) -> None:
         if not 0.0 < self.diameter[0] < self.diameter[1]:
-            right = "needs least, then most, both over 0 m"
-            raise InputError(f"diameter {self.diameter}", where=self.name, right=right)
+            right = "give the least, then the greatest, both over 0 m"
+            raise InputError(f"has the diameters {self.diameter}", where=self.name, right=right)
         if self.height_ratio <= 0.0 or self.flattening <= 0.0:
-            raise InputError("is flat", where=self.name, right="needs height_ratio and flattening over 0")
+            what = f"has the height_ratio {self.height_ratio:g} and the flattening {self.flattening:g}"
+            raise InputError(what, where=self.name, right="give both over 0")
 
 
 @dataclass(frozen=True, eq=False)

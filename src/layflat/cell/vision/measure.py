@@ -115,7 +115,7 @@ def cone_rays(middle: Array, half: Array, count: int) -> Array:
 
 
 def _solve_cones(rays: Array, weights: Array) -> Array:
-    """Return the vectors x (things, 3) that solve rays @ x = 1 by weighted least squares."""
+    """Return the vectors x (B, 3) that solve rays (B, R, 3) @ x = 1 by least squares with weights (B, R)."""
     weighed = (rays * weights[..., None]).transpose(0, 2, 1)
     A, b = weighed @ rays, weighed.sum(axis=2)
     ridge = 1e-12 * np.maximum(weights.sum(axis=1), 1.0)
@@ -123,7 +123,7 @@ def _solve_cones(rays: Array, weights: Array) -> Array:
 
 
 def _median_deviation(off: Array, weights: Array) -> Array:
-    """Return the median deviation of the rays in use, (B,)."""
+    """Return the lower median of the deviations of rays with a weight, (B,); 0 where there are none."""
     used = np.sort(np.where(weights > 0.0, off, np.inf), axis=1)
     middle = np.maximum(weights.sum(axis=1).astype(int) - 1, 0) // 2
     typical = np.take_along_axis(used, middle[:, None], axis=1)[:, 0]
@@ -135,7 +135,7 @@ class Measurements(NamedTuple):
 
     middles: Array  # in the base frame (B, 3), m
     radii: Array  # m
-    outlines: Array  # (B, AROUND, 2), px
+    outlines: Array  # (B, RAY_COUNT, 2), px
     edge_fractions: Array  # fraction of each outline that is an edge in the picture
     colours: Array  # mean RGB (B, 3), of 255, stalks and reflections left out
 
@@ -217,7 +217,7 @@ def inner_points(outlines: Array) -> Array:
 def radial_relief(even: Any, outlines: Array, presence: Array) -> Array:
     """Return the radial darkening of things, (B,): its standard deviation as a fraction of the mean brightness.
 
-    It is nearly 0 for flat things, even where they are brighter on one side.
+    It is nearly 0 for flat things, even if one side is brighter, and negative for a bright rim.
 
     Args:
         even: picture at half the resolution with normalized light.

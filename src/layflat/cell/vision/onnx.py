@@ -58,7 +58,7 @@ class OnnxDetector:
         is_known = (numbers >= 0) & (numbers < len(self.kinds))
         kinds = [self.kinds[number if good else 0] for number, good in zip(numbers, is_known, strict=True)]
         even = normalize_light(half, self.table)
-        # Places on the ellipses that fill the boxes, (N, AROUND, 2).
+        # Places on the ellipses that fill the boxes, (N, RAY_COUNT, 2).
         middle, reach = (boxes[:, :2] + boxes[:, 2:4]) / 2.0, (boxes[:, 2:4] - boxes[:, :2]) / 2.0
         outlines = middle[:, None] + reach[:, None] * unit_circle(edges.RAY_COUNT)
         usable = np.ones(outlines.shape[:2], bool)
@@ -68,7 +68,10 @@ class OnnxDetector:
         return select_detections(names, measured, confidence, measured.radii > 0.0)
 
     def _boxes(self, picture: Picture) -> Array:
-        """Return boxes in px of the picture, with score and number, (N, 6)."""
+        """Return the boxes with a score from `MIN_SCORE` on, in px of the picture, with score and number, (N, 6).
+
+        Raise InputError where its input or output has another shape.
+        """
         cv2 = opencv()
         rows, columns = picture.shape[:2]
         scale = min(self.size[0] / rows, self.size[1] / columns)
@@ -82,7 +85,8 @@ class OnnxDetector:
             problem, right = f"fails on its input (1, 3, {self.size[0]}, {self.size[1]})", "give the size of its export"
             raise InputError(problem, where=str(self.path), right=right) from None
         if output.ndim != 3 or output.shape[0] != 1 or output.shape[2] != 6:
-            raise InputError(f"gives {output.shape}", where=str(self.path), right="needs boxes (1, N, 6)")
+            what = f"has an output of the shape {output.shape}"
+            raise InputError(what, where=str(self.path), right="export it with boxes (1, N, 6)")
         boxes = output[0][output[0][:, 4] >= MIN_SCORE]
         stretch = np.array([columns / small.shape[1], rows / small.shape[0]] * 2)
         boxes[:, :4] = boxes[:, :4] * stretch - 0.5

@@ -27,13 +27,14 @@ def check_picture(picture: Picture, size: tuple[int, int] | None = None, where: 
         where: name of the picture in errors.
 
     Raises:
-        PictureError: it is no picture of that size, black, overexposed or blurred.
+        PictureError: it is no picture of that size, black, overexposed, without edges, or blurred by more than
+            `MAX_EDGE_WIDTH`.
     """
     if picture.ndim != 3 or picture.shape[2] != 3 or picture.dtype != np.uint8:
         raise PictureError(f"is {picture.dtype} {picture.shape}", where=where, right="needs uint8 (height, width, 3)")
     high, wide = picture.shape[:2]
     if size is not None and (wide, high) != tuple(size):
-        raise PictureError(f"is {wide} x {high} px", where=where, right=f"calibrated were {size[0]} x {size[1]}")
+        raise PictureError(f"is {wide} x {high} px", where=where, right=f"give {size[0]} x {size[1]} px")
     cv2 = opencv()
     half = cv2.resize(picture, None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA)
     grey = cv2.cvtColor(half, cv2.COLOR_RGB2GRAY)
@@ -57,7 +58,8 @@ def edge_width(grey: Picture) -> float:
     """Return the blur of a halved grey picture: standard deviation at its strongest edges, px of the whole one.
 
     An edge of height h, blurred by s, rises by h / (s sqrt(2 pi)) a pixel at most, however bright and noisy the
-    picture is. The worse of both directions counts, as a picture blurred by motion is sharp across it.
+    picture is. The worse of both directions counts, as a picture blurred by motion is sharp across it; infinite where
+    one direction has too few edges.
     """
     cv2 = opencv()
     smooth = cv2.GaussianBlur(grey, (3, 3), 0.7)

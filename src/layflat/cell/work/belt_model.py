@@ -43,7 +43,7 @@ class FruitTrack:
 
     number: int  # from 1, in the order of their first detections
     fruit: Fruit  # as it was last detected
-    lateral_offset: float  # u, from the belt's centre, m
+    position_on_belt: float  # u, along it from its centre, at a travel of 0, m
     across: float  # from the belt's middle, m
     observation: Observation  # last one with the fruit
     images: int = 1  # number of images with the fruit
@@ -77,7 +77,7 @@ class BeltModel:
 
     def position_along(self, track: FruitTrack, time: float) -> float:
         """Return the position of a fruit along the belt, from its centre, at a time (s), m."""
-        return float(track.lateral_offset + self._state[0] + self._state[1] * (time - self._time))
+        return float(track.position_on_belt + self._state[0] + self._state[1] * (time - self._time))
 
     def fruit(self, track: FruitTrack, time: float) -> Fruit:
         """Return a fruit at its estimated position at a time, s."""
@@ -89,16 +89,20 @@ class BeltModel:
         self.tracks = [other for other in self.tracks if other is not track]
 
     def update(self, observation: Observation, occlusion: OcclusionModel) -> None:
-        """Update belt and tracks by an image, with the occlusion by the arm in it."""
+        """Update belt and tracks by an image, with the occlusion by the arm in it.
+
+        A track that was missed in `MAX_MISSES` images moves to `lost`, one beyond the belt's ends is dropped, and a
+        detection without a track begins one.
+        """
         self._predict(observation.time)
         seen = [one for one in observation.fruits if self._belt.holds(one.x, one.y) and not occlusion.hides(one)]
         pairs, new = self._match(seen)
-        self._correct([self._belt.from_centre(fruit.x, fruit.y)[0] - track.lateral_offset for track, fruit in pairs])
+        self._correct([self._belt.from_centre(fruit.x, fruit.y)[0] - track.position_on_belt for track, fruit in pairs])
         matched = {track.number for track, _ in pairs}
         for track, fruit in pairs:
             along, across = self._belt.from_centre(fruit.x, fruit.y)
             if len(pairs) > 1:  # rolling of a single fruit can't be distinguished from the belt's motion
-                track.lateral_offset += ROLLING_GAIN * (along - self.position_along(track, self._time))
+                track.position_on_belt += ROLLING_GAIN * (along - self.position_along(track, self._time))
             track.across += (across - track.across) / min(track.images + 1, AVERAGED_IMAGES)
             track.fruit, track.observation, track.images, track.missed = fruit, observation, track.images + 1, 0
         for track in self.tracks:
@@ -120,7 +124,7 @@ class BeltModel:
             self.tracks.append(FruitTrack(self.came, fruit, along - float(self._state[0]), across, observation))
 
     def _predict(self, time: float) -> None:
-        """Predict position and velocity of the belt, with covariance, at a time, s."""
+        """Advance the estimate of the belt's travel and speed, with its covariance, to a time, s."""
         h, self._time = time - self._time, time
         deviation = max(ACCELERATION_NOISE, self._acceleration())
         transition, noise = np.array([[1.0, h], [0.0, 1.0]]), np.array([h**2 / 2, h])
@@ -135,7 +139,7 @@ class BeltModel:
         return 2.0 * abs(float(np.polyfit(times - times[-1], travels, 2)[0]))
 
     def _match(self, seen: list[Fruit]) -> tuple[list[tuple[FruitTrack, Fruit]], list[Fruit]]:
-        """Return pairs of track and fruit, nearest first, and the fruit without a track."""
+        """Return pairs of track and fruit within the gate, nearest first, and the fruit without a track."""
         gate = min(MIN_GATE + OUTLIER_SIGMAS * sqrt(self._covariance[0, 0]), MAX_GATE)
         candidates = [(track, fruit) for track in self.tracks for fruit in seen if self._distance(track, fruit) < gate]
         candidates.sort(key=lambda pair: self._distance(*pair))
@@ -147,11 +151,15 @@ class BeltModel:
         return pairs, [fruit for fruit in seen if not any(fruit is paired_fruit for paired_fruit in paired)]
 
     def _distance(self, track: FruitTrack, fruit: Fruit) -> float:
+        """Return the distance of a detection from the position that its track has now, m."""
         expected = self.fruit(track, self._time)
         return float(np.hypot(fruit.x - expected.x, fruit.y - expected.y))
 
     def _correct(self, travels: list[float]) -> None:
-        """Correct travel and speed by the belt's travels as shown by each fruit, m."""
+        """Correct travel and speed by the median of the belt's travels (m) as each fruit shows them; nothing for none.
+
+        Where it contradicts the estimate, the speed counts as unknown again.
+        """
         if not travels:
             return
         self.seen_at = self._time

@@ -47,7 +47,7 @@ class BeltPacker(Packer):
         self._reasons: dict[int, NotPicked] = {}  # why each was not picked so far
 
     def work(self, max_picks: int) -> Iterator[Pick]:
-        """Pick fruit as it comes, until `max_picks` picks, or until no new fruit came for the conveyor's patience.
+        """Yield picks of fruit as it comes, until `max_picks`, or without pick or new fruit for the `idle_timeout`.
 
         Raises PictureError where the camera gives no image that can be used for so long, RigStoppedError as the
         station.
@@ -73,7 +73,10 @@ class BeltPacker(Packer):
         return self._waiting_angles[self.model.speed > -REST_SPEED] if up else self._station.arm.target
 
     def _take_image(self) -> bool:
-        """Take an image if it is due; return whether one was taken and could be used."""
+        """Update the model by an image if one is due; return whether one was taken and could be used.
+
+        Raise PictureError where none could be used for the conveyor's `idle_timeout`.
+        """
         now = self._station.time
         if now < self._next - 1e-9:
             return False
@@ -99,7 +102,10 @@ class BeltPacker(Packer):
         return MovingTarget(lane, self.model.position_along(track, now) + self._belt.size[0] / 2, now, self.model.speed)
 
     def _choose_waiting_angles(self, *, onwards: bool) -> Angles:
-        """Return joint angles beside the belt, on the side of the arm's base; home where none is within reach."""
+        """Return joint angles beside the belt, on the side of the arm's base; home where none is within reach.
+
+        They are near the begin of the reach of a belt that runs `onwards`, else near its end.
+        """
         length, half = self._belt.size[0], self._belt.size[1] / 2 + WAITING_DISTANCE
         middle = self._lane(0.0)
         fraction = WAITING_FRACTION if onwards else 1.0 - WAITING_FRACTION
@@ -118,6 +124,7 @@ class BeltPacker(Packer):
     def _choose_moving(self) -> PickChoice | None:
         """Choose the fruit on the belt to pick next: the surest (to 0.1), of these the first to leave the reach.
 
+        Keep its track and motion for the pick, and the reasons against the others.
         Return None while the belt's speed is unknown, the last image is too old, or no fruit can be met in time.
         """
         now = self._station.time
@@ -177,7 +184,10 @@ class BeltPacker(Packer):
         return replace(self._station.measure(relocation), moving=self._picked_fruit_motion())
 
     def _picked_fruit_motion(self) -> MovingFruit | None:
-        """Return the estimate of the picked fruit's motion now, with the reason why it can't be followed, if any."""
+        """Return the estimate of the picked fruit's motion now, with the reason why it can't be followed, if any.
+
+        Return None where no fruit is being picked. Before it is within reach the arm is held, after that at the end.
+        """
         track, course, now = self._track, self._course, self._station.time
         if track is None or course is None:
             return None
@@ -197,6 +207,7 @@ class BeltPacker(Packer):
         return MovingFruit(tuple(over.angles.tolist()), tuple(over.velocities.tolist()))
 
     def _perform(self, command: PickCommand) -> None:
+        """Advance the station by a control cycle, and during a pick take an image if one is due."""
         self._station.advance(command, self._course if command.follow else None)
         if self._track is not None:
             self._take_image()

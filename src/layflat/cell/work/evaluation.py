@@ -39,7 +39,10 @@ class Evaluator(Observer):
             self._error = dist(fruits[self._carried].position[:2].tolist(), (place.x, place.y))
 
     def on_image(self, observation: Observation) -> None:
-        """Compare the detections with the fruit in the scene."""
+        """Add the errors of sure detections of known kinds to `vision`, without those in containers.
+
+        A detection counts as false if no fruit of its kind is within `MATCHING_DISTANCE`.
+        """
         fruits = [fruit for fruit in self._scene.truth().fruits.values() if not fruit.gripped]
         for detected in observation.fruits:
             if detected.confidence < SURE_CONFIDENCE or detected.kind not in self._scene.cell.produce:
@@ -59,7 +62,7 @@ class Evaluator(Observer):
                 self.vision.diameters.append(abs(detected.diameter / matched.diameter - 1.0))
 
     def overlooked(self, packing: Packing) -> int:
-        """Return the number of fruit outside containers whose kind and grade a free place accepts."""
+        """Return the number of fruit outside containers whose kind and grade, if not size, a free place accepts."""
         cell, open_containers = self._scene.cell, {place.container for place in packing.free}
         accepted = {(cell.container[name].kind, cell.container[name].grade) for name in open_containers}
         fruits = self._scene.truth().fruits.values()

@@ -50,12 +50,12 @@ class FilmAndSheet(Observer):
         self._doing = f"{choice.fruit.kind}: the arm {after.phase.value}"
 
     def on_pick_end(self, pick: Pick) -> None:
-        """Count packed fruit."""
+        """Count packed fruit, and set the caption of the next frames."""
         self._packed += pick.outcome is PickOutcome.PLACED
         self._doing = "chooses the next fruit"
 
     def on_delivery_end(self, delivery: Delivery) -> None:
-        """Add the evaluated picks to the sheet."""
+        """Add the evaluated picks to the sheet, and after the first delivery its overview."""
         self.deliveries.append(delivery.without_pictures)
         for pick, verdict in zip(delivery.picks, delivery.verdicts, strict=True):
             if pick.observation.picture is not None:

@@ -43,7 +43,7 @@ class Verdict:
     press: float = nan  # greatest force of the cup on it, N
 
     def word(self, pick: Pick) -> str:
-        """Return the result of the pick in a word."""
+        """Return the result of a pick: "correct", "wrong" (placed, but not correct), or its outcome, such as "missed"."""
         if self.correct:
             return "correct"
         return "wrong" if pick.outcome is PickOutcome.PLACED else pick.outcome.name.lower()
@@ -74,7 +74,7 @@ class Delivery:
 
     @property
     def without_pictures(self) -> Self:
-        """Copy without pictures, which take half a GB for a hundred picks."""
+        """Copy without pictures and detections, which take half a GB for a hundred picks."""
         bare = (replace(pick.observation, picture=None, detections=()) for pick in self.picks)
         picks = (replace(pick, observation=observation) for pick, observation in zip(self.picks, bare, strict=True))
         return replace(self, picks=tuple(picks))
@@ -126,7 +126,7 @@ class PickCounter(Observer):
         self._count, self._picks = count, 0
 
     def on_pick_end(self, pick: Pick) -> None:  # noqa: ARG002  (as all observers)
-        """Count the pick."""
+        """Count the pick, and call `count` with the number so far."""
         self._picks += 1
         self._count(self._picks)
 

@@ -48,7 +48,7 @@ OUTSIDE_REASON = "lies beside trays and containers"
 
 
 def passing_height(cell: Cell) -> float:
-    """Return the height of the cup's lip at which an empty cup clears everything, m."""
+    """Return the height of the cup's lip at which an empty cup clears everything, m; at most that of the lift."""
     return min(cell.obstacle_height + PASSING_CLEARANCE, cell.lift.clearance)
 
 
@@ -125,7 +125,7 @@ class Packer:
         self._current = False  # True if the last image showed everything, and nothing has moved since
 
     def work(self, max_picks: int) -> Iterator[Pick]:
-        """Pick one fruit after the other, until `max_picks` picks or until nothing can be picked.
+        """Yield one pick after the other, until `max_picks`, nothing can be picked, or a pick ends STUCK.
 
         Raises PictureError where the camera gives no image that can be used, RigStoppedError as the station.
         """
@@ -150,7 +150,10 @@ class Packer:
             self._observe_from_home()
 
     def _choose(self, only: Fruit | None = None) -> PickChoice | None:
-        """Choose the next pick, of all fruit in trays or of one."""
+        """Return the next pick of all fruit in trays, or of one of it; None if there is none.
+
+        For all fruit, set `not_picked` with the reasons against the rest.
+        """
         fruits = self._world.in_trays
         tried = {fruit for fruit in fruits if any(is_same_fruit(fruit, other) for other in self._given_up)}
         passed = tried if only is None else set(fruits) - {only}
@@ -166,7 +169,10 @@ class Packer:
         return selection.choice
 
     def _pick(self, number: int, choice: PickChoice) -> Pick:
-        """Perform a pick to its end, with a new choice on each image of the fruit, and return its result."""
+        """Perform a pick to its end, with a new choice on each image of the fruit, and return its result.
+
+        A placed fruit is entered in `packing`; one that was missed, or stuck, is given up.
+        """
         station, (observation, lay) = self._station, self._sighting(choice)
         self._observer.on_pick_start(lay, observation)
         start_time, air, self._current = station.time, station.air, False
@@ -218,7 +224,7 @@ class Packer:
         return after
 
     def _choose_again(self, fruit: Fruit) -> PickChoice | None:
-        """Choose a missed fruit again at its present position, if it still can be picked."""
+        """Return the pick of a missed fruit at its present position; None if it is gone or can't be picked any more."""
         candidates = [
             new for new in self._world.in_trays if new.kind == fruit.kind and fruit_distance(new, fruit) < MAX_STRAY
         ]
@@ -226,7 +232,10 @@ class Packer:
         return self._choose(nearest) if nearest is not None else None
 
     def _observe_from_home(self) -> None:
-        """Take an image with the arm out of view, and record which places are occupied."""
+        """Take an image with the arm out of view, and enter fruit in places in `packing`.
+
+        Raise PictureError if none of `MAX_IMAGES` can be used.
+        """
         arm = None if self._try_move_home() else self._station.arm.angles
         for _ in range(MAX_IMAGES - 1):
             if self._world.try_update(self._station.time, arm):

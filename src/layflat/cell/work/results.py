@@ -128,11 +128,13 @@ def count_noun(number: int, thing: str, things: str = "") -> str:
 
 
 def _quantile_95(values: Sequence[float]) -> float:
+    """Return the 95th percentile of the finite values; nan where there are none."""
     finite = [value for value in values if isfinite(value)]
     return float(np.quantile(finite, 0.95)) if finite else nan
 
 
 def _max_finite(values: Sequence[float]) -> float:
+    """Return the greatest of the finite values; nan where there are none."""
     return max((value for value in values if isfinite(value)), default=nan)
 
 
@@ -151,7 +153,7 @@ def pick_row(name: str, pick: Pick, verdict: Verdict) -> tuple[str, ...]:
 
 
 def sort_name(fruit: Fruit) -> str:
-    """Return kind and grade of a fruit."""
+    """Return kind and grade of a fruit, such as "tomato, A"; the kind alone without a grade."""
     return f"{fruit.kind}, {fruit.grade}" if fruit.grade else fruit.kind
 
 

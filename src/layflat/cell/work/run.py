@@ -43,7 +43,7 @@ class PackingRun:
 
 
 def calibrate_cell(cell: Cell, progress: Callable[[float], object] = lambda _: None) -> Calibration:
-    """Calibrate the cell's camera, in a scene of its own; raise as `SimulatedCamera` and `calibrate_scene`."""
+    """Calibrate the cell's camera in a scene with seed 0; raise as `SimulatedCamera` and `calibrate_scene`."""
     scene = Scene(cell, 0)
     with SimulatedCamera(scene) as camera:
         return calibrate_scene(scene, camera, progress)
@@ -140,7 +140,7 @@ def run_seeds(
     cell: Cell, seeds: Sequence[int], picks: int, calibration: Calibration | None,
     progress: Callable[[int], object] = lambda _: None, processes: int | None = None, machines: Sequence[str] = (),
 ) -> Iterator[PackingRun]:  # fmt: skip
-    """Yield the runs of all seeds as they end, each the same as `run_packing`, whose errors are raised.
+    """Yield the runs of all seeds as they end, each the same as `run_packing` returns.
 
     The end of the iteration or Ctrl-C stops the work: unfinished runs are lost.
 
@@ -152,6 +152,9 @@ def run_seeds(
         progress: called with the number of picks of all runs so far.
         processes: number of processes; default: one for each processor.
         machines: names of machines, of which seed n uses number n modulo their count; default: the cell's.
+
+    Raises:
+        LayflatError: of any run, as `run_packing`; runs that have not been yielded are lost.
     """
     with get_context("spawn").Manager() as manager, process_pool(processes, _draw_on_one_core) as submit:
         ended, done = manager.Queue(), 0

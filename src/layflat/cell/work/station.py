@@ -67,7 +67,7 @@ class CellArm:
         return self.loop.deadlines.cycle
 
     def go(self, target: Angles) -> None:
-        """Move to joint angles, rad."""
+        """Plan a motion to joint angles (rad), if they are a new target, from the present demand, for `advance`."""
         if target != self.target:
             way = plan_move(
                 self._machine, self._asked, np.array(target), payload=self._load, tip_speed=self._tip_speed,
@@ -87,7 +87,10 @@ class CellArm:
         return plan_meeting(self._machine, self._asked, self._now, course, shares, self._tip_speed)
 
     def follow(self, course: MovingTarget) -> None:
-        """Move to a moving fruit and follow it; where it can't be met, the last known course stays valid."""
+        """Plan a motion to a moving fruit, if its course is new; where it can't be met, the last motion goes on.
+
+        After the meeting the arm follows the course until its braking time.
+        """
         if course is not self._passing and (found := self.meeting(course)) is not None:
             self._course, self._at = self._following.demands(found.motion, self.cycle), 1
             self._passing, self.target = course, NO_TARGET
@@ -112,7 +115,7 @@ class CellArm:
         return HostRequest(angles, velocities=velocities, accelerations=accelerations)
 
     def publish(self, row: Array) -> None:
-        """Read the controllers' averaged angles and velocities from a row of the record."""
+        """Set `angles` (extrapolated) and `velocities` from the controllers' averages in a row of the record."""
         angles, velocities = self._layout.named(row, "averaged_angle"), self._layout.named(row, "averaged_velocity")
         self.angles = tuple((angles + MEAN_AGE * self.cycle * velocities).tolist())
         self.velocities = tuple(velocities.tolist())
@@ -157,7 +160,7 @@ class CellStation:
     def advance(self, command: PickCommand, course: MovingTarget | None = None) -> None:
         """Run one control cycle, with the arm moving to the command's target, or following a course.
 
-        Raises RigStoppedError as `Arm.advance`, DivergedError if the simulation did.
+        Raises RigStoppedError as `CellArm.advance`, DivergedError if the simulation did.
         """
         if course is None:
             self.arm.go(command.target)

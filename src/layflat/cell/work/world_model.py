@@ -99,7 +99,7 @@ class WorldModel:
         return True
 
     def forget(self, fruit: Fruit) -> None:
-        """Remove a fruit that was picked up."""
+        """Remove a picked fruit from `known`."""
         self.known = [other for other in self.known if other != fruit]
 
     def occlusion(self, arm: Angles) -> OcclusionModel:
@@ -134,7 +134,7 @@ def fruit_distance(first: Fruit, second: Fruit) -> float:
 
 
 def is_same_fruit(first: Fruit, second: Fruit) -> bool:
-    """Return whether two detections are of one fruit."""
+    """Return whether two detections are of one fruit: nearer than `SAME_DISTANCE`, of whatever kinds."""
     return fruit_distance(first, second) < SAME_DISTANCE
 
 
