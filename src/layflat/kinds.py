@@ -55,7 +55,8 @@ class Kind:
         """Raise KindError if the kind is incomplete."""
         missing = [entry.name for entry in fields(self) if getattr(self, entry.name) is REQUIRED_ENTRY]
         if missing:
-            raise KindError(f"kind {self.name!r} lacks {', '.join(missing)}", where=type(self).__name__)
+            what = f"kind {self.name!r} lacks {', '.join(missing)}"
+            raise KindError(what, where=type(self).__name__, right="give them as keyword arguments")
         for entry in ("parameters", *self.CALLED):
             if not callable(getattr(self, entry)):
                 what = f"{entry} of kind {self.name!r} is no function"
@@ -223,7 +224,8 @@ class KindTable(Generic[K]):
         """Return the kind that parameters belong to; raise KindError if there is none."""
         owner = self._owner(type(parameters))
         if owner is None:
-            raise KindError(f"{type(parameters).__name__} belongs to no kind of {self.thing}", where="kinds")
+            what = f"{type(parameters).__name__} belongs to no kind of {self.thing}"
+            raise KindError(what, where="kinds", right="register a kind with it among its parameter_types")
         return owner
 
     def _owner(self, cls: type) -> K | None:

@@ -80,7 +80,7 @@ def test_a_changed_variant_is_another_study(tmp_path: Path) -> None:
     [
         ('name = "as it is"', "", "variant.0.name: is missing; a study has a name"),
         ('name = "as it is"', 'nam = "x"', "variant.0"),
-        ("big valve", "as it is", "variant.name: two have the same name; give each its own"),
+        ("big valve", "as it is", "variant.name: 'as it is' is the name of two; give each its own"),
         ("conductance = 2.0", "conductanse = 2.0", "nearest is 'valve.conductance'"),
         ("conductance = 2.0", "dither = 2.0", "variant.1.factors.valve.dither: is not a number"),
         ("conductance = 2.0", "conductance = -2.0", "variant.1.factors.valve.conductance: -2.0 is not a factor"),

@@ -142,7 +142,7 @@ def _read_measured(
 
     if table is None:
         if pressure is not None:
-            raise InputError("needs --table", where="--pressure", right="it is the pressure of a measured table")
+            raise InputError("needs --table", where="--pressure", right="add the measured table, or leave it out")
         return None
     if len(chosen) > 1:
         raise InputError("measures one joint", where="--table", right=f"add --joint {' or --joint '.join(chosen)}")

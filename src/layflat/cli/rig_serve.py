@@ -74,7 +74,7 @@ def _answer(device: "DeviceProcess", stopped: Callable[[], bool]) -> None:
             typer.echo(f"layflat: {error}", err=True)
         sys.stdout.flush()
     if not stopped():
-        raise LayflatError("the device is gone")
+        raise LayflatError("the process of the virtual rig has ended: start it again")
 
 
 def _lines(device: "DeviceProcess", stopped: Callable[[], bool]) -> Iterator[list[str]]:

@@ -98,7 +98,7 @@ def _run_motion(machine: "Machine", run: Path) -> "PlayedMotion":
 
     dataset = open_run(run)
     if not {"angle", "time", "joint"} <= set(dataset.variables):
-        raise InputError("has no angles of joints over time", where=str(run), right="give what `simulate` writes")
+        raise InputError("has no angles of joints over time", where=str(run), right="give a run of `layflat simulate`")
     joints = [str(name) for name in dataset["joint"].values]
     if joints != list(machine.joints):
         right = f"give one of joints {', '.join(machine.joints)}"

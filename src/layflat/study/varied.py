@@ -52,7 +52,9 @@ def load_variants(file: StudyFile, folder: Path, where: str) -> tuple[Variant, .
         return (Variant("", machine),)
     names = [table.name for table in file.variant]
     if len(set(names)) < len(names):
-        raise InputError("two have the same name", where=f"{where}: variant.name", right="give each its own")
+        twice = next(name for name in names if names.count(name) > 1)
+        what = f"{twice!r} is the name of two"
+        raise InputError(what, where=f"{where}: variant.name", right="give each its own")
     compared = tuple(
         Variant(table.name, _build_variant(table, file.machine, folder, f"{where}: variant.{i}"))
         for i, table in enumerate(file.variant)

@@ -40,7 +40,7 @@ def _check_arm(cell: Cell) -> None:
         half = joint.stops.working_stroke / 2
         if abs(angle := cell.mount.home[name]) > half:
             limits = f"-{degrees(half):.4g} to {degrees(half):.4g} deg"
-            raise ValueError(f"mount.home.{name} is {degrees(angle):.4g} deg; stay in the working stroke, {limits}")
+            raise ValueError(f"mount.home.{name} is outside of the working stroke: {degrees(angle):.4g}, not {limits}")
 
 
 def _check_sources(cell: Cell) -> None:
@@ -52,7 +52,8 @@ def _check_sources(cell: Cell) -> None:
     if (belt := cell.conveyor) is not None and belt.spacing[0] < (
         largest := max((cell.produce[kind].diameter.max for kind in belt.produce if kind in cell.produce), default=0.0)
     ):
-        raise ValueError(f"conveyor.spacing is less than the largest fruit, {_mm(largest)}; give more")
+        spacing = _mm(belt.spacing[0])
+        raise ValueError(f"conveyor.spacing {spacing} is less than the largest fruit, {_mm(largest)}; give more")
 
 
 def _check_kinds(cell: Cell) -> None:
@@ -145,7 +146,8 @@ def _check_view(cell: Cell) -> None:
     """Raise ValueError unless the camera, above the lift, sees all centres of sources and containers, and a marker."""
     camera, mend = cell.camera, "change camera.position or camera.looks_at"
     if camera.position[2] <= cell.lift.clearance:
-        raise ValueError(f"camera.position is not above the lift, {_mm(cell.lift.clearance)}; raise it")
+        height = _mm(camera.position[2])
+        raise ValueError(f"camera.position is not above the lift, {_mm(cell.lift.clearance)}; raise it from {height}")
     if camera.looks_at[2] >= camera.position[2]:
         raise ValueError(f"camera looks up, not at the table; {mend}")
     centres = {name: source.centre for name, source in cell.sources.items()}

@@ -66,9 +66,10 @@ class Lift(Part):
     def _check_clearance_and_force(self) -> Self:
         """Raise ValueError if stroke exceeds clearance, or force is not more than mass times acceleration."""
         if self.stroke > self.clearance:
-            raise ValueError("stroke is longer than clearance: the cup would go through the table")
+            raise ValueError("stroke is longer than clearance: the cup would go through the table; give a shorter one")
         if self.force <= self.mass * self.acceleration:
-            raise ValueError("force is not enough for mass and acceleration; give more than their product")
+            needed = self.mass * self.acceleration
+            raise ValueError(f"force {self.force:g} N does not accelerate its mass; give more than {needed:g} N")
         return self
 
 

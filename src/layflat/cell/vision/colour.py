@@ -51,7 +51,7 @@ class ColourDetector:
     ) -> None:  # fmt: skip
         names = [kind.name for kind in kinds]
         if not names or len(set(names)) < len(names):
-            raise InputError(f"kinds {names}", where="detector", right="needs kinds, each with its own name")
+            raise InputError(f"has the kinds {names}", where="detector", right="give kinds, each with its own name")
         self.kinds, self.table, self.background, self.plane = tuple(kinds), table, tuple(background), plane
         least, most = min(kind.diameter[0] for kind in kinds), max(kind.diameter[1] for kind in kinds)
         self._unknown = ProduceKind(

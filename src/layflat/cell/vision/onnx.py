@@ -43,7 +43,8 @@ class OnnxDetector:
         try:
             self._network = cv2.dnn.readNetFromONNX(str(path))
         except cv2.error:
-            raise InputError("is not a network that OpenCV runs", where=str(path), right="export it as ONNX") from None
+            right = "export it as ONNX with operators that OpenCV has"
+            raise InputError("is not a network that OpenCV runs", where=str(path), right=right) from None
 
     def detect(self, picture: Picture, calibration: Calibration) -> list[Detection]:
         """Return the network's detections, measured on the table, by confidence; a number beyond the kinds is unknown.

@@ -31,7 +31,8 @@ def check_picture(picture: Picture, size: tuple[int, int] | None = None, where: 
             `MAX_EDGE_WIDTH`.
     """
     if picture.ndim != 3 or picture.shape[2] != 3 or picture.dtype != np.uint8:
-        raise PictureError(f"is {picture.dtype} {picture.shape}", where=where, right="needs uint8 (height, width, 3)")
+        what = f"has the type {picture.dtype} and the shape {picture.shape}"
+        raise PictureError(what, where=where, right="give uint8 (height, width, 3)")
     high, wide = picture.shape[:2]
     if size is not None and (wide, high) != tuple(size):
         raise PictureError(f"is {wide} x {high} px", where=where, right=f"give {size[0]} x {size[1]} px")

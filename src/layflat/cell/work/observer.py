@@ -43,7 +43,7 @@ class Verdict:
     press: float = nan  # greatest force of the cup on it, N
 
     def word(self, pick: Pick) -> str:
-        """Return the result of a pick: "correct", "wrong" (placed, but not correct), or its outcome, such as "missed"."""
+        """Return the result of a pick: "correct", "wrong" (placed all the same), or its outcome, such as "missed"."""
         if self.correct:
             return "correct"
         return "wrong" if pick.outcome is PickOutcome.PLACED else pick.outcome.name.lower()
