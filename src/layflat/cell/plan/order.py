@@ -82,7 +82,7 @@ class Packing:
         return [place for place in self.places if place.key not in self.contents]
 
     def best_place(self, fruit: Fruit) -> ContainerPlace | None:
-        """Return the free place with the lowest limit of diameter that accepts a fruit; the first of equals, or None."""
+        """Return the free place with the lowest limit of diameter that accepts a fruit (first of equals), or None."""
         candidates = [place for place in self.free if place.accepts(fruit)]
         return min(candidates, key=lambda place: place.largest, default=None)
 
