@@ -94,9 +94,9 @@ def test_what_is_wrong_is_told_in_one_line(tmp_path: Path) -> None:
         Film(tmp_path / "film.avi")
     with pytest.raises(OutputError, match="has no suffix"):
         Film(tmp_path / "film")
-    with pytest.raises(InputError, match="fps: 0 frames"):
+    with pytest.raises(InputError, match="fps: 0 is out of range"):
         Film(tmp_path / "film.mp4", fps=0.0)
-    with pytest.raises(InputError, match=r"\(40, 60, 3\) is not \(90, 120, 3\)"):
+    with pytest.raises(InputError, match=r"has the shape \(40, 60, 3\), the first frame \(90, 120, 3\)"):
         write(tmp_path / "film.mp4", [*moving(1), *moving(1, 40, 60)])
     with pytest.raises(OutputError, match="the film has no frame"):
         write(tmp_path / "film.mp4", [])
