@@ -37,7 +37,7 @@ def encode(kind: int, sequence: int, payload: bytes) -> bytes:
     """Return a frame with its two zeros.
 
     Args:
-        kind: one of the kinds above, 0..255.
+        kind: one of the constants `..._FRAME`, 0..255.
         sequence: number of the transaction, 0..65535.
         payload: up to 240 bytes.
     """

@@ -287,6 +287,7 @@ class RigSession(AbstractContextManager["RigSession"]):
                 self._hold()
 
     def _has_air(self) -> bool:
+        """Return whether air was requested in the last cycle; False before the first."""
         shot = self.snapshot()
         return shot is not None and bool(shot["air"])
 

@@ -53,7 +53,7 @@ class WireError(LayflatError):
 
 
 def next_sequence(number: int) -> int:
-    """Return the number of the transaction after this one."""
+    """Return the number of the transaction after this one: 0 after 65535."""
     return (number + 1) % SEQUENCE_MODULUS
 
 

@@ -124,11 +124,13 @@ class _Connection(asyncio.Protocol):
         self._tail = b""
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        """Keep the transport, which the station closes at its end."""
         assert isinstance(transport, asyncio.Transport)
         self.transport = transport
         self._station.transports.add(transport)
 
     def connection_lost(self, exc: Exception | None) -> None:  # noqa: ARG002  (as asyncio calls it)
+        """Forget the transport; if this connection commanded, another may command from now on."""
         self._station.transports.discard(self.transport)
         if self._station.master is self:
             self._station.master = None

@@ -79,5 +79,6 @@ class SerialStation(DeviceStation):
         self._send(reply, spoil, len(reply) // 2, self._write)
 
     def _write(self, reply: bytes) -> None:
+        """Write a reply to the terminal; one that can't be written is lost."""
         with suppress(OSError):  # full, since nobody reads, or closed since: as lost as a reply can be
             os.write(self._near, reply)

@@ -282,6 +282,7 @@ class SimulatedDriver(Driver):
         self._send(command)
 
     def _send(self, command: RigCommand) -> None:
+        """Pass a command to the device, unless the link is silent."""
         if not self.device.link.silent:
             self.device.obey(command)
 
@@ -289,5 +290,6 @@ class SimulatedDriver(Driver):
         return self.device.capabilities
 
     def _deactivate(self) -> None:
+        """Centre the valves and switch the air off, unless the link is silent."""
         limits = self.device.capabilities
         self._send(RigCommand(np.full(limits.joints, limits.centre_voltage), air=False))

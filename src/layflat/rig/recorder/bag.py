@@ -134,6 +134,7 @@ def encode_event(stamp: int, event: Event) -> bytes:
 
 
 def _encode_string(text: str) -> bytes:
+    """Return a CDR string: its length in bytes, the closing zero counted, and the text in UTF-8 with that zero."""
     data = text.encode() + b"\0"
     return struct.pack("<I", len(data)) + data
 

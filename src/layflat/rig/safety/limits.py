@@ -160,7 +160,7 @@ def max_held_back_time(machine: Machine, name: str) -> float:
 
 
 def noise_never_rests(sensor: Sensor, samples: float) -> bool:
-    """Return whether the noise of a valid sensor never leaves it at one count for a number of samples."""
+    """Return whether noise keeps a valid sensor at one count for `samples` with less than `MAX_FALSE_ALARM_CHANCE`."""
     # The probability of staying is highest at a count whose middle is measured.
     return sensor.noise > 0.0 and erf(0.5 * sensor.lsb / (sqrt(2.0) * sensor.noise)) ** samples < MAX_FALSE_ALARM_CHANCE
 

@@ -58,7 +58,7 @@ class StateMachine:
 
     @property
     def level(self) -> float:
-        """Return the level of detection (see detectors/sample.py)."""
+        """Return the level of detection: of sensors without air, of motion in a soft start, else all (AIR_LEVEL)."""
         if not MODE_HAS_AIR[self.valve_mode]:
             return SENSORS_LEVEL
         return MOTION_LEVEL if self.state is RigState.STARTING else ALL

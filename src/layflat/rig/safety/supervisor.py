@@ -169,7 +169,10 @@ class Supervisor(StateMachine):
                 self.ledger.note(joint_fault, j)
 
     def _decide(self, request: HostRequest) -> None:
-        """Apply the host's request and the reactions to faults: change the state, and the mode of the valves."""
+        """Apply the host's request and the reactions to faults: change the state, and the mode of the valves.
+
+        Stale setpoints under air begin a controlled stop; in READY, a demand for any joint begins the motion.
+        """
         running = self.is_pressurised
         if request.age > self._stale_after and running:
             self.ledger.note(Fault.SETPOINT_STALE)
