@@ -9,6 +9,14 @@ from scipy.sparse.csgraph import connected_components
 
 import layflat
 
+UNREAD = {
+    "jit/libraries.py: _finalized",  # of a class of the compiler, which reads it
+    "jit/libraries.py: _shared_module",  # likewise
+    "rig/safety/faults.py: _value_",  # of enumerations, read by Python
+    "sim/plant.py: _like",
+}
+"""Private attributes that no line of their module reads."""
+
 
 def test_a_rollout_waits_for_nothing_that_it_does_not_need() -> None:
     code = "import sys, layflat.sim; print(sorted({'scipy.interpolate', 'numba', 'xarray'} & set(sys.modules)))"
@@ -49,3 +57,14 @@ def test_no_submodule_takes_the_place_of_a_name_that_its_package_offers() -> Non
                     if node.module not in {package, f"{package}.{name}"}
                 ]
     assert hidden == []
+
+
+def test_every_private_attribute_that_an_object_sets_is_read() -> None:
+    folder, unread = Path(layflat.__file__).parent, []
+    for path in sorted(folder.rglob("*.py")):
+        nodes = list(ast.walk(ast.parse(path.read_text(encoding="utf-8"))))
+        attributes = [node for node in nodes if isinstance(node, ast.Attribute) and node.attr.startswith("_")]
+        read = {node.attr for node in attributes if not isinstance(node.ctx, ast.Store)}
+        own = {node.attr for node in attributes if isinstance(node.value, ast.Name) and node.value.id == "self"}
+        unread += [f"{path.relative_to(folder).as_posix()}: {name}" for name in sorted(own - read)]
+    assert sorted(set(unread) - UNREAD) == []

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from layflat.description import Part
-from layflat.description.library import Library
+from layflat.description.library import MAX_CHAIN, Library
 from layflat.description.names import file_name
 from layflat.description.tables import MAX_DEPTH, parse_toml
 from layflat.description.text import MAX_BYTES, read_text
@@ -152,3 +152,22 @@ def test_parts_are_frozen() -> None:
 
     with pytest.raises(ValueError, match="frozen"):
         Mine().a = 2  # type: ignore[misc]
+
+
+@pytest.mark.parametrize("circle", [False, True])
+@pytest.mark.parametrize("count", [1, 2, MAX_CHAIN + 1, MAX_CHAIN + 2, 2 * MAX_CHAIN])
+def test_a_long_chain_is_not_called_a_circle(library: Library, tmp_path: Path, count: int, circle: bool) -> None:
+    """Chains of `count` files, the last of which extends the first or nothing."""
+    for i in range(count):
+        base = f"{i + 1}.toml" if i + 1 < count else "0.toml"
+        text = f'extends = "{base}"' if circle or i + 1 < count else "a = 1"
+        (tmp_path / f"{i}.toml").write_text(text, encoding="utf-8")
+    first = tmp_path / "0.toml"
+    if count > MAX_CHAIN + 1:
+        assert refused(library, first) == (
+            f"{first}: extends more than {MAX_CHAIN} descriptions, one through another; join some of them"
+        )
+    elif circle:
+        assert refused(library, first).endswith(f"-> {first}; break the circle")
+    else:
+        assert len(library.layers(first)) == count

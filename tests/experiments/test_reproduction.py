@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from layflat.experiments import Reproduction, ReproductionBench, axis_one, load_bench, reproduce
-from layflat.experiments.claim import Claim
+from layflat.experiments.claim import PAPER_CLAIMS, Claim
 from layflat.experiments.report import evaluate_other_claims
 from layflat.experiments.reproduction import CLAIM_IDS, STOPPED_REASON
 from layflat.machine import changed, load
@@ -148,3 +148,12 @@ def test_the_same_bench_gives_the_same_values(paper: Reproduction) -> None:
 def test_joints_alone_are_those_of_the_arm_but_for_the_gains(name: str) -> None:
     alone, arm = (load(one).joint[name] for one in (f"paper-{name}-joint", "paper-arm"))
     assert alone.model_copy(update={"gains": arm.gains}) == arm
+
+
+@pytest.mark.parametrize("chosen", [["table-1"], ["table-1", "unbraked-joint"], ["braked-joint"]])
+def test_claims_that_are_not_chosen_do_not_count(chosen: list[str]) -> None:
+    steps: list[tuple[int, int]] = []
+    others = [replace(PAPER_CLAIMS[key], agrees=True) for key in ("unbraked-joint", "braked-joint", "loop-character")]
+    found = reproduce(claims=chosen, others=others, progress=lambda done, total: steps.append((done, total)))
+    assert steps == [(done, len(chosen)) for done in range(1, len(chosen) + 1)]
+    assert [claim.id for claim in found.claims] == chosen

@@ -202,3 +202,20 @@ def test_demands_of_days_are_refused_before_they_are_made(tmp_path: Path) -> Non
     path.write_text(HEADER + "0,0\n1e6,10\n", encoding="utf-8")
     with pytest.raises(InputError, match=r"1e\+06 s are 2e\+08 control cycles of 5 ms; give 10000 s or less"):
         read_demand(SMALL, path, 0.005)
+
+
+@pytest.mark.parametrize("velocity", [False, True])
+@pytest.mark.parametrize("acceleration", [False, True])
+def test_each_signal_is_read_back_as_what_it_is_or_refused(velocity: bool, acceleration: bool, tmp_path: Path) -> None:
+    rows, path = np.zeros((3, 1)), tmp_path / "d.csv"
+    rates = {"velocity": rows + 0.2 if velocity else None, "acceleration": rows + 0.4 if acceleration else None}
+    if acceleration and not velocity:
+        with pytest.raises(InputError, match="acceleration: is given without `velocity`; give both"):
+            write_demand(SMALL, 0.005 * np.arange(3.0), rows, path, **rates)
+        assert not path.exists()
+        return
+    series = read_demand(SMALL, write_demand(SMALL, 0.005 * np.arange(3.0), rows, path, **rates), 0.005)
+    for written, read in zip(rates.values(), series[1:], strict=True):
+        assert (written is None) == (read is None)
+        if written is not None and read is not None:
+            assert read[0] == pytest.approx(written[0], rel=1e-5)

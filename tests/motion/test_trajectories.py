@@ -236,3 +236,13 @@ def test_rows_are_one_a_cycle_to_the_end() -> None:
     assert isinstance(rows, States)
     assert_allclose(rows.angles[:, 0], [0.0, 0.005 / 0.0123, 0.01 / 0.0123, 1.0])
     assert len(replace(motion, duration=0.01).rows(0.005).angles) == 3
+
+
+@given(st.permutations(range(12)))
+def test_states_are_those_of_their_times_in_any_order(order: list[int]) -> None:
+    move = plan_travel(FORTY.start, FORTY.goal, MotionLimits(*((2.0, 2.0) for _ in range(3))))
+    inner = MotionSequence.join(move, RestMotion(0.1, FORTY.goal))
+    times = np.linspace(-0.1, move.duration + 0.5, 12)
+    for motion in (move, inner, MotionSequence.join(RestMotion(0.2, FORTY.start), inner)):
+        for ascending, mixed in zip(motion.states(times), motion.states(times[order]), strict=True):
+            assert_allclose(mixed, ascending[order], rtol=0.0, atol=0.0)

@@ -13,7 +13,7 @@ from layflat.errors import InputError
 
 MAX_NAME_LENGTH = 200
 
-MAX_CHAIN = 20  # files that extend each other
+MAX_CHAIN = 20  # descriptions below one, of which each extends the next
 
 
 @dataclass(frozen=True)
@@ -85,14 +85,17 @@ class Library:
 
         Raises:
             InputError: of the library's class: one of them is missing or broken, or they extend each other in a circle
-                or through more than `MAX_CHAIN` files.
+                or are more than `MAX_CHAIN` below the first.
         """
         place = self._check_reference(where)
         layer, base = self._layer(place, above[-1] if above else "")
         key = self._key(place)
-        if key in map(self._key, above) or len(above) > MAX_CHAIN:
+        if key in map(self._key, above):
             chain = " -> ".join([*above, place])
             raise self.error(f"extends itself through {chain}", where=above[0], right="break the circle")
+        if len(above) > MAX_CHAIN:
+            what, right = f"extends more than {MAX_CHAIN} descriptions, one through another", "join some of them"
+            raise self.error(what, where=above[0], right=right)
         below = [] if base is None else self.layers(self.resolve(place, base), (*above, place))
         return [*below, layer]
 

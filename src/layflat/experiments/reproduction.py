@@ -131,8 +131,8 @@ def reproduce(
         machine: the arm under test: a built-in name, a file or a machine; or the bench of all machines.
         claims: short names of the claims to evaluate; default: all.
         progress: called with the number of evaluated claims and the number of all.
-        others: claims and figures from another process (`report.evaluate_other_claims`); claims that it does not
-            yield are evaluated here, last.
+        others: claims and figures from another process (`report.evaluate_other_claims`); claims that are not chosen
+            are ignored, and those that it does not yield are evaluated here, last.
         draw: draws the figures of the claims evaluated so far, while that process works.
 
     Raises:
@@ -160,7 +160,8 @@ def reproduce(
         reproduction.drawn = {result.id: result for result in draw(reproduction)}
         for result in others:
             if isinstance(result, Claim):
-                add_claim(result)
+                if result.id in chosen:
+                    add_claim(result)
             else:
                 reproduction.drawn[result.id] = result
         for rule, experiment in reproduction.rules(in_subprocess=True):

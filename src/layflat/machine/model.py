@@ -190,8 +190,10 @@ def build(plain: Plain, sources: Sources, where: str) -> Machine:
         MachineError: a key or value is wrong; the message names it.
         KindError: a file of kinds can't be run.
     """
-    for path in plain.get("kinds", ()):
-        load_kinds(Path(path), f"{where}: kinds")
+    files = plain.get("kinds")
+    if isinstance(files, (list, tuple)) and all(isinstance(path, str) for path in files):  # others are refused below
+        for path in files:
+            load_kinds(Path(path), f"{where}: kinds")
     _know_all_kinds(KindTable.registered)
     try:
         machine = Machine.model_validate(plain)
@@ -204,9 +206,24 @@ def build(plain: Plain, sources: Sources, where: str) -> Machine:
     return machine
 
 
-def restore(text: str, where: str = "") -> Machine:
-    """Return a machine from its JSON text in a run or log of any version; raise MachineError for wrong values."""
-    return build(with_present_keys("machine", json.loads(text))[0], {}, where)
+def restore(text: str, where: str = "machine") -> Machine:
+    """Return a machine from its JSON text in a run or log of any version.
+
+    Args:
+        text: the text.
+        where: origin of the machine, for messages.
+
+    Raises:
+        MachineError: the text is not JSON of a table, or a key or value in it is wrong.
+    """
+    right = "give the JSON text of a machine, as a run holds it"
+    try:
+        plain = json.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise MachineError(f"is not JSON ({error})", where=where, right=right) from None
+    if not isinstance(plain, dict):
+        raise MachineError("is no table", where=where, right=right)
+    return build(with_present_keys("machine", plain)[0], {}, where)
 
 
 @lru_cache(maxsize=1)

@@ -72,8 +72,11 @@ def write_demand(
         acceleration: likewise, rad/s2, with velocities only; default: no such columns.
 
     Raises:
+        InputError: there are accelerations without velocities.
         OutputError: the file can't be written, or an existing one may not be replaced.
     """
+    if acceleration is not None and velocity is None:
+        raise InputError("is given without `velocity`", where="acceleration", right="give both")
     signals = [rows for rows in (demand, velocity, acceleration) if rows is not None]
     columns = DEMAND_COLUMNS[: len(signals)]
     header = [TIME, *(column.format(name) for column in columns for name in machine.joints)]

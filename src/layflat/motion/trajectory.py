@@ -57,7 +57,7 @@ class Trajectory(ABC):
     duration: float  # s
 
     def states(self, times: ArrayLike) -> States:
-        """Return the states of the joints at increasing times (instants,), s; beyond the motion, those at its ends."""
+        """Return the states of the joints at times (instants,), s; beyond the motion, those at its ends."""
         return self._states(np.clip(np.asarray(times, dtype=np.float64), 0.0, self.duration))
 
     def angles_at(self, times: ArrayLike) -> Array:
@@ -122,10 +122,11 @@ class MotionSequence(Trajectory):
         return np.cumsum([0.0, *(part.duration for part in self.parts[:-1])])
 
     def _states(self, times: Array) -> States:
-        """Return the states of the motion that holds at each of the times (s), which increase."""
+        """Return the states of the motion that holds at each of the times (s)."""
         which = np.searchsorted(self.start_times, times, side="right") - 1
         states = [part.states(times[which == i] - self.start_times[i]) for i, part in enumerate(self.parts)]
-        return States(*map(np.concatenate, zip(*states, strict=True)))
+        rows = np.argsort(np.argsort(which, kind="stable"))  # in the joined states, of each time
+        return States(*(np.concatenate(signal)[rows] for signal in zip(*states, strict=True)))
 
 
 JUMP_ACCELERATION = 100.0  # greatest change of velocity per time of a motion, rad/s2; more is a jump

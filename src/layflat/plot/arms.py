@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Polygon
 
 from layflat.arrays import Array
-from layflat.plot.style import HEAD_ROOM, SERIES_STYLES, styled_figure
+from layflat.plot.style import HEAD_ROOM, SERIES_STYLES, series_style, styled_figure
 
 VIEW_HEIGHT = 4.3  # of the arm's views, inches
 BODY_COLOUR, TUBE_COLOUR = "#c9d3da", "#eceff1"
@@ -78,7 +78,7 @@ def _draw_cylinder(axes: Axes, body: DrawnCylinder, plane: tuple[int, int], colo
 
 
 def workspace_figure(arms: Mapping[str, Array], tips: Array, views: Sequence[str]) -> Figure:
-    """Draw an arm in up to seven configurations, with positions of its tip all over its workspace as dots.
+    """Draw an arm in several configurations, with positions of its tip all over its workspace as dots.
 
     Args:
         arms: positions of joints and tip, (points, 3), m, by the name of the configuration.
@@ -90,8 +90,8 @@ def workspace_figure(arms: Mapping[str, Array], tips: Array, views: Sequence[str
         for axes, view in zip(all_axes, views, strict=True):
             across, upward = ("xyz".index(axis) for axis in view)
             axes.plot(tips[:, across], tips[:, upward], ls="", marker=".", ms=1.5, color="#b0bec5", label="tip")
-            for (name, points), style in zip(arms.items(), SERIES_STYLES, strict=False):
-                axes.plot(points[:, across], points[:, upward], **style, marker="o", ms=4, label=name)
+            for order, (name, points) in enumerate(arms.items()):
+                axes.plot(points[:, across], points[:, upward], **series_style(order), marker="o", ms=4, label=name)
             axes.set_aspect("equal", adjustable="datalim")
             axes.set_xlabel(f"{view[0]} (m)")
             axes.set_ylabel(f"{view[1]} (m)")
@@ -115,7 +115,7 @@ def sizes_figure(sizes: Sequence[SizedArms], task: tuple[float, float]) -> Figur
     """
     with styled_figure(width=6.4, height=4.0) as (fig, (axes,)):
         for order, one in enumerate(sizes):
-            style, known = SERIES_STYLES[order % len(SERIES_STYLES)], np.isfinite(one.mass)
+            style, known = series_style(order), np.isfinite(one.mass)
             axes.plot(one.time[known], one.mass[known], **style, label=f"{one.pressure:g} bar")
             for best, face in ((True, style["color"]), (False, "white")):
                 at = known & (one.best.astype(bool) == best)

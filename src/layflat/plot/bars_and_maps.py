@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from layflat.arrays import Array
-from layflat.plot.style import GUIDE_STYLE, HEAD_ROOM, SERIES_STYLES, styled_figure
+from layflat.plot.style import GUIDE_STYLE, HEAD_ROOM, SERIES_STYLES, series_style, styled_figure
 
 BAR_HATCHES = ("", "///", "...", "xxx")  # by kind of bar, distinct without colour
 LETTER_WIDTH = 0.075  # of a name beside the axes, inches
@@ -132,7 +132,7 @@ def study_figure(
 
 def _draw_case(axes: Axes, x: Array, y: Array, case: str, order: int) -> None:
     """Draw results y over x as dots, with medians of bins; those that are not finite are crosses at the top."""
-    style = SERIES_STYLES[order % len(SERIES_STYLES)]
+    style = series_style(order)
     dots: dict[str, Any] = {"linestyle": "", "color": style["color"], "alpha": 0.4}
     lost = ~np.isfinite(y)
     axes.plot(x, np.where(lost, np.nan, y), marker="o", ms=2.5, **dots)

@@ -9,7 +9,15 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from layflat.arrays import Array
-from layflat.plot.style import GUIDE_STYLE, HEAD_ROOM, SERIES_STYLES, SHADE_COLOUR, draw_mark, styled_figure
+from layflat.plot.style import (
+    GUIDE_STYLE,
+    HEAD_ROOM,
+    SERIES_STYLES,
+    SHADE_COLOUR,
+    draw_mark,
+    series_style,
+    styled_figure,
+)
 
 Curve = tuple[Array, Array]
 DRAWN_STRAP_LINES = 25  # of a cam
@@ -23,7 +31,7 @@ def hysteresis_curves(drawn: Mapping[str, Any]) -> Figure:
     """
     with styled_figure() as (fig, (axes,)):
         for order, (label, curve) in enumerate(drawn.items()):
-            line, half = SERIES_STYLES[order % len(SERIES_STYLES)], len(curve.angle) // 2
+            line, half = series_style(order), len(curve.angle) // 2
             angle, torque = np.degrees(curve.angle), curve.torque
             axes.plot(np.append(angle, angle[0]), np.append(torque, torque[0]), label=label, **line)
             arrow = {"arrowstyle": "-|>", "color": line["color"], "lw": 1.2}
@@ -48,7 +56,7 @@ def design_figure(torques: Mapping[str, Curve], cam: Any = None) -> Figure:
     size = {"width": 5.6, "height": 3.8} if cam is None else {"width": 10.6, "height": 5.2}
     with styled_figure(1, 1 if cam is None else 2, **size, above=HEAD_ROOM) as (fig, (axes, *beside)):
         for order, (label, (angle, torque)) in enumerate(torques.items()):
-            axes.plot(np.degrees(angle), torque, label=label, **SERIES_STYLES[order])
+            axes.plot(np.degrees(angle), torque, label=label, **series_style(order))
         axes.set_ylim(bottom=0.0)
         axes.set_xlabel("Output angle (deg)")
         axes.set_ylabel("Torque (N m)")
@@ -84,8 +92,8 @@ def valve_sweeps(sweeps: Mapping[str, tuple[Curve, Curve]]) -> Figure:
     """
     with styled_figure() as (fig, (axes,)):
         for order, (label, (up, down)) in enumerate(sweeps.items()):
-            axes.plot(100 * up[0], 100 * up[1], label=label, **SERIES_STYLES[order])
-            axes.plot(100 * down[0], 100 * down[1], **SERIES_STYLES[order])
+            axes.plot(100 * up[0], 100 * up[1], label=label, **series_style(order))
+            axes.plot(100 * down[0], 100 * down[1], **series_style(order))
         axes.set_xlabel("Command (% of full opening)")
         axes.set_ylabel("Mean net opening (% of full)")
         axes.legend()
@@ -102,11 +110,11 @@ def settling_over_inertia(settling: Mapping[str, Mapping[float, float]], limit: 
     """
     with styled_figure() as (fig, (axes,)):
         for order, (label, times) in enumerate(settling.items()):
-            style = {**SERIES_STYLES[order], "marker": "o", "ms": 3}
+            style = {**series_style(order), "marker": "o", "ms": 3}
             settled = {ratio: time for ratio, time in times.items() if isfinite(time)}
             lost = [ratio for ratio, time in times.items() if not isfinite(time)]
             axes.plot(list(settled), list(settled.values()), label=label, **style)
-            axes.plot(lost, [limit * (1.05 + 0.05 * order)] * len(lost), "x", color=SERIES_STYLES[order]["color"], ms=5)
+            axes.plot(lost, [limit * (1.05 + 0.05 * order)] * len(lost), "x", color=style["color"], ms=5)
         draw_mark(axes, limit, f"end of the run, {limit:g} s")
         axes.set_xscale("log")
         axes.set_ylim(bottom=0)

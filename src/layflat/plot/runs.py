@@ -14,7 +14,7 @@ from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from layflat.arrays import Array
-from layflat.plot.style import GUIDE_STYLE, HEAD_ROOM, SERIES_STYLES, SHADE_COLOUR, styled_figure
+from layflat.plot.style import GUIDE_STYLE, HEAD_ROOM, SERIES_STYLES, SHADE_COLOUR, series_style, styled_figure
 
 MAX_MARKS = 12  # marked events; more can't be distinguished
 NOTE_HEIGHT = 0.17  # of a line of text about an event, inches
@@ -32,12 +32,12 @@ def draw_response(axes: tuple[Axes, Axes], run: xarray.Dataset, label: str, orde
         axes: axes for the angle, and for the error.
         run: run of one joint, with time, demand and angle.
         label: label of the run.
-        order: index of the line style in `SERIES_STYLES`.
+        order: index of the line among the runs, for its style.
         since: time that is drawn as zero, s.
     """
     time, demand, angle = run["time"].to_numpy() - since, np.degrees(run["demand"]), np.degrees(run["angle"])
-    axes[0].plot(time, angle, label=label, **SERIES_STYLES[order])
-    axes[1].plot(time, angle - demand, label=label, **SERIES_STYLES[order])
+    axes[0].plot(time, angle, label=label, **series_style(order))
+    axes[1].plot(time, angle - demand, label=label, **series_style(order))
 
 
 def draw_demand(axes: Axes, run: xarray.Dataset, *, since: float = 0.0, named: bool = True) -> None:
@@ -89,7 +89,7 @@ def angle_figure(
                     demand, wide = np.degrees(part["demand"].to_numpy()), np.degrees(band)
                     ends = demand - wide, demand + wide
                     axes.fill_between(time, *ends, color=SHADE_COLOUR, lw=0, label=f"demand ±{wide:.3g} deg")
-            axes.plot(time, np.degrees(part["angle"]), label=label, **SERIES_STYLES[order % len(SERIES_STYLES)])
+            axes.plot(time, np.degrees(part["angle"]), label=label, **series_style(order))
         axes.set_xlabel("Time (s)")
         axes.set_ylabel("Angle (deg)")
         axes.legend()
@@ -201,7 +201,7 @@ def _number_events(axes: Axes, marked: Sequence[tuple[int, str, float]], span: f
 def arm_steps(run: xarray.Dataset, *, band: float) -> Figure:
     """Draw angles and demands of all joints on one pair of axes, and their errors within 2 deg below.
 
-    `band` is the half-width of the settling band, rad; an arm has seven joints at most.
+    `band` is the half-width of the settling band, rad.
     """
     with styled_figure(2, 1, height=4.8, above=HEAD_ROOM) as (fig, (angle, error)):
         for order, joint in enumerate(run["joint"].to_numpy()):

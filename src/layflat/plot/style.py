@@ -22,7 +22,7 @@ SERIES_STYLES: tuple[dict[str, Any], ...] = (
     {"color": "#1f8a8a", "linestyle": (0, (8, 2))},
     {"color": "#7a7a7a", "linestyle": (0, (3, 1, 1, 1))},
 )
-"""Line styles in order of use: dark to light, and of different dashes; one for each joint of an arm."""
+"""Line styles in order of use: dark to light, and of different dashes; `series_style` has those of more series."""
 
 # Of demands, limits and other guide lines.
 GUIDE_STYLE: dict[str, Any] = {"color": "#8a8a8a", "linestyle": "-", "linewidth": 1.0}
@@ -49,6 +49,16 @@ AXES_GAPS = (0.78, 0.16)  # horizontal and vertical space between axes, inches
 
 CAPTION_HEIGHT, CAPTION_MARGIN = 0.2, 0.1  # of a line of a caption, and around it, inches
 CAPTION_LETTERS = 13.0  # of a caption per inch
+
+
+def series_style(order: int) -> dict[str, Any]:
+    """Return the line style of the series with index `order`, distinct for the first 49.
+
+    After those of `SERIES_STYLES`, every round of the colours has the dashes of the next colours.
+    """
+    rounds, colour = divmod(order, len(SERIES_STYLES))
+    dashes = SERIES_STYLES[(colour + rounds) % len(SERIES_STYLES)]["linestyle"]
+    return {**SERIES_STYLES[colour], "linestyle": dashes}
 
 
 class ShownFigure(Figure):

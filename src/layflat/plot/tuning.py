@@ -11,14 +11,23 @@ from matplotlib.figure import Figure
 
 from layflat.arrays import Array
 from layflat.plot.runs import draw_demand, draw_response, set_error_frame
-from layflat.plot.style import AXES_GAPS, GUIDE_STYLE, HEAD_ROOM, SERIES_STYLES, SHADE_COLOUR, draw_mark, styled_figure
+from layflat.plot.style import (
+    AXES_GAPS,
+    GUIDE_STYLE,
+    HEAD_ROOM,
+    SERIES_STYLES,
+    SHADE_COLOUR,
+    draw_mark,
+    series_style,
+    styled_figure,
+)
 
 COLUMNS = 2  # of joints
 LETTER_WIDTH = 0.06  # in the names of a search's parts, inches
 
 
 def response_figure(runs: Mapping[str, xarray.Dataset], *, band: float, since: float) -> Figure:
-    """Draw angle with the first run's demand, and error (angle less demand) below, of each joint in up to seven runs.
+    """Draw angle with the first run's demand, and error (angle less demand) below, of each joint in several runs.
 
     Args:
         runs: runs of the same joints, by label.
@@ -72,7 +81,7 @@ def settled_fraction_figure(settling: Mapping[str, Array], limit: float | None, 
             ordered = ordered[np.isfinite(ordered)]
             percentage = 100.0 * np.arange(1, len(ordered) + 1) / times.size
             time, last = np.append(ordered, window), percentage[-1:] if len(percentage) else 0.0
-            axes.step(time, np.append(percentage, last), where="post", label=label, **SERIES_STYLES[order])
+            axes.step(time, np.append(percentage, last), where="post", label=label, **series_style(order))
         if limit is not None:
             draw_mark(axes, limit, f"{limit:.3g} s", upright=True)
         axes.set_xlim(0.0, window)
@@ -135,8 +144,8 @@ def learning_figure(
         curves = (apart, tip, "Tip from its path (mm)"), (added, correction, "Correction learnt (mrad)")
         for axes, shown, label in curves:
             axes.axvspan(0.0, duration, color=SHADE_COLOUR, zorder=0)
-            for (name, values), style in zip(shown.items(), SERIES_STYLES[: len(shown)], strict=True):
-                axes.plot(time, values, **style, label=name)
+            for order, (name, values) in enumerate(shown.items()):
+                axes.plot(time, values, **series_style(order), label=name)
             axes.set_xlim(time[0], time[-1])
             axes.set_xlabel("Time (s); shaded: the motion")
             axes.set_ylabel(label)

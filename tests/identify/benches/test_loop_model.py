@@ -132,3 +132,15 @@ def test_a_machine_with_torques_and_without_voltages_is_a_loop_bench() -> None:
     log = turned(BRAKED, 2e5, seed=0)
     assert select_bench(BRAKED, {"log": log}) is TURNED
     assert select_bench(BRAKED, {"log": log.assign(voltage=log["torque"])}) is MOVING
+
+
+@pytest.mark.parametrize("lost", ["absent", "empty"])
+def test_logs_without_any_torque_are_refused_in_one_line(lost: str) -> None:
+    whole = turned(BRAKED, 1e5, seed=0)
+    log = whole.drop_vars("torque") if lost == "absent" else whole.assign(torque=np.nan * whole["torque"])
+    for build in (
+        lambda: TURNED.model(BRAKED, {"a": log}, {}, blocks=("torque",)),
+        lambda: TURNED.alternatives(BRAKED, {"a": log}, ("losses",)),
+    ):
+        with pytest.raises(InputError, match="logs: hold no torque of any joint; map a column to the signal torque"):
+            build()

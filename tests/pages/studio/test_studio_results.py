@@ -66,3 +66,24 @@ def test_differences_are_said_with_their_share() -> None:
     assert relative_difference(now[0], now[0]) == "as A"
     assert relative_difference(now[0], DesignQuantity("mass", np.nan, "kg")) == ""
     assert DesignQuantity("radius", np.nan, "mm").text == "none"
+
+
+@pytest.mark.parametrize("field", ["pressure_gauge", "temperature", "ambient_pressure", "ambient_temperature"])
+def test_figures_follow_all_of_the_supply(design: Design, field: str) -> None:
+    designer, supply = Designer(), design.machine.supply
+    before = designer.figures(design.machine, "large").quantities
+    changed = supply.model_copy(update={field: 0.9 * getattr(supply, field)})
+    machine = design.machine.model_copy(update={"supply": changed})
+    figures = designer.figures(machine, "large")
+    assert figures.quantities == Designer().figures(machine, "large").quantities
+    assert (figures.quantities != before) == (field != "ambient_temperature")
+
+
+def test_figures_name_the_machine_of_now(design: Design) -> None:
+    design.edit("joint.small.strap.width", "150 mm")
+    designer, other = Designer(), design.machine.model_copy(update={"name": "other"})
+    designer.figures(design.machine, "small")
+    figures = designer.figures(other, "small")
+    assert "other" in design_drawing(figures)
+    other._origin = "other.toml"
+    assert all(one.where.startswith("other.toml") for one in designer.figures(other, "small").findings)

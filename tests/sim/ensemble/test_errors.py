@@ -4,8 +4,10 @@ import numpy as np
 import pytest
 
 from layflat.errors import InputError
+from layflat.machine import load
 from layflat.sim import Scenario
 from layflat.sim.ensemble import ensemble
+from layflat.sim.ensemble.cases import MAX_CACHED_ARRAYS, prepare_cases
 
 CASE = Scenario(duration="0.01 s")
 
@@ -100,3 +102,19 @@ def test_only_the_metrics_that_are_asked_for_are_kept() -> None:
     assert all(some[name].identical(whole[name]) for name in some)
     with pytest.raises(InputError, match="metrics: 'speed' is not a metric; use settling, overshoot, "):
         ensemble("paper-arm", scenario, runs=1, metrics=("speed",))
+
+
+@pytest.mark.parametrize(("indices", "wrong"), [([-1.0, 0.0], "-1"), ([0.0, 0.5, 1.0], "0.5"), ([1.0, 2.0, 3.0], "2")])
+def test_the_first_index_of_no_scenario_is_named(indices: list[float], wrong: str) -> None:
+    with pytest.raises(InputError, match=f"vary: scenario: {wrong} is not a scenario; give 0 to 1"):
+        ensemble("paper-arm", [CASE, CASE], {"scenario": indices})
+
+
+def test_as_many_arrays_of_scenarios_are_kept_as_their_limit_says() -> None:
+    count = MAX_CACHED_ARRAYS + 2
+    cases = prepare_cases(load("paper-arm"), [CASE] * count, {"scenario": np.arange(float(count))}, None)
+    kept = []
+    for row in range(count):
+        cases.scenario_arrays(np.array([row]), 0.005, 0.001)
+        kept.append(len(cases._arrays))
+    assert kept == [*range(1, MAX_CACHED_ARRAYS + 1), 1, 2]

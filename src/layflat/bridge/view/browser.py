@@ -63,7 +63,7 @@ class Viewer:
     ) -> None:
         viser = extras.import_extra("view", "viser")
         self._shown = scenery(machine, angles)
-        self._motion, self._angles, self._told = motion, np.array(angles, float), 0.0
+        self._motion, self._angles = motion, np.array(angles, float)
         with redirect_stdout(StringIO()):  # the caller reports the address
             self._server = viser.ViserServer(host=LOCAL_HOST, port=_free_port(port), label=machine.name, verbose=False)
         self.address = f"http://{LOCAL_HOST}:{self._server.get_port()}"
@@ -184,7 +184,6 @@ class Viewer:
         """Set sliders and arm to the motion's angles at the present time."""
         assert self._motion is not None
         self._angles = self._motion.angles_at(self.time.value)
-        self._told = perf_counter()
         for slider, angle in zip(self.sliders.values(), np.degrees(self._angles).tolist(), strict=True):
             slider.value = float(np.clip(angle, slider.min, slider.max))
         self._show_pose()

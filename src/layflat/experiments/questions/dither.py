@@ -8,7 +8,7 @@ from layflat.arrays import Array
 from layflat.experiments.questions import join_words, move_names
 from layflat.physics.valves.spool import SpoolValvePart
 from layflat.plot.bars_and_maps import cell_edges, draw_map
-from layflat.plot.style import SERIES_STYLES, draw_mark
+from layflat.plot.style import draw_mark, series_style
 from layflat.plot.style import styled_figure as new_figure
 from layflat.study import Study
 
@@ -58,7 +58,7 @@ def figure(study: Study, frame: pandas.DataFrame) -> Figure:
         for axes, (column, label) in zip((error, ripple), labels.items(), strict=True):
             for order, friction in enumerate(np.sort(frame[FRICTION].unique())):
                 amplitudes, values = _mean_by_amplitude(runs, column, friction)
-                style = {**SERIES_STYLES[order], "marker": "os^D"[order % 4], "ms": 3.5}
+                style = {**series_style(order), "marker": "os^D"[order % 4], "ms": 3.5}
                 axes.plot(100 * amplitudes, values, label=f"{100 * friction:g} %", **style)
             axes.set(xlabel="Amplitude of dither (% of full opening)", ylabel=label, ylim=(0.0, None))
             draw_mark(axes, 100 * valve.dither.amplitude, "built in", upright=True)

@@ -15,7 +15,7 @@ from layflat.experiments.questions import (
     total_hysteresis,
 )
 from layflat.machine import changed
-from layflat.plot.style import SERIES_STYLES
+from layflat.plot.style import series_style
 from layflat.plot.style import styled_figure as new_figure
 from layflat.study import Study
 
@@ -67,7 +67,7 @@ def figure(study: Study, frame: pandas.DataFrame) -> Figure:
     with new_figure(1, 2, width=8.6, height=3.6) as (fig, (limit, ripple)):
         for order, (total, (share, _, slow, residual)) in enumerate(_division_curves(study, frame).items()):
             for axes, values in ((limit, slow), (ripple, residual)):
-                style = {**SERIES_STYLES[order], "marker": "os^D"[order], "ms": 4}
+                style = {**series_style(order), "marker": "os^D"[order % 4], "ms": 4}
                 axes.plot(100 * share, values, label=f"{total:g} % in all", **style)
         limit.set_ylabel("Inertia that settles (kg m$^2$ per N m)")
         ripple.set_ylabel("Left of the motion (deg, peak to peak)")

@@ -190,20 +190,22 @@ class LoopModel(CurveModel[Machine]):
         return TurnedLog(angle, gauge[0], gauge[1], brake, curves.first_sample(out), slip_angle)
 
 
-def _find_moved_joints(machine: Machine, logs: Logs) -> list[str]:
-    """Return the joints whose torques the logs hold; raise InputError if there are several."""
+def _find_moved_joint(machine: Machine, logs: Logs) -> str:
+    """Return the joint whose torques the logs hold; raise InputError if there are none, or several."""
     moved = [joint for joint in machine.joints if any(has_samples(log, "torque", joint) for log in logs.values())]
+    if not moved:
+        raise InputError("hold no torque of any joint", where="logs", right="map a column to the signal torque")
     if len(moved) > 1:
         right = f"give logs of one of them: {', '.join(moved)}"
         raise InputError(f"hold torques of {len(moved)} joints", where="logs", right=right)
-    return moved
+    return moved[0]
 
 
 def _build_model(machine: Machine, logs: Logs, validation: Logs, *, blocks: Sequence[str]) -> LoopModel:
     """Return the model of the one joint whose torques the logs hold; raise InputError if a log lacks a signal."""
-    moved = _find_moved_joints(machine, logs)
-    require_samples({**logs, **validation}, ("torque", "angle", "pressure_a"), moved[:1])
-    return LoopModel(machine, logs, validation, joint=moved[0], blocks=blocks)
+    moved = _find_moved_joint(machine, logs)
+    require_samples({**logs, **validation}, ("torque", "angle", "pressure_a"), [moved])
+    return LoopModel(machine, logs, validation, joint=moved, blocks=blocks)
 
 
 def _build_alternatives(
@@ -213,7 +215,7 @@ def _build_alternatives(
 
     There are none where the losses are not fitted, or are of a kind outside `STARTING_LOSSES`.
     """
-    (joint,) = _find_moved_joints(machine, logs)
+    joint = _find_moved_joint(machine, logs)
     described = machine.joint[joint].losses.kind
     if "losses" not in blocks or described not in STARTING_LOSSES:
         return {}

@@ -1,6 +1,6 @@
 """Charts of a rig's last 30 s: angles and targets, errors, pressures, voltages, brakes, air."""
 
-from math import ceil, floor
+from math import ceil, floor, isfinite
 
 import numpy as np
 from nicegui import ui
@@ -41,14 +41,14 @@ class ChartsView:
                         self._charts[kind] = LineChart(TIME, axis, self._chart_lines(kind), label=label, height="13rem")
 
     def refresh(self) -> None:
-        """Draw the samples so far in the open chart; its range covers them in whole steps of `KINDS`."""
+        """Draw the samples so far in the open chart; its range covers the finite ones in whole steps of `KINDS`."""
         samples = self._desk.pilot.history.samples()
         kind = str(self._panels.value)
         if samples is None:
             return
         data, step = self._shared_points(kind, samples), KINDS[kind][1]
-        values = [y for pairs in data.values() for _, y in pairs]
-        low, high = step * floor(min(values) / step), step * ceil(max(values) / step)
+        values = [y for pairs in data.values() for _, y in pairs if isfinite(y)]  # a failed sensor has no number
+        low, high = step * floor(min(values, default=0.0) / step), step * ceil(max(values, default=0.0) / step)
         self._charts[kind].bounds((low, max(high, low + step)))
         self._charts[kind].show(data)
 

@@ -273,8 +273,10 @@ def _read_outputs(names: Any, machine: Machine, where: str) -> frozenset[str] | 
     return frozenset(names)
 
 
-def check_pause(seconds: float, where: str) -> float:
-    """Return a pause, s; raise InputError unless it is 0 to `MAX_PAUSE`, both included."""
+def check_pause(seconds: float | None, where: str) -> float:
+    """Return a pause, s; raise InputError unless it is a number, 0 to `MAX_PAUSE`, both included."""
+    if seconds is None:
+        raise InputError("holds no number", where=where, right=f"give 0 to {MAX_PAUSE:g} s")
     if not 0.0 <= seconds <= MAX_PAUSE:
         raise InputError(f"the pause is {seconds:g} s", where=where, right=f"give 0 to {MAX_PAUSE:g} s")
     return seconds

@@ -45,7 +45,6 @@ class History:
 
     def __init__(self) -> None:
         self._rows: deque[tuple[float, Array]] = deque()
-        self._last: RigSnapshot | None = None
         self._samples: tuple[object, RecentSamples] | None = None  # with its last row
         self.worst_lateness = 0.0  # s, since the rig was reached
 
@@ -60,7 +59,6 @@ class History:
         self.worst_lateness = max(self.worst_lateness, float(shot["lateness"])) if now > 1.0 else 0.0
         if self._rows and now - self._rows[-1][0] < HISTORY_PERIOD - 0.5 * machine.cycle:
             return
-        self._last = shot
         parts = [*(shot[name] for name in JOINT_SIGNALS), shot.values_or(BRAKE_SIGNAL, 1.0)]
         self._rows.append((now, np.concatenate([*parts, [shot[name] for name in SHARED_SIGNALS]])))
         while now - self._rows[0][0] > HISTORY_DURATION:
@@ -69,7 +67,6 @@ class History:
     def pause(self) -> None:
         """Clear the history: the rig is disconnected."""
         self._rows.clear()
-        self._last = None
         self.worst_lateness = 0.0
 
     def samples(self) -> RecentSamples | None:

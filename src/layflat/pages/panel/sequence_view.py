@@ -94,12 +94,11 @@ class SequenceView:
     def _add_step(self) -> None:
         """Append a step with the present demand, the entered pause (s) and the present outputs; at most `MAX_STEPS`."""
         shot = self._desk.snapshot()
-        pause = finite_number(self.pause.value)
         with theme.show_errors_on(self.status):
             if len(self.steps) >= MAX_STEPS:
                 right = "take one away, or save it and begin another"
                 raise LayflatError(f"A sequence has at most {MAX_STEPS} steps: {right}.")
-            pause = check_pause(-1.0 if pause is None else pause, "pause")
+            pause = check_pause(finite_number(self.pause.value), "pause")
             if shot is not None:
                 outputs = active_outputs(self._desk.first, shot) if self._outputs else None
                 self.steps.append(SequenceStep(tuple(map(float, shot["demand"])), pause, outputs))

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from math import degrees
+from typing import NamedTuple
 
 import numpy as np
 
@@ -14,7 +15,7 @@ from layflat.design.sheet import Polyline as Line
 from layflat.design.sheet import svg_text
 from layflat.design.summary import SEVERITY_ORDER, Finding, JointDesign
 from layflat.errors import DesignError
-from layflat.machine.model import Machine
+from layflat.machine.model import AirSupply, Machine
 from layflat.machine.parts import Joint
 
 
@@ -89,11 +90,20 @@ def _centre_angle(design: JointDesign, angle: Array, torque: Array) -> tuple[Arr
     return np.degrees(angle - design.stroke / 2), torque
 
 
+class DesignInputs(NamedTuple):
+    """All of a machine that the design of a joint depends on."""
+
+    origin: str  # in findings
+    name: str  # of the machine, in drawings
+    supply: AirSupply
+    joint: Joint
+
+
 @dataclass
 class Designer:
     """Designer that recomputes a joint only when it has changed."""
 
-    _designs: dict[str, tuple[Joint, float, JointDesign | Finding]] = field(default_factory=dict)
+    _designs: dict[str, tuple[DesignInputs, JointDesign | Finding]] = field(default_factory=dict)
 
     def figures(self, machine: Machine, joint: str) -> JointFigures:
         """Return the statics of a joint, with the findings of the design rules in all joints, worst first."""
@@ -111,13 +121,13 @@ class Designer:
     def _cached_design(self, machine: Machine, name: str) -> JointDesign | Finding:
         """Return the design of a joint, or the finding that it can't be made.
 
-        It is recomputed only if the joint's values or the supply's gauge pressure have changed.
+        It is recomputed only if its inputs have changed.
         """
-        joint, pressure = machine.joint[name], machine.supply.pressure_gauge
+        inputs = DesignInputs(machine.origin, machine.name, machine.supply, machine.joint[name])
         entry = self._designs.get(name)
-        if entry is None or entry[0] != joint or entry[1] != pressure:
-            entry = self._designs[name] = (joint, pressure, _try_design(machine, name))
-        return entry[2]
+        if entry is None or entry[0] != inputs:
+            entry = self._designs[name] = (inputs, _try_design(machine, name))
+        return entry[1]
 
 
 def _try_design(machine: Machine, name: str) -> JointDesign | Finding:

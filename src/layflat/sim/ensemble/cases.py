@@ -173,7 +173,7 @@ class Cases:
         """
         distinct = tuple(int(s) for s in np.unique(self.scenario_index[rows]))
         if distinct not in self._arrays:
-            if len(self._arrays) > MAX_CACHED_ARRAYS:
+            if len(self._arrays) >= MAX_CACHED_ARRAYS:
                 self._arrays.clear()
             self._arrays[distinct] = self._stack_scenarios(distinct)
         signals, ends, goals = self._arrays[distinct]
@@ -282,9 +282,10 @@ def prepare_cases(
     varied = _with_arrays(machine, of_plant, together=together)
     driving = varied if controller is None else _with_arrays(controller, of_controller, together=together)
     indices = arrays.get("scenario", np.zeros(1))
-    if not np.isin(indices, np.arange(len(scenarios))).all():
+    unknown = indices[~np.isin(indices, np.arange(len(scenarios)))]
+    if len(unknown):
         raise InputError(
-            f"{indices.max():g} is not a scenario", where="vary: scenario", right=f"give 0 to {len(scenarios) - 1}"
+            f"{unknown[0]:g} is not a scenario", where="vary: scenario", right=f"give 0 to {len(scenarios) - 1}"
         )
     return Cases(machine, varied, driving, scenarios, arrays, counts.pop() if counts else 1, number, plausible)
 
