@@ -117,7 +117,7 @@ def test_a_written_mapping_reads_as_it_was(mapping: LogMapping, tmp_path_factory
         ('"pressure_a"', '"presure_a"', "column 1.rpa5: 'presure_a' is not a signal; did you mean 'pressure_a'?"),
         ("gauge = true\n", "", "column 1.rpa5: pressure_a does not say what it counts from; say gauge = true"),
         ('"pressure_a"', '"angle"', "column 1.rpa5: 'kPa' is not a unit of an angle"),
-        ('"pressure_a"', '"measured_pressure"', "gauge does not apply to measured_pressure: it is no absolute pressure"),
+        ('"pressure_a"', '"measured_pressure"', "gauge does not apply to measured_pressure: it is no absolute"),
         ('"pressure_a"', '"supply"', "column 1.rpa5: supply belongs to no joint; leave joint out"),
         ("gauge = true", "guage = true", "column 1.guage: unknown key; did you mean 'gauge'?"),
         ('unit = "s"', 'unit = "bar"', "time.unit: 'bar' is not a unit of a time; give one such as \"s\" or \"ms\""),
