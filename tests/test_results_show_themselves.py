@@ -102,7 +102,7 @@ def test_a_caption_lies_below_what_it_explains() -> None:
         (lambda: lf.reproduce(claims=["tabl-1"]), "claims: unknown claim 'tabl-1'; did you mean 'table-1'?"),
         (lambda: lf.inverse_kinematics("paper-arm", {"x": "0.5 m"}), "tip: has no y; give x, y"),
         (lambda: lf.inverse_kinematics("paper-arm", np.zeros((2, 3))), "tip: is an array of shape (2, 3); give finite"),
-        (lambda: lf.plan_motion("paper-arm", "tour", start="0 deg"), "start: goes with segments; leave it out"),
+        (lambda: lf.plan_motion("paper-arm", "tour", start="0 deg"), "start: is only for segments given as a list"),
         (lambda: lf.plan_motion("paper-arm", [{"kind": "lin"}]), "motion: segment 1: kind: 'lin' is not a known kind"),
         (lambda: lf.size_arm(lf.size_arm, reach="1 m"), "names no arm task"),  # type: ignore[arg-type]
     ],

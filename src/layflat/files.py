@@ -24,7 +24,7 @@ def whole_file(path: Path, *, owned: bool = False) -> Iterator[Path]:
     A running command records the file (see outputs.py). An error of the block passes, unless writing caused it.
 
     Args:
-        path: of the file; its folder is made.
+        path: path of the file; its folder is made.
         owned: whether an existing file may be replaced in any case, and no record is kept.
 
     Raises:
@@ -72,7 +72,7 @@ def write_text(path: Path, text: str, *, owned: bool = False) -> Path:
     """Write a text file atomically and return its path.
 
     Args:
-        path: of the file.
+        path: path of the file; its folder is made.
         text: its content.
         owned: as in `whole_file`.
 
@@ -120,14 +120,16 @@ def _umask() -> int:
 
 
 def check_file(path: Path, *, costly: bool = False) -> Path:
-    """Check that a result can be written to a path, and return the path.
+    """Check that a result can be written to a path, by a trial that leaves no trace, and return the path.
 
     Args:
-        path: of the file.
-        costly: as in `check_replaceable`.
+        path: path of the file; its folder may be missing, and stays so.
+        costly: whether an existing file may have taken minutes, or a person's work: then no command replaces it by a
+            result of other inputs.
 
     Raises:
-        OutputError: nothing can be written there, or an existing file may not be replaced.
+        OutputError: nothing can be written there, or the running command may not replace the existing file (see
+            `check_replaceable`).
     """
     check_folder(path.parent, path.name, costly=costly)
     return path
@@ -137,15 +139,15 @@ def check_folder(folder: Path, *names: str, costly: bool = False) -> Path:
     """Check that results can be written to a folder, by a trial that leaves no trace.
 
     Args:
-        folder: of the results.
-        names: of the files that will be written to it.
-        costly: as in `check_replaceable`.
+        folder: folder of the results; it may be missing, and stays so.
+        names: names of the files that will be written to it.
+        costly: as in `check_file`.
 
     Returns:
         The folder.
 
     Raises:
-        OutputError: nothing can be written there, or an existing file may not be replaced.
+        OutputError: nothing can be written there, or the running command may not replace an existing file.
     """
     for name in names:
         check_replaceable(folder / name, costly=costly)

@@ -74,7 +74,7 @@ def check_nested(value: Any, what: str) -> None:
     if not isinstance(value, tuple):
         raise MisfitError(f"{what} is {described(value)}, not a named tuple of floats")
     if not value:
-        raise MisfitError(f"{what} is an empty tuple, not a named tuple of floats")
+        raise MisfitError(f"{what} is an empty tuple, not a named tuple of one float or more")
     names = getattr(value, "_fields", None) or [f"item {i + 1}" for i in range(len(value))]
     for name, item in zip(names, value, strict=True):
         inner = f"{name} of {what}"

@@ -46,7 +46,7 @@ def test_a_path_that_is_not_there(path: str) -> None:
         ("arm.payload", np.array(["1 kg"]), "is not an array of numbers"),
         ("angle_sensor.bits", -3, "angle_sensor.bits: -3 is out of range; give at least 4"),
         ("angle_sensor.bits", 9.5, "angle_sensor.bits: 9.5 is not a whole number"),
-        ("angle_sensor.bits", np.array([8.0, 9.5]), "angle_sensor.bits: has an item that is not a whole number"),
+        ("angle_sensor.bits", np.array([8.0, 9.5]), "angle_sensor.bits: 9.5 is not a whole number"),
         ("valve.critical_ratio", 1.5, "valve.critical_ratio: 1.5 is out of range"),
         ("joint.small.output.kind", "square", "joint.small.output.kind: 'square' is not known; give 'roller' or 'cam'"),
         ("joint.small.gains", 3, "joint.small.gains: 3 is not a table"),

@@ -100,7 +100,7 @@ def size_from_requirements(options: SizingOptions, out: Out = Path("build/size")
 
 
 def report_missing_dxf() -> None:
-    """Print, before any work is done, which extra is needed for DXF, if it is not installed."""
+    """Print to stderr, before any work is done, which extra DXF needs, if it is not installed; the work goes on."""
     try:
         extras.require("drawing", where="no DXF")
     except MissingExtraError as missing:

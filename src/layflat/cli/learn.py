@@ -170,7 +170,13 @@ def _print_repeats(learnt: "LearntCorrections", title: str) -> None:
 
 
 def _draw(learnt: "LearntCorrections", angles: "list[Array]", path: Path) -> None:
-    """Draw the tip's deviation in the first and the best repeat, and the corrections; print the path of the picture."""
+    """Draw the tip's deviation in the first and the best of these repeats, and the corrections; print the file's path.
+
+    Args:
+        learnt: corrections after the repeats, with the history of all repeats.
+        angles: joint angles of each of the last repeats, of which two are drawn, (cycles, joints), rad.
+        path: path of the picture.
+    """
     import numpy as np  # noqa: PLC0415
 
     from layflat.motion.kinematics import tip_position  # noqa: PLC0415

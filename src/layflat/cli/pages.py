@@ -104,7 +104,8 @@ def open_panel(
 ) -> None:
     """Open the page on which an operator runs a rig.
 
-    The rig is real or virtual; Ctrl-C ends the page. Logs and sequences are kept in the folder of --out.
+    The rig is real or virtual. Ctrl-C ends the page, stops the rig and vents its air. Logs and sequences are kept in
+    the folder of --out.
     """
     from layflat.files import check_folder  # noqa: PLC0415
     from layflat.machine import load  # noqa: PLC0415

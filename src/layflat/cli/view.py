@@ -23,13 +23,14 @@ def view_arm(
     run: Annotated[Path | None, typer.Option(metavar="RUN", help="play a run of the machine, NetCDF")] = None,
     png: Annotated[Path | None, typer.Option(metavar="FILE", help="draw a picture instead, without a screen")] = None,
     pose: Annotated[
-        str | None, typer.Option(help='angles, such as "20 deg, 0 deg"  [default: mid-stroke, or the end of the run]')
+        str | None, typer.Option(help='angles, such as "20 deg, 0 deg"  [default: mid-stroke; with --png: end of RUN]')
     ] = None,
     port: Annotated[int, typer.Option(min=0, max=65535, help="of the page; 0 is any that is free")] = 8080,
 ) -> None:
     """Show a machine's arm in the browser, or draw a picture.
 
-    Squares of the floor are 100 mm. The page is for browsers on this computer.
+    The page plays a run from its start; a picture shows the path of its tip. Squares of the floor are 100 mm. The page
+    is for browsers on this computer, until Ctrl-C.
     """
     from layflat import extras  # noqa: PLC0415
     from layflat.machine import load  # noqa: PLC0415

@@ -84,7 +84,11 @@ def changed_all(
 
 
 def value_at(described: Part, path: str) -> Any:
-    """Return the value or part at a dotted path (SI); raise InputError if there is no such path."""
+    """Return the value (SI) or the part itself at a dotted path, items of lists by number from 0.
+
+    Raises:
+        InputError: there is no such path; the message has the nearest one, or the new name of a renamed one.
+    """
     part: Any = described
     for key in path.split("."):
         if isinstance(part, dict) and key in part:
@@ -256,7 +260,8 @@ def _checked_array(values: "np.ndarray[Any, Any]", annotation: Any, where: str) 
     if not np.issubdtype(values.dtype, np.number) or values.size == 0:
         raise InputError(f"{shown(values)} is not an array of numbers", where=where, right="give a number for each run")
     if is_whole(annotation) and np.any(values != np.round(values)):
-        raise InputError("has an item that is not a whole number", where=where, right="give whole numbers")
+        odd = values[values != np.round(values)][0].item()
+        raise InputError(f"{shown(odd)} is not a whole number", where=where, right="give whole numbers")
     nonzero = np.abs(values[values != 0.0])
     for extreme in (values.min(), values.max(), *([nonzero.min()] if nonzero.size and values.min() >= 0.0 else [])):
         _checked(extreme.item(), annotation, where)
@@ -278,7 +283,10 @@ def _type_adapter(annotation: Any) -> TypeAdapter[Any]:
 
 
 def _with_any(part: Any) -> Any:
-    """Return a copy of a part whose arrays are true if any item is: a validator refuses it if it refuses one item."""
+    """Return a copy of a part whose arrays count as true if any item is true; comparisons still go item by item.
+
+    So a validator that raises an error `if` a comparison holds raises it if that holds for one item.
+    """
     import numpy as np  # noqa: PLC0415
 
     class AnyTrueArray(np.ndarray[Any, Any]):

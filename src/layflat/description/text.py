@@ -22,7 +22,7 @@ def errors_as(kind: type[InputError]) -> Iterator[None]:
 
 
 def exists(path: Path) -> bool:
-    """Return whether a path exists; False for names that the system refuses."""
+    """Return whether a path exists; False where the system refuses its name, or access to its folder."""
     with suppress(OSError, ValueError):
         return path.exists()
     return False

@@ -25,7 +25,14 @@ class ListedValue:
 
 
 def list_values(plain: Plain, sources: Sources) -> list[ListedValue]:
-    """Return every value that a description's arm uses, as text with its source; kind, name and title are left out."""
+    """Return every value of a description as text with its source; a list is one value.
+
+    Joints that the arm does not use are left out, and so are kind, name and title of the machine.
+
+    Args:
+        plain: plain values of the description, with their units.
+        sources: sources by dotted path; a value without one has that of `Provenance()`.
+    """
     used = {f"joint.{name}" for name in plain.get("arm", {}).get("joints", [])}
     lines = []
     for path, value in leaves(plain):

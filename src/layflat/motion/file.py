@@ -164,7 +164,8 @@ def make_motion(
     """
     if isinstance(motion, (str, Path, MotionDescription)):
         if start is not None:
-            raise InputError("goes with segments", where="start", right="leave it out: the motion has its own")
+            right = "leave it out: the motion has its own"
+            raise InputError("is only for segments given as a list", where="start", right=right)
         described = motion if isinstance(motion, MotionDescription) else read_motion(motion)
     else:
         kind = SignalKind("start", u.ANGLE, list(machine.joints))

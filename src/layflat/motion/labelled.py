@@ -133,10 +133,10 @@ def _read_array_columns(array: Any, kind: SignalKind) -> tuple[dict[str, Array],
 
 
 def _check_columns(frame: Any, kind: SignalKind) -> None:
-    """Raise InputError if a DataFrame has its times in a column, or columns of unknown names."""
+    """Raise InputError if a DataFrame has its times in a column "time", or columns of unknown names."""
     if "time" in frame.columns and "time" not in kind.names:
-        right = 'make them its index: frame.set_index("time")'
-        raise InputError("has its times in a column", where=kind.where, right=right)
+        right = 'set it as the index: frame.set_index("time")'
+        raise InputError("has its times in the column 'time', not in its index", where=kind.where, right=right)
     check_names(frame.columns, kind)
 
 
@@ -180,7 +180,7 @@ def _scale_value(value: Any, scale: float, kind: SignalKind) -> Any:
 def _read_values(values: NDArray[Any], scale: float, kind: SignalKind) -> Array:
     """Return the values of a column, in SI units; raise InputError if they are not finite numbers or texts."""
     if values.ndim != 1:
-        raise InputError("has columns of several values", where=kind.where, right="give one value a row")
+        raise InputError("has several values in a row of a column", where=kind.where, right="give one value a row")
     check_real(values, kind)
     if values.dtype.kind in "UO":
         return np.array([read_number(_scale_value(v, scale, kind), kind.quantity, kind.where) for v in values.tolist()])
@@ -212,7 +212,7 @@ def _read_times(index: Any, where: str) -> Array:
     if not np.isfinite(times).all():
         raise InputError("has a time that is not finite", where=where, right=TIMES_ADVICE)
     if times[0] < 0.0 or np.any(np.diff(times) <= 0.0):
-        raise InputError("its times do not grow from zero", where=where, right=TIMES_ADVICE)
+        raise InputError("its times must begin at 0 or later, and increase", where=where, right=TIMES_ADVICE)
     return np.asarray(times, dtype=np.float64)
 
 

@@ -146,7 +146,7 @@ def check_names(names: Iterable[object], kind: SignalKind) -> None:
 def check_real(array: Any, kind: SignalKind) -> None:
     """Raise InputError if an array holds masked values, or others than real numbers or texts."""
     if isinstance(array, np.ma.MaskedArray) and np.ma.is_masked(array):
-        raise InputError("holds masked values", where=kind.where, right="give an array without a mask")
+        raise InputError("holds masked values", where=kind.where, right="give a number for each of them")
     if array.dtype.kind not in "iufUO":
         raise InputError(f"an array of {array.dtype} holds no numbers", where=kind.where, right="give real numbers")
 

@@ -49,21 +49,22 @@ class PlannedMove(Trajectory):
 
 
 def plan_travel(start: Array, end: Array, limits: MotionLimits) -> PlannedMove:
-    """Plan the quickest motion from rest to rest between two positions.
+    """Plan the quickest straight motion from rest to rest between two positions, all axes ending together.
 
     Args:
         start: position, (axes,), rad or m.
         end: position, likewise.
-        limits: limits of the axes.
+        limits: limits of the axes' speed, acceleration and jerk; positions are not limited.
 
     Raises:
         InputError: ruckig is not installed, or a number is not finite.
+        LayflatError: no motion was found.
     """
     return plan_transfer(rest_states(start), rest_states(end), limits)
 
 
 def plan_transfer(start: States, end: States, limits: MotionLimits, *, duration: float = 0.0) -> PlannedMove:
-    """Plan the quickest motion from one state of motion to another.
+    """Plan the quickest motion from one state of motion to another, all axes ending together.
 
     Args:
         start: state, (axes,) each.
@@ -73,7 +74,7 @@ def plan_transfer(start: States, end: States, limits: MotionLimits, *, duration:
 
     Raises:
         InputError: ruckig is not installed, or a number is not finite.
-        LayflatError: the motion at the end is beyond the limits.
+        LayflatError: no motion was found, as where the motion at the end is beyond the limits.
     """
     otg, axes = extras.import_extra("motion", "ruckig"), len(start.angles)
     if not (np.isfinite(start).all() and np.isfinite(end).all()):

@@ -168,7 +168,8 @@ def hose_at_rest(hose, travel, p, T, p_a):
 def joint_at_rest(joint, q, p_1, p_2, around):
     """Return the state of a joint at rest at q (rad), with absolute pressures p_1 in hose A and p_2 in hose B (Pa).
 
-    Its air is at ambient temperature, its losses without torque.
+    Its air is at ambient temperature, its losses are without torque, and its valve was never driven. The pressures are
+    used as they are, whether or not they hold the joint there.
     """
     T, p_a = around.ambient_temperature, around.ambient_pressure
     a = hose_at_rest(joint.hose_a, joint.hose_a.neutral + q, p_1, T, p_a)

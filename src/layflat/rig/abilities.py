@@ -155,7 +155,9 @@ def may_reach_stops(machine: Machine, angles: Sequence[float], velocities: Seque
 def resting_angles(machine: Machine) -> Array:
     """Return the greatest angles from mid-stroke at which joints may rest without air, (joints,), rad.
 
-    These are the mechanical stops with their compression under gravity, or under a brake that keeps the joint there.
+    These are the mechanical stops with their compression: of a joint that sinks, `STOP_COMPRESSION_FACTOR` times that
+    by the greatest torque of gravity (`max_gravity_torques`); of any other, what its friction can hold against the
+    stop.
 
     Raises:
         MachineError: the machine has no valves.

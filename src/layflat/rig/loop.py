@@ -101,7 +101,11 @@ class RigLoop:
             self.driver.finalize()
 
     def cycle(self) -> None:
-        """Wait for the next deadline, then read, supervise, write, record and publish; a LinkError is a lost reply."""
+        """Wait for the next deadline, then read, supervise, write, record and publish.
+
+        Deadlines missed by a cycle or more are skipped, with the fault CYCLE_MISSED. A LinkError in reading counts as a
+        lost reply, whose reason becomes an event once; writing raises none.
+        """
         now = self.deadlines.wait()
         begun = perf_counter_ns()
         try:

@@ -73,14 +73,15 @@ def check_plan(machine: Machine, plan: DemandPlan, where: str = "plan") -> None:
         where: source of the plan, for messages.
 
     Raises:
-        InputError: times do not increase from 0 or later, or reach the duration; a demand or rate is not one finite
-            number a joint and time; a demand is outside the working stroke; accelerations are without velocities.
+        InputError: times do not begin at 0 or later and increase, or reach the duration; a demand or rate is not one
+            finite number a joint and time; a demand is outside the working stroke; accelerations are without
+            velocities.
     """
     joints = list(machine.joints)
     count, duration = len(plan.times), read_number(plan.duration, u.TIME, f"{where}: duration")
     times = read_rows(plan.times, SignalKind(f"{where}: times", u.TIME, (where,)), count)[:, 0]
     if count == 0 or times[0] < 0.0 or np.any(np.diff(times) <= 0.0):
-        raise InputError("do not increase from 0 or later", where=f"{where}: times", right="give 0.0, 0.5, ...")
+        raise InputError("must begin at 0 or later, and increase", where=f"{where}: times", right="give 0.0, 0.5, ...")
     if times[-1] >= duration:
         right = f"its last demand comes at {times[-1]:g} s: give more"
         raise InputError(f"{duration:g} s ends before the last move", where=f"{where}: duration", right=right)
@@ -88,7 +89,8 @@ def check_plan(machine: Machine, plan: DemandPlan, where: str = "plan") -> None:
     for j, name in enumerate(joints):
         parameters.check_inside_stroke(machine, name, float(demands[np.argmax(np.abs(demands[:, j])), j]), where)
     if plan.accelerations is not None and plan.velocities is None:
-        raise InputError("are given without velocities", where=f"{where}: accelerations", right="give both")
+        right = "give velocities too, or leave both out"
+        raise InputError("are given without velocities", where=f"{where}: accelerations", right=right)
     for name, rates, quantity in (
         ("velocities", plan.velocities, u.ANGULAR_SPEED), ("accelerations", plan.accelerations, u.ANGULAR_ACCELERATION),
     ):  # fmt: skip

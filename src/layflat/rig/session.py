@@ -203,7 +203,8 @@ class RigSession(AbstractContextManager["RigSession"]):
             RigLoopError: the loop does not run.
         """
         if accelerations is not None and velocities is None:
-            raise InputError("are given without velocities", where="accelerations", right="give both")
+            right = "give velocities too, or leave both out"
+            raise InputError("are given without velocities", where="accelerations", right=right)
         demand = {"angles": angles, "velocities": velocities, "accelerations": accelerations}
         rows = {name: None if row is None else self._read_row(name, row) for name, row in demand.items()}
         self.check()

@@ -82,7 +82,16 @@ def _demand(scenario: Scenario, machine: Machine, sampling: Sampling) -> Array:
 
 
 def _derived_rates(scenario: Scenario, rows: Mapping[str, Array], cycle: float) -> tuple[Array, Array]:
-    """Return velocity and acceleration of a demand, differentiated from the demand or from the velocity that is set."""
+    """Return velocity (rad/s) and acceleration (rad/s2) of a demand, (cycles, joints) each, 0 where it jumps.
+
+    Both are derived from the demand; but a velocity that the scenario sets stays, and the acceleration is derived from
+    it.
+
+    Args:
+        scenario: scenario with the demand.
+        rows: values of "demand" and, if the scenario sets it, of "demand_velocity", (cycles, joints).
+        cycle: control cycle, s.
+    """
     if scenario.demand_velocity is None:
         return derived_rates(rows["demand"], cycle)
     return rows["demand_velocity"], lasting_rate(rows["demand_velocity"], cycle)

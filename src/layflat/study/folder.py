@@ -199,7 +199,7 @@ def study_table(out: str | Path) -> "pandas.DataFrame":
 
 
 def _flatten(value: Any, path: str = "") -> dict[str, Any]:
-    """Return the values of nested tables and lists, by dotted path."""
+    """Return the values of nested tables and lists by dotted path, items by number; empty ones count as values."""
     if not isinstance(value, (dict, list)) or not value:
         return {path: value}
     items = value.items() if isinstance(value, dict) else enumerate(value)

@@ -165,6 +165,7 @@ def _completed_chunks(client: Any, study: Study, work: Work) -> "Iterator[tuple[
     waiting, numbers, own = iter(work), {}, software_versions(study)
 
     def submit(count: int) -> list[Any]:
+        """Submit the next `count` chunks, or as many as are left, without waiting; return their futures."""
         futures = []
         for number, runs in islice(waiting, count):
             future = client.submit(simulate_rows_on_worker, study, runs, own, pure=False)
@@ -258,6 +259,7 @@ def run_study(
         ran = sum(done.values())
 
         def tell(count: int) -> None:
+            """Report the number of finished runs, of which `count` are new."""
             nonlocal ran
             ran += count
             if progress is not None:

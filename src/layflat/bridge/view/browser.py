@@ -162,7 +162,7 @@ class Viewer:
             self._add_switch(label, handles)
 
     def _add_switch(self, label: str, handles: list[Any]) -> None:
-        """Add a checkbox that shows or hides objects of the scene."""
+        """Add a checkbox, checked at first, that shows or hides objects of the scene."""
         switch = self._server.gui.add_checkbox(label, True)
 
         def show(_: Any) -> None:

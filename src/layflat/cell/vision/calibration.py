@@ -69,7 +69,7 @@ class Calibration(Part):
         return np.asarray(-self.to_camera.T @ np.array(self.translation_m))
 
     def rays(self, pixels: ArrayLike) -> Array:
-        """Return the rays of pixels: (..., 2) px to (..., 3) unit vectors in the base frame."""
+        """Return the rays of pixels: (..., 2) px, column and row, to (..., 3) unit vectors in the base frame."""
         cv2 = opencv()
         px = np.asarray(pixels, dtype=np.float64)
         until = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 50, 1e-9)
@@ -79,13 +79,19 @@ class Calibration(Part):
         return np.asarray(ahead @ self.to_camera).reshape(*px.shape[:-1], 3)
 
     def to_table(self, pixels: ArrayLike, height: float = 0.0) -> Array:
-        """Return the points at which rays of pixels (..., 2) meet the plane z = `height` (m): x, y (..., 2), m."""
+        """Return the points at which rays of pixels (..., 2) meet the plane z = `height` (m): x, y (..., 2), m.
+
+        The result is wrong for rays that lead away from the plane.
+        """
         rays = self.rays(pixels)
         far = (height - self.position[2]) / rays[..., 2:]
         return np.asarray(self.position[:2] + far * rays[..., :2])
 
     def to_pixels(self, places: ArrayLike) -> Array:
-        """Return the pixels of points (..., 3), m in the base frame: (..., 2) px."""
+        """Return the pixels of points (..., 3), m in the base frame: (..., 2) px, column and row, with distortion.
+
+        They may lie outside of the picture; those of points that are not in front of the camera are wrong.
+        """
         cv2 = opencv()
         xyz = np.asarray(places, dtype=np.float64)
         turn, _ = cv2.Rodrigues(self.to_camera)

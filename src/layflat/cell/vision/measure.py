@@ -99,10 +99,12 @@ def rays_to_spheroids(rays: Array, flattening: Array) -> Array:
 
 
 def cone_rays(middle: Array, half: Array, count: int) -> Array:
-    """Return equidistant rays on cones, (B, count, 3) unit vectors, beginning at the same side.
+    """Return equidistant rays on cones, (B, count, 3) unit vectors, all the way round from the same side.
+
+    The first ray lies in the direction of axis x y, which is +x of an axis along -z; from there they turn to +y.
 
     Args:
-        middle: directions of the cones' axes, (B, 3) unit vectors.
+        middle: directions of the cones' axes, (B, 3) unit vectors, none parallel to y.
         half: half angles, (B,), rad.
         count: number of rays of a cone.
     """

@@ -32,7 +32,7 @@ class FilmAndSheet(Observer):
         self.on_control_cycle(0.0)
 
     def on_control_cycle(self, time: float) -> None:
-        """Add a frame, if one is due."""
+        """Add a frame to the film, if one is due at a time since the start of the delivery, s."""
         if self._film is not None and self._camera is not None and time >= self._next:
             self._next += 1.0 / FPS
             caption = f"delivery {len(self.deliveries) + 1}: {self._doing}"
@@ -82,7 +82,7 @@ class FilmAndSheet(Observer):
 def record_film_and_sheet(
     film: Path | None, sheet: Path, title: str, calibration: Calibration
 ) -> Iterator[FilmAndSheet]:
-    """Yield an observer that writes a film and a contact sheet, if the block ends without an error.
+    """Yield an observer that makes a film and a contact sheet, which are written if the block ends without an error.
 
     Args:
         film: path that ends in .mp4 or .gif; None: no film.
@@ -91,7 +91,8 @@ def record_film_and_sheet(
         calibration: calibration of the camera.
 
     Raises:
-        OutputError: a file can't be written.
+        OutputError: a path ends otherwise, a file can't be written, or the film has no frame.
+        InputError: PyAV, which encodes films, is not installed.
     """
     with nullcontext() if film is None else Film(film, FPS) as opened:
         observer = FilmAndSheet(opened, ContactSheet(title), calibration)

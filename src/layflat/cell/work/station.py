@@ -152,15 +152,25 @@ class CellStation:
         return LITRES_PER_CUBIC_METRE * (joints + self._scene.lift.air + self._scene.cup.air)
 
     def measure(self, relocation: Relocation | None = None) -> CellReadings:
-        """Return the sensor readings, with the relocation of a missed fruit by an image, if any."""
+        """Return the sensor readings of the present cycle; nothing moves, and no image is taken.
+
+        Args:
+            relocation: result of the image that the last command requested, to be among the readings; None without one.
+        """
         arm, scene = self.arm, self._scene
         lip, speed = self._top - scene.stroke, -scene.stroke_speed
         return CellReadings(self.time, arm.angles, arm.velocities, scene.cup.vacuum, lip, speed, relocation)
 
     def advance(self, command: PickCommand, course: MovingTarget | None = None) -> None:
-        """Run one control cycle, with the arm moving to the command's target, or following a course.
+        """Run one control cycle with a command in force, then call `each_cycle`.
 
-        Raises RigStoppedError as `CellArm.advance`, DivergedError if the simulation did.
+        Args:
+            command: target of the arm, height of the lift and suction.
+            course: motion of a fruit that the arm follows in place of the command's target; None: it moves to that.
+
+        Raises:
+            RigStoppedError: as from `CellArm.advance`.
+            DivergedError: the simulation diverged.
         """
         if course is None:
             self.arm.go(command.target)

@@ -94,7 +94,11 @@ def _feeding_pressure(joint, p, p_a):
 
 @law
 def has_stiffness(joint, state, k, around):
-    """Return 1 where a joint has stiffness k, or the nearest that its supply allows, or none is demanded, else 0."""
+    """Return 1 where a joint has stiffness k within `STIFFNESS_TOLERANCE`, or none is demanded (k <= 0), else 0.
+
+    It is 1 as well where the joint is too stiff at the least pressure of its supply, or too soft at the greatest. The
+    stiffness is that with its valve shut.
+    """
     error, p_a = state_stiffness(joint, state, around) - k, around.ambient_pressure
     p = max(0.5 * (state.hose_a.pressure + state.hose_b.pressure), p_a)
     share = (_feeding_pressure(joint, p, p_a) - p_a) / (around.supply_pressure - p_a)

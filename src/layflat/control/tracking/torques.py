@@ -85,7 +85,7 @@ def reanchor_path(settings, path, response, compliant):
 
 @law
 def _light_joint_feedback(feedback, reference, free, inertia, free_inertia, T):
-    """Return the torque (N m) of feedback that a light joint lacks to its least stiffness: air, not inertia, moves it.
+    """Return the torque (N m) of feedback that a light joint lacks to `min_stiffness`: air, not inertia, moves it.
 
     Damping is limited to `MAX_DAMPING_FRACTION` of free_inertia / T (inertia of the joint with free neighbours), beyond
     which it would reverse the velocity in every cycle.
@@ -97,7 +97,14 @@ def _light_joint_feedback(feedback, reference, free, inertia, free_inertia, T):
 
 @law
 def _friction_compensation(feedback, reference, free, goal, inertia, friction):
-    """Return the torque (N m) against friction in the direction in which the joint is to move."""
+    """Return the torque (N m) against friction in the direction in which the joint is to move, at most `friction`.
+
+    It is proportional to the effective velocity up to `CREEP_SPEED`: that of the reference, plus terms of the remaining
+    path, of the goal's acceleration and of the lag, less one of an angle beyond the goal.
+
+    Args: `Feedback`; reference; state with centred valves; goal (`Reference`); inertia of the joint, which limits the
+    gain of the lag, kg m2; torque of friction, N m.
+    """
     e = reference.angle - free.motion.angle
     lag = select(e > 0.0, max(e - LAG_DEADBAND, 0.0), min(e + LAG_DEADBAND, 0.0))
     remaining, error = goal.angle - reference.angle, free.motion.angle - goal.angle

@@ -193,14 +193,14 @@ def _link_direction(task: JointTask) -> Array:
 
 
 def _tube(part: SizedPart, direction: Array) -> Plain:
-    """Return the cylinder that a link's tube is drawn as."""
+    """Return the shape of a link's tube, as a file has it: a cylinder along a unit vector, in the link's frame."""
     middle = _mm(tuple(0.5 * component for component in part.task.link))
     size = _mm((part.tube.diameter, part.tube.length))
     return {"kind": "cylinder", "position": middle, "rotation": _direction_text(direction), "size": size}
 
 
 def _body_shape(part: SizedPart) -> Plain:
-    """Return the cylinder that a joint's body is drawn as, along its axis."""
+    """Return the shape of a joint's body, as a file has it: a cylinder along its axis, in the link's frame."""
     joint = part.joint.machine.joint[next(iter(part.joint.machine.joints))]
     axis = np.array(part.task.axis) / np.linalg.norm(part.task.axis)
     return {

@@ -108,7 +108,14 @@ def _reading_notes(table: LogTable, mapping: LogMapping, by_name: bool) -> list[
 def _build_series(table: LogTable, mapping: LogMapping, joints: list[str] | None, where: str) -> list[SignalSeries]:
     """Return all mapped columns in SI over their clocks; columns with the same stamps share a clock.
 
-    Raise InputError if the file lacks a column that is not optional, or all columns, or two entries are one channel.
+    Args:
+        table: columns of the file.
+        mapping: mapping of the columns; optional ones may be missing.
+        joints: names of the machine's joints; None where no machine is known: then any name is accepted.
+        where: name of the mapping in messages.
+
+    Raises:
+        InputError: the file lacks a column that is not optional, or all columns; or two entries are one channel.
     """
     seconds, shared_stamps, message_clock = _select_clock(table, mapping, where)
     clocks: dict[bytes, SampleClock] = {}
@@ -210,7 +217,14 @@ def _message_stamps(table: LogTable, column: LogColumn, clock: str, where: str) 
 def _joint_of_entry(entry: MappedColumn, mapping: LogMapping, joints: list[str] | None, where: str) -> str | None:
     """Return the joint of an entry, which a log of one joint need not name; None for signals without joint.
 
-    Raise InputError if the entry leaves the joint open, or names one that the machine lacks.
+    Args:
+        entry: entry of the mapping.
+        mapping: mapping, whose other entries may name the joints.
+        joints: names of the machine's joints; None where no machine is known: then any name is accepted.
+        where: name of the mapping in messages.
+
+    Raises:
+        InputError: the entry leaves open which of several joints it is of, or names one that the machine lacks.
     """
     if not SIGNALS[entry.signal].by_joint:
         return None
@@ -231,7 +245,17 @@ def _joint_of_entry(entry: MappedColumn, mapping: LogMapping, joints: list[str] 
 def _convert_column(
     column: LogColumn, entry: MappedColumn, joint: str | None, ambient: float, clock: SampleClock
 ) -> SignalSeries:
-    """Return a column as a signal in SI over its clock, with sign, offset, scale, unit and ambient pressure applied."""
+    """Return a column as a signal in SI over its clock: sign * (value - offset) * scale, read in the entry's unit.
+
+    Of several values with one stamp the last finite one counts; NaN stands for none.
+
+    Args:
+        column: column as it is in the file.
+        entry: entry of the mapping that names the column.
+        joint: joint of the signal; None for a signal without joint.
+        ambient: ambient pressure, which is added to a gauge pressure, Pa.
+        clock: clock of the signal.
+    """
     factor, shift = unit_conversion(entry.unit, SIGNALS[entry.signal])
     raw = _last_valid(np.where(np.isfinite(column.values), column.values, np.nan), clock)
     values = entry.sign * (raw - entry.offset) * entry.scale * factor + shift + (ambient if entry.gauge else 0.0)

@@ -98,6 +98,8 @@ class ArmScene:
     def show_reachable(self, corners: Array, is_reachable: NDArray[np.bool_], *, on_floor: bool = False) -> None:
         """Show the surface of positions that the tip can reach, in place of the previous one.
 
+        A cell of the grid is part of it where the tip can reach all of its corners.
+
         Args:
             corners: grid of positions in the base frame, m, (rows, columns, 3).
             is_reachable: mask of those that the tip can reach, (rows, columns).

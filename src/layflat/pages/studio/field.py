@@ -72,7 +72,7 @@ class Field:
         return split_quantity(self.quantity.text(value, self.unit))[0]
 
     def readable(self, value: float) -> Self:
-        """Return the field in the SI unit if the value's magnitude in its own is outside `READABLE_RANGE`."""
+        """Return the field, in the SI unit if a value (SI), unless 0, is outside `READABLE_RANGE` in the field's."""
         small, large = READABLE_RANGE
         if self.quantity is None or value == 0.0 or small <= abs(self.number(value)) < large:
             return self

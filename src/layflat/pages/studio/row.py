@@ -150,7 +150,7 @@ class Row:
             self.refresh()
 
     def _apply_typed(self) -> None:
-        """Apply the typed text if it differs from the shown value."""
+        """Apply typed text that differs from the shown value, or show why it is refused; else clear the message."""
         if self.has_unaccepted_text and isinstance(self._control, ui.input):
             self._apply(self.field.read(self._control.value or ""))
         else:

@@ -147,7 +147,10 @@ class StudioSession:
         return sorted(findings, key=lambda finding: SEVERITY_ORDER.index(finding.severity))
 
     async def follow(self) -> None:
-        """Compute results for the newest request, again after each new one, until cancelled."""
+        """Compute results at once, and again after each request, until cancelled; figures and cloud concurrently.
+
+        Of the requests during a computation only the newest is answered. An unexpected error becomes a finding.
+        """
         for requested in self._requested:
             requested.set()
         async with asyncio.TaskGroup() as group:

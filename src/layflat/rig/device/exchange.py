@@ -29,7 +29,10 @@ class DeviceStation:
         return self._identity
 
     def _obey(self, sequence: int, words: Sequence[int]) -> bool:
-        """Obey a command if it is new, and return whether it was; raise WireError if its words are no command."""
+        """Obey a command if its number comes after the last one (`is_later`), and return whether it does.
+
+        Raise WireError if the words are no command, whatever the number is; nothing changes then.
+        """
         command = self._wire.command(words)
         if not is_later(sequence, self._last):
             return False

@@ -39,7 +39,7 @@ class Failure:
 
         Args:
             device: the device.
-            joint: number of the joint; without effect where the failure is not a joint's.
+            joint: number of the joint, from 0; it must exist also where the failure is not a joint's.
             size: size in the unit of the failure's size; default: the usual one.
 
         Raises:
@@ -57,7 +57,7 @@ class Failure:
         self._set_state(device, joint, state)
 
     def heal(self, device: VirtualDevice, joint: int = 0) -> None:
-        """Heal the failure at the present instant; raise InputError if there is no such joint."""
+        """Heal the failure now, of a joint by its number from 0; raise InputError if there is no such joint."""
         self._set_state(device, joint, self.healthy)
 
     def __str__(self) -> str:

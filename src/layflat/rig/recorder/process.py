@@ -67,14 +67,14 @@ class BlackBox:
                 self._events.popleft()
 
     def work(self, begin: int, *, wait: bool = False) -> Event | None:
-        """Start writing a file that is due.
+        """Start writing a file that is due, in a thread, unless one is being written; report one that is finished.
 
         Args:
             begin: time of day when the loop began, ns since 1970.
-            wait: whether to wait until the file is written.
+            wait: whether to wait until the file that is being written is finished.
 
         Returns:
-            An event once a file is written or can't be; else None.
+            An event for a file, of this or an earlier call, that is now written or can't be; else None.
         """
         now = float(self._named(self._rows[-1], "time")[-1]) if self._rows else 0.0
         if self._writing is None and self._due is not None and now >= self._due:

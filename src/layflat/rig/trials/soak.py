@@ -118,7 +118,14 @@ class RandomWork(ScriptedHost):
 
 
 def required_stretch(machine: Machine, rows: States) -> float:
-    """Return the factor of time, at least 1, with which a motion demands at most `EFFORT_FRACTION` of each joint."""
+    """Return the factor, at least 1, by which a motion's time must grow to keep to `EFFORT_FRACTION` of its limits.
+
+    The limits are the speed and the deceleration that each joint has in every configuration (`demand_limits`).
+
+    Args:
+        machine: machine that moves.
+        rows: states of the motion, (samples, joints) each.
+    """
     can = demand_limits(machine)
     speed = (np.abs(rows[1]) / (EFFORT_FRACTION * can.speed)).max()
     acceleration = (np.abs(rows[2]) / (EFFORT_FRACTION * can.braking)).max()

@@ -119,7 +119,10 @@ def _draw_tail(high, low, step_high, step_low, ziggurat, negative):
 
 @composition
 def fill_cycle(streams, ziggurat, noise, k, run):
-    """Draw a run's noise of cycle k into `noise`, and advance its generator; zeros for a run without noise."""
+    """Write a run's standard normal samples of cycle k to `noise`, and advance its generator; zeros without noise.
+
+    Cycles are to be filled in order: k is the place in `noise`, (cycles, joints, sensors, runs), alone.
+    """
     high, low, step_high, step_low = streams[0, run], streams[1, run], streams[2, run], streams[3, run]
     for j in range(noise.shape[1]):
         for sensor in range(2):

@@ -43,7 +43,7 @@ def read_values(machine: Machine, key: str, values: Any) -> Array:
     if isinstance(values, (str, bytes)) or not hasattr(values, "__len__") or isinstance(values, (dict, set)):
         raise InputError(f"{shown(values)} is no list", where=where, right=right)
     if isinstance(values, np.ma.MaskedArray):
-        raise InputError("holds masked values", where=where, right="give an array without a mask")
+        raise InputError("holds masked values", where=where, right="give a number for each of them")
     try:
         array = np.asarray(values)
     except ValueError:  # lists of several lengths

@@ -253,8 +253,11 @@ class BodyScaling(Scaling):
 
         Args:
             scaled: scaled unknowns to be projected, (unknowns,).
-            start: near them, with feasible links.
+            start: near them, with feasible links; the search starts there, and ends after `MAX_SEARCH_STEPS` at most.
             triangle: weights of the distance: its norm is that of `triangle` times the change.
+
+        Returns:
+            Scaled values (unknowns,); feasible also where the search has ended early.
         """
         from scipy.optimize import least_squares  # noqa: PLC0415  # scipy.optimize takes long to import
 

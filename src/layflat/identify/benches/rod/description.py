@@ -60,7 +60,7 @@ class Friction(Part):
         if abs(sum(self.weights) - 1.0) > 1e-9:
             raise ValueError("weights must add up to 1, for example [0.4, 0.3, 0.3]")
         if self.profile and not (len(self.profile) > 1 and self.profile_to > self.profile_from):
-            raise ValueError("profile must have two items or more, and profile_to lie beyond profile_from")
+            raise ValueError("profile must have two items or more, and profile_to be greater than profile_from")
         return self
 
 

@@ -4,8 +4,8 @@ Optional terms of a law are fitted only if the logs show them: a seal whose shap
 
 | symbol | meaning |
 |---|---|
-| J | derivatives of the scaled residuals by the unknowns, in standard deviations of their priors |
-| r | scaled residuals where every unknown has the mean of its prior |
+| J | derivatives of the scaled residuals by the linear unknowns, in standard deviations of their priors |
+| r | scaled residuals, simulated less measured, where every linear unknown has the mean of its prior |
 """
 
 from collections.abc import Collection, Mapping, Sequence
@@ -78,7 +78,7 @@ def _drop_unknowns(model: Model, missing: set[str]) -> tuple[Unknown, ...]:
 
 NONLINEAR_SUFFIXES = ("film_fraction", "exponent")  # of unknowns that are searched linearly, but don't enter linearly
 
-MAX_SAMPLES = 20_000  # of all logs together that are used
+MAX_SAMPLES = 20_000  # of all logs together, above twice which every second or further one is used
 DIFFERENCE_WIDTH = 1e-5
 """Half the width of a difference, over the range between the bounds: the model is linear for small steps only."""
 
@@ -89,12 +89,16 @@ def prior_moments(unknown: Unknown) -> tuple[float, float]:
 
 
 def linearise(model: Model, values: Array, nearby: Collection[str] = ()) -> tuple[Array, Array, list[int]]:
-    """Return J, r (of at most `MAX_SAMPLES` samples) and the positions of J's columns among the unknowns.
+    """Return J and r near values of the unknowns, and the positions of J's columns among the unknowns.
 
     Args:
         model: model of a rod.
         values: values of its unknowns (SI), (unknowns,), about which differences are taken.
         nearby: paths of unknowns that are linear nearby only, and included nevertheless.
+
+    Returns:
+        J (samples, linear unknowns) and r (samples,), extrapolated from the values to the means of the priors; then the
+        positions. They are of fewer than twice `MAX_SAMPLES` samples, weighted as if they were all.
     """
     linear = [i for i, one in enumerate(model.unknowns) if not one.log and ".split." not in one.path]
     linear = [
@@ -122,7 +126,10 @@ def linearise(model: Model, values: Array, nearby: Collection[str] = ()) -> tupl
 
 
 def linear_step(model: Model, values: Array) -> tuple[Array, float]:
-    """Return values with the linear unknowns solved by least squares, then clipped; and the sum of squares before."""
+    """Return values with the linear unknowns solved by least squares and clipped to their bounds, and a sum of squares.
+
+    The sum is that of the scaled residuals and of the deviations from the priors at the solution, before it is clipped.
+    """
     J, r, linear = linearise(model, values)
     A, b = np.vstack([J, np.eye(len(linear))]), np.concatenate([-r, np.zeros(len(linear))])
     moves = np.linalg.lstsq(A, b)[0]
@@ -161,7 +168,7 @@ def log_evidence(J: Array, r: Array, bounds: tuple[Array, Array]) -> float:
 
 
 def prior_bounds(model: Model, linear: list[int]) -> tuple[Array, Array]:
-    """Return the bounds of unknowns, in standard deviations of their priors about the means."""
+    """Return lower and upper bounds of the unknowns at positions, in deviations of their priors about the means."""
     ends = []
     for i in linear:
         unknown = model.unknowns[i]

@@ -126,7 +126,12 @@ def build_chain(
 
 
 def parameters(described: ChainPart, joints: Sequence[Any]) -> ChainParameters:
-    """Return the parameters of the described arm, without payload, from base to tip."""
+    """Return the parameters of the described arm, without payload.
+
+    Args:
+        described: description of the arm.
+        joints: descriptions of its joints, from base to tip; see `bodies`.
+    """
     parts = [described.link[name] for name in described.joints]
     carries = described.bodies == "carried"
     loads = [(joint.body.mass if carries else 0.0) for joint in joints[1:]] + [0.0]
@@ -147,7 +152,15 @@ def parameters(described: ChainPart, joints: Sequence[Any]) -> ChainParameters:
 
 
 def bodies(described: ChainPart, joints: Sequence[Any]) -> RigidArm:
-    """Return the arm as rigid bodies, without payload; a link's mass includes its rotor and the next joint's body."""
+    """Return the arm as rigid bodies in the described frames, from base to tip, without payload.
+
+    A link's inertia includes that of its rotor, which has no mass. With `bodies = "carried"` a link also includes the
+    body of the next joint, as a point mass at that joint; the body of the first joint is fixed to the base.
+
+    Args:
+        described: description of the arm; no value may be an array.
+        joints: descriptions of its joints, from base to tip.
+    """
     parts = [described.link[name] for name in described.joints]
     carries = described.bodies == "carried"
     loads = [(joint.body.mass if carries else 0.0) for joint in joints[1:]] + [0.0]

@@ -5,6 +5,9 @@
 | m | mass | kg |
 | h | first moment of mass about the origin | kg m |
 | J | second moment, the inertia about the origin | kg m2 |
+| a, b, p | vectors (`Vector`); p is a position | m |
+
+`axes` are an `Axes`, J is a `Symmetric`, a body is a `RigidBody`.
 """
 
 from typing import NamedTuple
@@ -29,7 +32,7 @@ class Axes(NamedTuple):
 
 
 class Symmetric(NamedTuple):
-    """A symmetric matrix, such as an inertia, kg m2."""
+    """Items of a symmetric matrix, such as an inertia, kg m2, whose item xy is minus the product of inertia."""
 
     xx: float
     yy: float
@@ -108,7 +111,7 @@ def turn_about_z(axes, sin, cos):
 
 @law
 def apply_inertia(J, a):
-    """Return the product J a of a symmetric matrix and a vector."""
+    """Return the product J a, a `Vector`."""
     return Vector(
         J.xx * a.x + J.xy * a.y + J.xz * a.z, J.xy * a.x + J.yy * a.y + J.yz * a.z, J.xz * a.x + J.yz * a.y + J.zz * a.z
     )
