@@ -13,11 +13,11 @@ CENTRE_VOLTAGE = 5000  # where the valves are closed
 
 CENTRES_AFTER = 20000  # us without a command: interface.watchdog_cycles times controller.cycle
 DUMPS_AFTER = 200000  # us without a command: interface.dump_after
-EMPTIES_AFTER = 300000  # us: until valves are opened to a line that is let out; meanwhile air that is shut in brakes
+EMPTIES_AFTER = 300000  # us: until valves are opened to a line that is vented; meanwhile air that is shut in brakes
 LETS_DOWN = False  # True: they stay centred, with dither: an arm that gravity pulls down sinks, and does not fall
 SHORTEST_CYCLE = 4000  # us, with room to spare on a Pico
 
-DITHER_AMPLITUDE = 0.166  # share of full opening: valve.dither
+DITHER_AMPLITUDE = 0.166  # fraction of full opening: valve.dither
 DITHER_PERIOD = 20000  # us
 
 # Pins of a Raspberry Pi Pico, by GPIO number.

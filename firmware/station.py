@@ -132,7 +132,7 @@ class Station:
             self.counts = [self.centre] * self.settings.JOINTS
 
     def dump(self):
-        """Let out the air: first that of the supply's line, with the valves centred, then that of the hoses.
+        """Vent the air: first that of the supply's line, with the valves centred, then that of the hoses.
 
         Hoses A let go through the line, hoses B through the valves' exhaust. Of an arm that would fall the valves stay
         centred, with dither, so that it is let down slowly.
@@ -144,7 +144,7 @@ class Station:
         self.io.switch(0)
 
     def output(self):
-        """Drive the valves, with the dither unless they are opened to let the air out."""
+        """Drive the valves, with the dither unless they are opened to vent the hoses."""
         if self.state == DUMPED and not self.settings.LETS_DOWN:
             if not self.opened and self.io.elapsed(self.dumped) >= self.settings.EMPTIES_AFTER:
                 self.opened = True

@@ -104,7 +104,7 @@ def mends(name: str, **edges: bool) -> Any:
 
 
 def healthy() -> Arrays:
-    """Moves with air from the start, and all of it from switching on to letting out the air."""
+    """Moves with air from the start, and all of it from switching on to venting the air."""
     moves = {20: asks(0.3, -0.2), 200: asks(-0.1, 0.25)}
     runs = {
         "moves": played("paper-arm", moves, 400, filled=True),

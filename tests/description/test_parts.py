@@ -1,8 +1,13 @@
 """Rules that parts of descriptions share."""
 
+import ast
+import re
+from pathlib import Path
+
 import pytest
 from pydantic import ValidationError
 
+import layflat
 from layflat.description import Part, ordered
 
 
@@ -30,3 +35,19 @@ def test_values_out_of_order_are_refused(part: type[Below], low: float, high: fl
     else:
         with pytest.raises(ValidationError, match=problem):
             part(low=low, high=high)
+
+
+EVERYDAY = re.compile(
+    r"\b(turn\w*|shares?|nobody|ways?|told|tells?|asked|wanted|gone|puts?|brings?|swings?|calm|led|own)\b"
+)
+
+
+def test_descriptions_of_keys_use_words_of_the_field() -> None:
+    texts = []
+    for path in sorted(Path(layflat.__file__).parent.rglob("*.py")):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "Field":
+                described = [keyword.value for keyword in node.keywords if keyword.arg == "description"]
+                texts += [text.value for text in described if isinstance(text, ast.Constant)]
+    assert len(texts) > 200
+    assert [text for text in texts if EVERYDAY.search(str(text))] == []

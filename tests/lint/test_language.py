@@ -26,6 +26,8 @@ BROKEN = [
     ("arguments", "def open_valve(a, b, *, c): ...\n"),
     ("arguments", "class Valve:\n    def open(self, a, b, c): ...\n"),
     ("message", 'raise InputError(f"the posture of {1}")\n'),
+    ("message", 'raise DriverError("it opens the valves as it lets out the air")\n'),
+    ("message", 'raise LayflatError("the check was broken off, and the air let out")\n'),
 ]
 
 SOUND = [

@@ -66,8 +66,12 @@ class Interface(Part):
 class Safety(Part):
     """Limits of a rig; detection times of the faults are in rig/safety/faults.py."""
 
-    supply_low: u.Share = Field(default=0.5, description="share of the supply's gauge pressure; below it it is lost")
-    supply_ready: u.Share = Field(default=0.8, description="share of the same that a soft start waits for")
+    supply_low: u.Share = Field(
+        default=0.5, description="fraction of the supply's gauge pressure below which the supply is lost"
+    )
+    supply_ready: u.Share = Field(
+        default=0.8, description="fraction of the supply's gauge pressure for which a soft start waits"
+    )
     overpressure: Annotated[float, Field(gt=1.0, le=2.0)] = Field(
         default=1.25,
         description="of the supply's gauge pressure, above which supply or differential pressure is too high: a hose "

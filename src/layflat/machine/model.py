@@ -86,9 +86,7 @@ class Machine(DescribedFile):
     joint: dict[Key, Joint]
     arm: Annotated[ArmPart, AnyKindOf(ARM_KINDS)]
     valve: Annotated[ValvePart, AnyKindOf(VALVE_KINDS)] | None = None
-    line: TubePart | None = Field(
-        default=None, description="tube from the valve to each hose, of joints without their own"
-    )
+    line: TubePart | None = Field(default=None, description="tube from the valve to each hose, for joints without one")
     angle_sensor: AngleSensor | None = None
     pressure_sensor: PressureSensor | None = None
     controller: Annotated[ControllerPart, AnyKindOf(CONTROL_LAWS)] | None = None

@@ -188,8 +188,8 @@ class RegulatorPart(Part):
 class Spring(Part):
     """A spring on the shaft: it returns a joint with a single hose, or bears part of the arm's weight."""
 
-    torque: u.AnyTorque = Field(description="at mid-stroke; one above 0 turns the joint forward, as hose A does")
-    stiffness: u.Stiffness = Field(default=0.0, description="by which that torque falls as the joint turns forward")
+    torque: u.AnyTorque = Field(description="at mid-stroke; one above 0 moves the joint forward, as hose A does")
+    stiffness: u.Stiffness = Field(default=0.0, description="decrease of that torque over the angle forward")
 
 
 class Joint(Part):

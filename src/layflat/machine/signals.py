@@ -10,7 +10,7 @@ SIGNALS: dict[str, tuple[str, str]] = {
     "pressure_b": ("Pa", "absolute pressure in hose B"),
     "temperature_a": ("K", "temperature of the air in hose A"),
     "temperature_b": ("K", "temperature of the air in hose B"),
-    "valve_opening": ("1", "opening of the valve towards filling hose A, share of full opening"),
+    "valve_opening": ("1", "opening of the valve towards filling hose A, fraction of full opening"),
     "voltage": ("V", "control voltage"),
     "measured_angle": ("rad", "angle as sampled"),
     "measured_pressure": ("Pa", "differential pressure as sampled"),

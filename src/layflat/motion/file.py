@@ -30,9 +30,9 @@ JointAngles = Annotated[tuple[u.Angle, ...], Field(min_length=1, max_length=MAX_
 class TimedPart(Part):
     """Timing along a path: with limited jerk, or time-optimal within the capabilities of hoses and valves."""
 
-    speed: u.LinearSpeed | None = Field(default=None, description="of the tip at most")
-    acceleration: u.PositiveAcceleration | None = Field(default=None, description="of the tip at most")
-    jerk: u.Jerk | None = Field(default=None, description="of the tip along its way at most")
+    speed: u.LinearSpeed | None = Field(default=None, description="greatest of the tip")
+    acceleration: u.PositiveAcceleration | None = Field(default=None, description="greatest of the tip")
+    jerk: u.Jerk | None = Field(default=None, description="greatest of the tip along its path")
     time_optimal: bool = False
 
     @model_validator(mode="after")
@@ -96,7 +96,7 @@ class BeltPart(Part):
     speeds: Annotated[tuple[tuple[u.TimeOrZero, u.AnySpeed], ...], Field(min_length=1)] = Field(
         description="when the speed begins to change, from the segment's beginning on, and what to"
     )
-    acceleration: u.PositiveAcceleration = Field(description="of the belt at most")
+    acceleration: u.PositiveAcceleration = Field(description="greatest of the belt")
 
 
 class WaitPart(Part):

@@ -32,7 +32,7 @@ MIN_CHANGING_NOISE = 0.2  # noise in counts from which on a valid sensor changes
 MAX_NOISE_RATIO, MIN_NOISE_RATIO = 5.0, 0.5  # measured noise over that of the description; outside, the sensor fails
 
 # By DeviceState.
-DEVICE_STATE_TEXTS = ("obeys", "has centred the valves", "has let out the air")
+DEVICE_STATE_TEXTS = ("obeys", "has centred the valves", "has vented the air")
 POLL_INTERVAL = 0.05  # between two polls of whether to go on, s
 VENT_TIMEOUT = 15.0  # within which a check that is broken off vents the hoses, s
 
@@ -146,7 +146,7 @@ def _check_pressure(bench: OpenLoopRig, j: int, name: str, samples: Array) -> Ch
     if not abs(middle) < bench.limits[j].over_pressure:
         problem = "at its rail: look at its wires"
     elif abs(middle) > MAX_VENTED_PRESSURE:
-        problem = "let the air out of the hoses, or set its zero"
+        problem = "vent the hoses, or set its zero"
     return _check_sensor(
         f"pressure of {name}", f"{middle / 1e5:+.3f} bar", sensor(bench.pressure_part), samples, problem
     )
@@ -191,7 +191,7 @@ def check_in_subprocess(
         driver: factory of its driver, called in the subprocess; it must be picklable.
         air: whether to check with air, too: joints move.
         tell: called with the name of each step.
-        minded: polled every 50 ms; once it returns False, the check is broken off and the air let out.
+        minded: polled every 50 ms; once it returns False, the check is broken off and the air vented.
 
     Raises:
         LayflatError: no fitting device answers, or the check was broken off.
@@ -208,7 +208,7 @@ def check_in_subprocess(
                 if kind == "failed":
                     raise LayflatError(what)
                 tell(what)
-        raise LayflatError("the check was broken off, and the air let out")
+        raise LayflatError("the check was broken off, and the air vented")
     except (EOFError, OSError):
         process.join(0.1)  # so that its status is known
         what = f"the check's process ended without a result (status {process.exitcode}); check the rig again"
@@ -223,7 +223,7 @@ def _run_check(machine: Machine, driver: Callable[[], Driver], air: bool, pipe: 
 
     Messages are ("doing", step), then ("found", results) or ("failed", message). SIGTERM vents the hoses and ends it.
     """
-    signal.signal(signal.SIGTERM, lambda *_: sys.exit(0))  # so that the air is let out
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(0))  # so that the air is vented
     gc.freeze()
     gc.disable()  # a collection takes many cycles
     with suppress(OSError, AttributeError):

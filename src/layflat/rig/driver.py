@@ -2,8 +2,8 @@
 
     unconfigured --configure--> inactive --activate--> active --deactivate--> inactive --finalize--> finalized
 
-Only an active driver moves anything: `activate` sends no command of its own, `deactivate` centres the valves and lets
-out the air. In every cycle the loop calls `read` once, then `write` once. Where the device answers commands (Modbus,
+Only an active driver moves anything: `activate` sends no command of its own, `deactivate` centres the valves and vents
+the air. In every cycle the loop calls `read` once, then `write` once. Where the device answers commands (Modbus,
 serial), `write` only stores the command and `read` makes one transaction of both: voltages are then a cycle late.
 """
 
@@ -32,7 +32,7 @@ class DeviceState(IntEnum):
 
     RUNNING = 0  # it obeys commands
     CENTRED = 1  # no command came for some cycles: the valves are centred
-    DUMPED = 2  # none came for longer, or the e-stop is pressed: the air is let out; it obeys again after a `reset`
+    DUMPED = 2  # none came for longer, or the e-stop is pressed: the air is vented; it obeys again after a `reset`
 
 
 class RigCommand(NamedTuple):
@@ -89,7 +89,7 @@ class Capabilities(NamedTuple):
                 abs(self.centre_voltage - centre) > 1e-3 * (high - centre)
             ),
             "it does not add the dither": dithers and not self.dithers,
-            "it opens the valves as it lets out the air, and the arm would fall": falling and not self.lets_down,
+            "it opens the valves as it vents the air, and the arm would fall": falling and not self.lets_down,
             f"it has {self.outputs} digital outputs, the machine {outputs}": self.outputs < outputs,
             f"its shortest cycle is {shortest}, the controller's {1e3 * cycle:g} ms": self.shortest_cycle > cycle,
         }

@@ -174,9 +174,9 @@ def check_signs(bench: OpenLoopRig, tell: Callable[[str], object] = str) -> list
                     judge_pulses([_apply_pulse(bench, joint, sign) for sign in (1, -1)], joint, bench.names)
                 )
     except UnsafeError as error:
-        findings.append(CheckResult("ended early", str(error), "find the cause; the air was let out"))
+        findings.append(CheckResult("ended early", str(error), "find the cause; the air was vented"))
     finally:
-        tell("letting the air out")
+        tell("venting the air")
         bench.vent()
     return findings
 

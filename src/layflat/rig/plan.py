@@ -36,7 +36,7 @@ class DemandPlan:
 
     times: Sequence[float]  # from which on each holds, increasing, s
     demands: Sequence[Sequence[float]]  # rad, one for each joint from base to tip, a row for each time
-    duration: float  # until the joints are held and the air is let out, s
+    duration: float  # until the joints are held and the air is vented, s
     velocities: Sequence[Sequence[float]] | None = None  # rad/s, rows likewise; None: they are derived, or zero
     accelerations: Sequence[Sequence[float]] | None = None  # rad/s2, beside velocities
 

@@ -266,7 +266,7 @@ class Identity(NamedTuple):
         if needed.dithers and not self.flags & DITHERS_FLAG:
             raise DriverError("the rig adds no dither", where=where, right="let its firmware add the dither")
         if needed.lets_down and not self.flags & LETS_DOWN_FLAG:
-            what = "the rig opens the valves as it lets out the air, and this arm would fall"
+            what = "the rig opens the valves as it vents the air, and this arm would fall"
             raise DriverError(
                 what, where=where, right="its device has to keep them centred (LETS_DOWN in its settings)"
             )

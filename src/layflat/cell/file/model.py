@@ -89,7 +89,7 @@ class Cell(DescribedFile):
     light: dict[str, Light]
     produce: dict[str, Produce]
     tray: dict[str, Tray] = Field(default_factory=dict)
-    conveyor: Conveyor | None = Field(default=None, description="brings produce, in place of trays")
+    conveyor: Conveyor | None = Field(default=None, description="delivers produce, instead of trays")
     container: dict[str, Container]
     network: Network | None = Field(default=None, description="detects produce; default: colours do")
     clutter: dict[str, Clutter] = Field(default_factory=dict)

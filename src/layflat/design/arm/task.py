@@ -44,8 +44,8 @@ class JointTask(Part):
     """Joint of a task, with the link that it rotates."""
 
     name: Key
-    axis: NumberTriple = Field(description="about which it turns its link, in the link's frame")
-    middle: u.Angle = Field(default=0.0, description="by which the link is turned about it in mid-stroke")
+    axis: NumberTriple = Field(description="about which it rotates its link, in the link's frame")
+    middle: u.Angle = Field(default=0.0, description="rotation of the link about it in mid-stroke")
     stroke: u.PositiveAngle = Field(default=radians(120.0), description="working stroke")
     link: PositionVector = Field(
         description="from this joint to the next one, or to the payload, in its frame; may be nothing"
@@ -108,18 +108,19 @@ class ArmTask(DescribedFile):
     supply: Annotated[u.PositivePressure, AfterValidator(_check_supply)] = Field(description="gauge pressure")
     reach: u.Length | None = Field(default=None, description="of a standard arm, from its shoulder to the payload")
     joints: Annotated[int, Field(ge=min(STANDARD_CHAINS), le=max(STANDARD_CHAINS))] | None = Field(
-        default=None, description="of a standard arm: lift; shoulder, elbow; with a turning base; with a wrist"
+        default=None, description="of a standard arm: lift; shoulder, elbow; with a rotating base; with a wrist"
     )
     joint: Annotated[tuple[JointTask, ...], Field(max_length=MAX_JOINTS)] = Field(
         default=(), description="of any other arm, from base to tip"
     )
     time: u.Time | None = Field(default=None, description="that a move takes, from rest to rest")
-    acceleration: u.PositiveAcceleration | None = Field(default=None, description="in place of time: of the tip")
+    acceleration: u.PositiveAcceleration | None = Field(default=None, description="of the tip, instead of a time")
     rotation: u.PositiveAngle = Field(
-        default=radians(60.0), description="of the joint that turns most in a move where nothing else says which moves"
+        default=radians(60.0),
+        description="of the joint that rotates furthest in a move, without configurations, points and volume",
     )
-    configurations: tuple[Posture, ...] = Field(default=(), description="that are gone through, in turn")
-    points: tuple[PositionVector, ...] = Field(default=(), description="that the tip goes through, in turn")
+    configurations: tuple[Posture, ...] = Field(default=(), description="that a move passes, one after another")
+    points: tuple[PositionVector, ...] = Field(default=(), description="that the tip passes, one after another")
     volume: Volume | None = None
     margin: Annotated[float, Field(ge=1.0, le=5.0)] = Field(
         default=1.3, description="of torques, their rates and speeds over those of the moves"

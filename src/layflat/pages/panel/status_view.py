@@ -82,7 +82,7 @@ FAULT_ADVICE: dict[Fault, tuple[str, str]] = {
         "See what pushed it, or whether it lost its load. Then reset and start.",
     ),
     Fault.DEVICE_DUMPED: (
-        "The rig heard nothing from this computer and let out the air.",
+        "The rig heard nothing from this computer and vented the air.",
         "Look at cable and plugs. Then reset and start.",
     ),
     Fault.E_STOP: ("The emergency stop is pressed.", "Release it when all is well. Then reset and start."),
@@ -95,7 +95,7 @@ STATE_TEXTS: dict[RigState, tuple[str, str]] = {
     RigState.READY: ("Ready", "Air is there. Jog, or give a target."),
     RigState.MOVING: ("Moving", "The arm follows what it is asked for."),
     RigState.HOLDING: ("Holding", "The joints are held, with air. Go on when all is well."),
-    RigState.STOPPED: ("Stopped", "The joints were held, and the air is let out. Start brings it again."),
+    RigState.STOPPED: ("Stopped", "The joints were held, and the air is vented. Start brings it again."),
     RigState.FAULT: ("Fault", "See what to do below."),
 }
 """Name and meaning of each state."""
@@ -103,16 +103,16 @@ STATE_TEXTS: dict[RigState, tuple[str, str]] = {
 REACTION_TEXTS: dict[Reaction, str] = {
     Reaction.WARN: "The arm goes on.",
     Reaction.HOLD: "The joints are held, with air.",
-    Reaction.STOP: "The joints were held, and the air is let out.",
-    Reaction.VENT_JOINT: "The air is off; the joint's valve lets its air out.",
-    Reaction.VENT: "The air is let out of all joints.",
-    Reaction.DUMP: "The air is let out, by the rig itself, too.",
+    Reaction.STOP: "The joints were held, and the air is vented.",
+    Reaction.VENT_JOINT: "The air is off; the joint's valve vents it.",
+    Reaction.VENT: "The air of all joints is vented.",
+    Reaction.DUMP: "The air is vented, by the rig itself, too.",
 }
 """Effect of each reaction to a fault."""
 
 
 STOP_NOTICE = (
-    "Stop holds the arm where it is, with air; Vent lets the air out. Neither is an emergency stop: that is the red "
+    "Stop holds the arm where it is, with air; Vent vents the hoses. Neither is an emergency stop: that is the red "
     "button at the rig."
 )
 

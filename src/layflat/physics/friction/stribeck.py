@@ -32,7 +32,7 @@ class StribeckPart(FrictionPart):
 
     kind: Literal["stribeck"]
     static_ratio: StaticRatio = Field(description="static over kinetic friction, 1 or more")
-    velocity: u.PositiveSpeed = Field(description="at which half of the difference is gone (Stribeck velocity)")
+    velocity: u.PositiveSpeed = Field(description="at which half of the difference remains (Stribeck velocity)")
     drag: u.Torque = Field(
         default=0.0, description="kinetic friction of bearings and seals without load, whatever the brake's signal"
     )

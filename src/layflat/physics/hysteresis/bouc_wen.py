@@ -52,7 +52,7 @@ class BoucWenPart(LossesPart):
 
     kind: Literal["bouc-wen"]
     deflection: u.PositiveAngle = Field(
-        description="turn after which the whole loss would be reached at the curve's first slope, at reference pressure"
+        description="rotation at which the initial slope of the curve reaches the whole loss, at reference pressure"
     )
     beta: Annotated[float, Field(ge=0.5, le=3.0)] = Field(
         default=0.5, description="beta / (beta + gamma): 0.5 comes back straight, more comes back steeper"

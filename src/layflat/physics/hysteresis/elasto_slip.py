@@ -48,10 +48,10 @@ class ElastoSlipPart(LossesPart):
 
     kind: Literal["elasto-slip"] = "elasto-slip"
     deflections: Annotated[tuple[u.PositiveAngle, ...], Field(min_length=1)] = Field(
-        description="turn after which each of the elements slips, at reference pressure"
+        description="rotation after which each of the elements slips, at reference pressure"
     )
     weights: Annotated[tuple[u.Share, ...], Field(min_length=1)] = Field(
-        description="share of each element in the loss"
+        description="fraction of the loss that each element has"
     )
 
     @model_validator(mode="after")
@@ -175,11 +175,11 @@ class SpectrumPart(LossesPart):
     """Description of a spectrum of elasto-slip elements."""
 
     kind: Literal["elasto-slip-spectrum"]
-    first: u.PositiveAngle = Field(description="turn after which the first element slips, at reference pressure")
+    first: u.PositiveAngle = Field(description="rotation after which the first element slips, at reference pressure")
     last: u.PositiveAngle = Field(description="the same of the last element")
     elements: Annotated[int, Field(ge=2, le=32)] = Field(default=8, description="how many there are")
     slope: Annotated[float, Field(ge=-4.0, le=4.0)] = Field(
-        default=0.0, description="power of the deflection that each element's share of the loss is proportional to"
+        default=0.0, description="power of the deflection to which each element's fraction of the loss is proportional"
     )
 
     _ordered = ordered("first", "last", "last must be greater than first, for example 0.3 deg and 12 deg")

@@ -45,13 +45,13 @@ class MaxwellPart(LossesPart):
 
     kind: Literal["maxwell"]
     deflection: u.PositiveAngle = Field(
-        description="turn that, made at once, gives each element its weight of the loss"
+        description="sudden rotation after which each element has its weight of the loss"
     )
     times: Annotated[tuple[u.Time, ...], Field(min_length=1)] = Field(
         description="in which each element relaxes, at reference pressure"
     )
     weights: Annotated[tuple[u.Share, ...], Field(min_length=1)] = Field(
-        description="torque of each element after that turn over the loss in a slow motion"
+        description="torque of each element after that rotation over the loss in a slow motion"
     )
 
     @model_validator(mode="after")
@@ -137,7 +137,7 @@ class CreepPart(LossesPart):
     """Description of creep: Maxwell elements with relaxation times over decades."""
 
     kind: Literal["creep"]
-    deflection: u.PositiveAngle = Field(description="turn after which, made at once, `per_decade` holds")
+    deflection: u.PositiveAngle = Field(description="sudden rotation after which `per_decade` holds")
     per_decade: u.Share = Field(description="torque that relaxes in a decade of time, over the loss of a slow motion")
     first: u.Time = Field(description="shortest time in which an element relaxes, at reference pressure")
     last: u.Time = Field(description="longest such time")

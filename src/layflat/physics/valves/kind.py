@@ -42,10 +42,10 @@ COMMON_FIELDS = (
 class DitherPart(Part):
     """Description of the dither: an oscillation that the driver adds to keep the spool moving."""
 
-    amplitude: u.Share = Field(description="share of full opening")
+    amplitude: u.Share = Field(description="fraction of full opening")
     frequency: u.ValveFrequency
     min: u.Share = Field(
-        default=0.0, description="fraction of it that the driver adds at any time; 1: nobody can stop it"
+        default=0.0, description="lowest fraction of it that a controller can command; 1: the dither is constant"
     )
 
 

@@ -53,7 +53,7 @@ class Stiction(Part):
     """Description of a spool's static friction, and its fall as the spool begins to slide."""
 
     static_ratio: StaticRatio = Field(description="static over kinetic friction, 1 or more")
-    velocity: u.Rate = Field(description="at which half of the difference is gone, full openings per second")
+    velocity: u.Rate = Field(description="at which half of the difference remains, full openings per second")
 
 
 class SpoolValvePart(ValvePart):
@@ -61,11 +61,13 @@ class SpoolValvePart(ValvePart):
 
     kind: Literal["spool"] = "spool"
     overlap: Annotated[u.Share, Field(lt=0.9)] = Field(
-        description="share of the stroke in which a land covers its port"
+        description="fraction of the stroke in which a land covers its port"
     )
     natural_frequency: u.ValveFrequency
     damping_ratio: u.Ratio
-    friction: u.Share = Field(description="change of command that the spool's friction can hide, share of full opening")
+    friction: u.Share = Field(
+        description="change of command to which the spool need not respond, fraction of full opening"
+    )
     dither: DitherPart
     stiction: Stiction | None = Field(
         default=None, description="static friction above `friction`, which is then kinetic; default: none"

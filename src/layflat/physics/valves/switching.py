@@ -59,10 +59,10 @@ class SwitchingValvesPart(ValvePart):
 
     kind: Literal["switching"]
     frequency: u.ValveFrequency = Field(description="of the pulses")
-    dead_band: Annotated[u.Share, Field(lt=0.9)] = Field(description="command up to which no pulse is given")
+    dead_band: Annotated[u.Share, Field(lt=0.9)] = Field(description="command up to which there are no pulses")
     min_pulse: u.TimeOrZero = Field(description="length of the pulse at the edge of the dead band")
     opening_delay: u.ShortTime = Field(description="from voltage on to the plunger's first motion")
-    opening_time: u.ShortTime = Field(description="of the plunger's whole way")
+    opening_time: u.ShortTime = Field(description="of the plunger's full stroke")
     closing_delay: u.ShortTime = Field(description="from voltage off to the plunger's first motion")
     closing_time: u.ShortTime
 

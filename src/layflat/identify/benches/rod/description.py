@@ -41,12 +41,13 @@ class Friction(Part):
         description="travel after which each element slips, at reference pressure"
     )
     weights: Annotated[tuple[u.Share, ...], Field(min_length=1)] = Field(
-        description="share of each element in the friction without the film"
+        description="fraction of the friction without the film that each element has"
     )
-    film_fraction: u.Share = Field(default=0.0, description="share of the friction that follows the speed")
+    film_fraction: u.Share = Field(default=0.0, description="fraction of the friction that depends on the speed")
     film_speed: u.LinearSpeed = Field(default=0.005, description="speed at which the film has 76 % of its friction")
     profile: tuple[Annotated[float, Ge(-0.9), Le(9.0)], ...] = Field(
-        default=(), description="friction added along the stroke, as a share of it, at positions evenly apart"
+        default=(),
+        description="additional friction along the stroke, as a fraction of the friction, at evenly spaced positions",
     )
     profile_from: u.Coordinate = Field(default=0.0, description="position of the first of them")
     profile_to: u.Coordinate = Field(default=0.0, description="position of the last of them")

@@ -71,7 +71,7 @@ class LinkShape(Part):
 class LinkPart(Part):
     """A link in space, with the joint that turns it: in a frame that lies in the one of the link before."""
 
-    axis: NumberTriple = Field(description="about which the joint turns this link, in its frame; of any length")
+    axis: NumberTriple = Field(description="about which the joint rotates this link, in its frame; of any length")
     position: PositionVector = Field(
         description="of the joint, and of the frame's origin, in the frame of the link before"
     )
@@ -88,7 +88,7 @@ class LinkPart(Part):
         default=0.0, description="of cams, shaft and brake disk, taken for a disk about the joint"
     )
     armature: u.InertiaOrZero = Field(
-        default=0.0, description="of what a gear lets turn with the joint's speed alone, as MuJoCo's armature"
+        default=0.0, description="inertia that follows the joint's rotation alone, through a gear, as MuJoCo's armature"
     )
     shapes: tuple[LinkShape, ...] = ()
 
@@ -112,7 +112,7 @@ class ChainPart(ArmPart):
 
     kind: Literal["chain"]
     joints: Annotated[tuple[str, ...], Field(min_length=1, max_length=MAX_JOINTS)]
-    link: dict[Key, LinkPart] = Field(description="by the joint that turns it")
+    link: dict[Key, LinkPart] = Field(description="by the joint that rotates it")
     tool: PositionVector = Field(description="of the payload and of the tip, in the frame of the last link")
     tool_rotation: AngleTriple = Field(default=ZERO_TRIPLE, description="of the tool's frame, likewise")
     gravity: tuple[u.AnyGravity, u.AnyGravity, u.AnyGravity] = Field(description="in the frame of the base")
