@@ -42,7 +42,8 @@ def measure() -> dict[str, float | str]:
     settings = parameters.control(machine)
     noise = np.random.default_rng(5).standard_normal((3, 256))
     samples = (0.1 * noise[0], 1e5 * noise[1], 0.5 * noise[2])
-    controller = median_seconds(lambda: control_cycles(settings, *samples, TIMED_CYCLES)) / TIMED_CYCLES
+    control = control_cycles.bind(settings, *samples, TIMED_CYCLES, np.empty(1))
+    controller = median_seconds(control) / TIMED_CYCLES
     return {
         "rollout_ns_per_step": 1e9 * rollout,
         "mujoco_arm_ns_per_step": 1e9 * mujoco,

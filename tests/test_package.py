@@ -12,6 +12,7 @@ import layflat
 UNREAD = {
     "jit/libraries.py: _finalized",  # of a class of the compiler, which reads it
     "jit/libraries.py: _shared_module",  # likewise
+    "jit/portable.py: _finalized",  # likewise
     "rig/safety/faults.py: _value_",  # of enumerations, read by Python
     "sim/plant.py: _like",
 }

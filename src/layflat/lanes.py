@@ -17,7 +17,7 @@ This module is plain Python, the meaning of each operation; `jit/lanes` teaches 
 import operator
 import os
 from collections.abc import Callable, Iterator
-from functools import cache, reduce, wraps
+from functools import cache, cached_property, reduce, wraps
 from itertools import count
 from typing import Any, ClassVar
 
@@ -196,6 +196,11 @@ class Like:
     def __init__(self, value: Any, max_bytes: int) -> None:
         self.value, self.max_bytes = value, max_bytes
 
+    @cached_property
+    def text(self) -> str:
+        """Classes of the tuples in it and maximum size of lanes: equal texts mean equal structures."""
+        return f"{_structure_text(self.value)}:{self.max_bytes}"
+
     @classmethod
     def from_tuple(cls, value: Any, max_bytes: int = MAX_REGISTER_BYTES) -> "Like":
         """Return the structure of a tuple, with the maximum size in bytes of lanes that are read for it."""
@@ -207,6 +212,13 @@ class Like:
 
 def _structure_key(value: Any) -> Any:
     return (type(value), *map(_structure_key, value)) if isinstance(value, tuple) else None
+
+
+def _structure_text(value: Any) -> str:
+    if not isinstance(value, tuple):
+        return "."
+    kind = "" if type(value) is tuple else f"{type(value).__module__}.{type(value).__qualname__}"
+    return f"{kind}({''.join(map(_structure_text, value))})"
 
 
 def read_numbers(like: Any, numbers: Any) -> Any:

@@ -12,8 +12,8 @@ from layflat.bridge import arm_spec, save_arm, to_mjcf, to_urdf
 from layflat.errors import InputError
 from layflat.kinds import KindTable
 from layflat.machine import Machine, changed, load, parameters
+from layflat.motion.kinematics import Kinematics
 from layflat.physics.arms import ARM_KINDS as KINDS
-from layflat.physics.arms import joint_positions_and_axes
 from tests.bridge.meshes import write_wedge
 from tests.physics.arms.chain.chains import as_chain, random_arm
 
@@ -53,7 +53,7 @@ def test_every_form_has_masses_and_gravity_of_our_laws(machine: Machine) -> None
 @pytest.mark.parametrize("machine", ARMS[2:6])
 def test_places_and_axes_are_those_of_our_laws(machine: Machine) -> None:
     like = tuple(map(float, pose(machine)))
-    places, axes = joint_positions_and_axes(parameters.arm(machine), like, np.array([like]))
+    places, axes = Kinematics(machine).joints(np.array([like]))
     data = posed(arm_spec(machine).compile(), machine)
     assert data.xanchor == pytest.approx(places[0, :-1], abs=1e-12)
     assert data.xaxis == pytest.approx(axes[0], abs=1e-12)

@@ -20,7 +20,7 @@ from layflat.physics.stops_and_springs import StopParameters
 from layflat.physics.valves.spool import SpoolValve
 from layflat.physics.valves.spool_laws import Spool
 from layflat.physics.valves.switching import Switch, SwitchingPair
-from layflat.sim.kernel import JointRecord, run_cycles
+from layflat.sim.kernel import COLUMNS, JointRecord, run_cycles
 from layflat.sim.loop import Case, JointSignals, SharedSignals, Signals, Timing
 
 Floats = NDArray[np.float64]
@@ -115,7 +115,9 @@ def run(
     case = Case(arm, joints, Settings((GAINS,) * n), AROUND)
     numbers = np.fromiter(leaves(case), float)
     seen = np.zeros(3, np.int64)
-    records, _ = run_cycles(Like.from_tuple(case), numbers, start, filled, acting, calm, timing, SIGNALS, seen)
+    rows = len(acting.by_joint) * timing.records + 1
+    records, report = np.empty((rows, n, COLUMNS)), np.empty((rows, n, SIGNALS))
+    run_cycles(Like.from_tuple(case), numbers, start, filled, acting, calm, timing, seen, records, report)
     assert seen[2] == -1
     return Run(records)
 

@@ -89,7 +89,8 @@ def sweep_valve(valve: SpoolValvePart, amplitude: float, frequency: float) -> Va
     command = np.linspace(-SWEEP_RANGE, SWEEP_RANGE, 1 + round(2.0 * SWEEP_RANGE / SWEEP_INCREMENT))
     both = np.concatenate([command, command[::-1]])
     lap = np.concatenate([both, both])
-    opening = sweep_spool(law, lap, amplitude, frequency, *SWEEP_STEPPING)
+    opening = np.empty_like(lap)
+    sweep_spool(law, lap, amplitude, frequency, *SWEEP_STEPPING, opening)
     up, down = np.split(opening[len(both) :], 2)
     return ValveSweep(command, up, down[::-1])
 
@@ -104,9 +105,9 @@ def small_signal_gain(valve: SpoolValvePart, amplitude: float, frequency: float)
     """
     # Friction holds the spool back, so the sweep begins below the range that counts.
     command = np.arange(-2.0 * SMALL_SIGNAL, SMALL_SIGNAL + 1.5 * SWEEP_INCREMENT, SWEEP_INCREMENT)
-    opening = sweep_spool(
-        VALVE_KINDS.parameters(valve), np.append(-SWEEP_RANGE, command), amplitude, frequency, *SWEEP_STEPPING
-    )
+    swept = np.append(-SWEEP_RANGE, command)
+    opening = np.empty_like(swept)
+    sweep_spool(VALVE_KINDS.parameters(valve), swept, amplitude, frequency, *SWEEP_STEPPING, opening)
     return _max_small_signal_slope(opening[1:], command)
 
 

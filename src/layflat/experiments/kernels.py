@@ -5,14 +5,14 @@ from math import pi
 import numpy as np
 
 from layflat.control import Demand, Sensed, step, wake
-from layflat.jit import kernel
+from layflat.jit import portable_kernel
 from layflat.lanes import gather, slots
 from layflat.physics.valves.spool_laws import advance_spool, path_conductance
 
 
-@kernel
-def control_cycles(settings, angle, pressure, demand, cycles):  # type: ignore[no-untyped-def]
-    """Run the control law of all axes over many cycles of recorded samples; return the sum of their voltages."""
+@portable_kernel()
+def control_cycles(settings, angle, pressure, demand, cycles, voltages_sum):  # type: ignore[no-untyped-def]
+    """Run the control law of all axes over many cycles of recorded samples; write the sum of their voltages, (1,)."""
     like, total = settings.joints, 0.0
     angles, pressures, demands = slots(like, angle[0]), slots(like, pressure[0]), slots(like, demand[0])
     memory = wake(settings, Sensed(gather(like, angles), gather(like, pressures)))
@@ -26,13 +26,12 @@ def control_cycles(settings, angle, pressure, demand, cycles):  # type: ignore[n
         voltages = slots(command.voltage)
         for j in range(len(like)):
             total += voltages[j]
-    return total
+    voltages_sum[0] = total
 
 
-@kernel
-def sweep_spool(valve, command, amplitude, frequency, h, n):  # type: ignore[no-untyped-def]
-    """Return the mean net opening over the last half of n steps at each command, fraction of full conductance."""
-    opening = np.empty_like(command)
+@portable_kernel()
+def sweep_spool(valve, command, amplitude, frequency, h, n, opening):  # type: ignore[no-untyped-def]
+    """Write the mean net opening over the last half of n steps at each command, fraction of full conductance."""
     x, v, t = 0.0, 0.0, 0.0
     for i in range(len(command)):
         total = 0.0
@@ -43,4 +42,3 @@ def sweep_spool(valve, command, amplitude, frequency, h, n):  # type: ignore[no-
             net = path_conductance(valve, x) - path_conductance(valve, -x)
             total += net if k >= n // 2 else 0.0
         opening[i] = total / (n - n // 2) / valve.conductance
-    return opening

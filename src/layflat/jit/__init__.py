@@ -10,6 +10,28 @@ that only reads or checks a description never loads numba, which takes longer th
 """
 
 from layflat.jit.cache import cache_folder, include_source
-from layflat.jit.functions import ByKind, Kernel, Law, by_kind, composition, kernel, law
+from layflat.jit.functions import (
+    ByKind,
+    Kernel,
+    Law,
+    PortableKernel,
+    by_kind,
+    composition,
+    kernel,
+    law,
+    portable_kernel,
+)
 
-__all__ = ["ByKind", "Kernel", "Law", "by_kind", "cache_folder", "composition", "include_source", "kernel", "law"]
+__all__ = [
+    "ByKind",
+    "Kernel",
+    "Law",
+    "PortableKernel",
+    "by_kind",
+    "cache_folder",
+    "composition",
+    "include_source",
+    "kernel",
+    "law",
+    "portable_kernel",
+]

@@ -1,15 +1,22 @@
 """Laws, kernels and choices between laws as Python objects; the compiler is loaded when a kernel first runs."""
 
+import logging
 from collections.abc import Callable, Mapping
-from functools import cached_property, update_wrapper
+from functools import cached_property, partial, update_wrapper
 from pathlib import Path
 from threading import Lock
 from types import ModuleType
 from typing import Any
 
+import numpy as np
+
+from layflat.jit import stored
 from layflat.jit.cache import cache_folder, included_sources
 from layflat.jit.outside import blame_outside
+from layflat.jit.signatures import signature_text, words
 from layflat.lanes import interpreted, lane_by_lane
+
+LOG = logging.getLogger(__name__)
 
 
 def _compiler() -> ModuleType:
@@ -83,6 +90,113 @@ class Kernel:
             raise
 
 
+class PortableKernel:
+    """Function of arrays, numbers, `Like` and tuples of these, whose machine code is an object file.
+
+    It allocates nothing, and returns integers only. It is looked up among the prebuilt object files of the package and
+    in the cache, and loaded without the compiler; where there is none, it is compiled and kept.
+
+    Args:
+        function: the function.
+        results: number of integers that it returns.
+    """
+
+    _lock = Lock()
+
+    def __init__(self, function: Callable[..., Any], results: int) -> None:
+        update_wrapper(self, function)
+        self.py_func, self.results = function, results
+        self._loaded: dict[tuple[str, tuple[str, ...]], Callable[[int], None]] = {}
+
+    @cached_property
+    def dispatcher(self) -> Any:
+        """Numba's dispatcher of it as a law, which other kernels inline."""
+        return _compiler().compile_inlined(self.py_func)
+
+    @property
+    def _numba_type_(self) -> Any:
+        return _compiler().dispatcher_type(self.dispatcher)
+
+    def bind(self, *args: Any) -> Callable[..., Any]:
+        """Return a function that calls it with these arrays, and with any numbers as its last arguments.
+
+        Raises:
+            UnportableError: an argument is none of those above, or an array is not contiguous.
+            KindError: a user's law can't be compiled.
+        """
+        if interpreted():
+            return lambda *last: self.py_func(*args[: len(args) - len(last)], *last)
+        return BoundKernel(self, args)
+
+    def __reduce__(self) -> str:
+        """Pickle it by its name: it is the same in every copy of what is bound to it."""
+        return self.py_func.__qualname__
+
+    def __call__(self, *args: Any) -> Any:
+        """Call it from Python; raise as `bind` does."""
+        return self.py_func(*args) if interpreted() else BoundKernel(self, args)()
+
+    def portable_code(self, args: tuple[Any, ...]) -> str:
+        """Return LLVM's text of the function for arguments of these types (see `portable`)."""
+        from layflat.jit import portable  # noqa: PLC0415  # it loads numba
+
+        with blame_outside():
+            return portable.portable_code(self.py_func.__name__, self, args, self.results)
+
+    def code_name(self, args: tuple[Any, ...]) -> str:
+        """Return the name of the object file for arguments of these types."""
+        return stored.code_name(self._file, self.py_func.__name__, signature_text(args))
+
+    @property
+    def _file(self) -> Path:
+        return Path(self.py_func.__code__.co_filename)
+
+    def machine_code(self, args: tuple[Any, ...]) -> Callable[[int], None]:
+        """Return the loaded machine code for arguments of these types: a function of the address of their words."""
+        key = signature_text(args), included_sources()
+        if key not in self._loaded:
+            with self._lock:
+                if key not in self._loaded:
+                    self._loaded[key] = self._load(args)
+        return self._loaded[key]
+
+    def _load(self, args: tuple[Any, ...]) -> Callable[[int], None]:
+        from layflat.jit import objects  # noqa: PLC0415  # it loads LLVM
+
+        name, entry, processor = self.code_name(args), self.py_func.__name__, objects.host()
+        code = stored.find_code(self._file, name, processor.digest)
+        if code is None:
+            LOG.info("compiling %s for %s", entry, signature_text(args))
+            code = objects.machine_code(self.portable_code(args), (entry,), processor)
+            stored.keep_code(self._file, name, processor.digest, code)
+        return objects.load(code, entry)
+
+
+class BoundKernel:
+    """Call of a portable kernel with certain arrays; its last numbers may differ from call to call."""
+
+    def __init__(self, kernel: PortableKernel, args: tuple[Any, ...]) -> None:
+        self._function, self._results, self._bound = kernel.machine_code(args), kernel.results, (kernel, args)
+        passed = list(words(args))
+        self._words = np.zeros(self._results + len(passed), np.int64)
+        numbers = self._words.view(np.float64)
+        for i, value in enumerate(passed, self._results):
+            (numbers if isinstance(value, float) else self._words)[i] = value
+        self._address = self._words.ctypes.data
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Copy it by its arrays, since addresses are those of this process and of these arrays."""
+        return BoundKernel, self._bound
+
+    def __call__(self, *last: int) -> Any:
+        """Call it with integers in place of its last arguments; return its integers, a tuple if there are several."""
+        if last:
+            self._words[-len(last) :] = last
+        self._function(self._address)
+        results = self._words[: self._results].tolist()
+        return tuple(results) if self._results > 1 else results[0] if results else None
+
+
 class ByKind:
     """Choice between laws by the class of the first argument.
 
@@ -115,6 +229,11 @@ def composition(function: Callable[..., Any]) -> Callable[..., Any]:
 def kernel(function: Callable[..., Any]) -> Callable[..., Any]:
     """Decorate a function as a `Kernel`; where nothing is compiled (NUMBA_DISABLE_JIT), return the function itself."""
     return function if interpreted() else Kernel(function)
+
+
+def portable_kernel(results: int = 0) -> Callable[[Callable[..., Any]], PortableKernel]:
+    """Return a decorator for kernels that return a number of integers and allocate nothing (see `PortableKernel`)."""
+    return partial(PortableKernel, results=results)
 
 
 def by_kind(kinds: Mapping[type, Callable[..., Any]]) -> Callable[..., Any]:

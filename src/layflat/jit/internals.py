@@ -16,7 +16,7 @@ from numba.core.codegen import CPUCodeLibrary, JITCodeLibrary
 from numba.core.compiler import Compiler
 from numba.core.cpu import CPUContext
 from numba.core.datamodel.packer import ArgPacker
-from numba.core.imputils import user_function
+from numba.core.imputils import lower_constant, user_function
 from numba.core.runtime.context import NRTContext
 from numba.core.typing import Context
 from numba.core.typing.templates import AbstractTemplate, infer_global
@@ -30,6 +30,7 @@ __all__ = [
     "NRTContext",
     "ffi",
     "is_for_host",
+    "lower_constant",
     "register_typing",
     "tolerate_failed_save",
     "user_function",

@@ -122,7 +122,7 @@ def _parse_module(name: str, text: str) -> Any:
     return module
 
 
-class _NoEnvironments:
+class NoEnvironments:
     """Registry of environments of machine code that stores nothing."""
 
     def set_env(self, name: str, env: Any) -> None:
@@ -140,8 +140,8 @@ class _LawLibrary(JITCodeLibrary):
         self._work, self._module = LlvmWork(), cast("Any", None)
 
     @property
-    def codegen(self) -> _NoEnvironments:
-        return _NoEnvironments()
+    def codegen(self) -> NoEnvironments:
+        return NoEnvironments()
 
     @property
     def _final_module(self) -> Any:

@@ -17,14 +17,16 @@ from layflat.arrays import Array
 from layflat.errors import MachineError
 from layflat.machine import Machine, parameters
 from layflat.motion.path import half_strokes
-from layflat.physics.arms import joint_positions_and_axes, tip_positions
+from layflat.physics.arms import joint_positions_and_axes, tip, tip_positions
 from layflat.physics.arms.planar import PlanarArmPart
 
 
 def tip_position(machine: Machine, q: Array) -> Array:
     """Return the tip's position (..., axes), m, in the plane or in space, at angles q (..., joints), rad, in +-pi."""
     rows = np.ascontiguousarray(q.reshape(-1, q.shape[-1]))
-    tips: Array = tip_positions(parameters.arm(machine), (0.0,) * q.shape[-1], rows)
+    arm, angles = parameters.arm(machine), (0.0,) * q.shape[-1]
+    tips = np.empty((len(rows), len(tip(arm, angles))))
+    tip_positions(arm, angles, rows, tips)
     return tips.reshape(*q.shape[:-1], tips.shape[-1])
 
 
@@ -40,10 +42,10 @@ class Kinematics:
 
         The unit vectors are (points, joints, 3); angles q are (points, joints), rad.
         """
-        positions_and_axes: tuple[Array, Array] = joint_positions_and_axes(
-            self._arm, self._zero_angles, np.ascontiguousarray(q)
-        )
-        return positions_and_axes
+        points, n = len(q), len(self._zero_angles)
+        positions, axes = np.empty((points, 3 * n + 3)), np.empty((points, 3 * n))
+        joint_positions_and_axes(self._arm, self._zero_angles, np.ascontiguousarray(q), positions, axes)
+        return positions.reshape(points, n + 1, 3), axes.reshape(points, n, 3)
 
     def tip(self, q: Array) -> Array:
         """Return the tip's position, (points, 3), m, at angles (points, joints), rad."""

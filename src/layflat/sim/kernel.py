@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from layflat.jit import composition, kernel, law
+from layflat.jit import composition, law, portable_kernel
 from layflat.lanes import gather, read_numbers, slots, total, write_row
 from layflat.physics.adjustable import FULL_FRACTIONS
 from layflat.physics.chamber import temperature
@@ -160,21 +160,17 @@ def _has_diverged(run, states, k, i):  # noqa: ARG001
     return run.counters[2] >= 0
 
 
-@kernel
-def run_cycles(like, numbers, angles, pressures, signals, samples, timing, reported, counters):
+@portable_kernel()
+def run_cycles(like, numbers, angles, pressures, signals, samples, timing, counters, out, reports):
     """Simulate a scenario from rest.
 
     Args: `Like` of a `Case`, and its numbers in order; start angles (joints,), rad; start pressures (joints, 2),
     absolute, Pa, NaN for those that hold the arm; `loop.Signals`; standard normal samples of the sensors of angle and
-    pressure, (cycles + 1, joints, 2); `Timing`; number of signals that the law reports of a joint; an array for
-    `RunBuffers.counters`.
-    Returns the records (instants, joints, columns of `JointRecord`) and the law's report (instants, joints, reported);
-    `counters` then holds the number of valid instants and the joint that diverged.
+    pressure, (cycles + 1, joints, 2); `Timing`; `RunBuffers.counters`, `RunBuffers.out` and `RunBuffers.reports`, which
+    are filled.
     """
     case = read_numbers(like, numbers)
     joints, cycles = case.joints, len(signals.by_joint)
-    rows = cycles * timing.records + 1
-    out, reports = np.empty((rows, len(joints), COLUMNS)), np.empty((rows, len(joints), reported))
     run = RunBuffers(signals, samples, out, reports, timing.records, counters)
     counters[0], counters[1], counters[2] = 0, 0, -1
     span = CycleSpan(0, cycles)
@@ -198,4 +194,3 @@ def run_cycles(like, numbers, angles, pressures, signals, samples, timing, repor
     run_span(machine, span, timing, LoopPorts(_observe, _load, _write_record, _has_diverged), run)
     if counters[2] < 0:
         _write_last_record(run, machine)
-    return out, reports

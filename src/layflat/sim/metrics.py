@@ -50,7 +50,7 @@ def settling_time(time: NDArray[np.floating[Any]], error: Array, band: float) ->
         error: error at these instants, (instants,).
         band: limit of the error's magnitude, in its unit.
     """
-    records = int(tally_errors(np.ascontiguousarray(error), 0.0, band).settled)
+    records = int(tally_errors(error, 0.0, band).settled)
     return float(time[records] - time[0]) if records < len(error) else inf
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from layflat.arrays import Array
 from layflat.description import units as u
 from layflat.errors import DivergedError, InputError
-from layflat.lanes import leaves, write_numbers
+from layflat.lanes import Like, leaves, write_numbers
 from layflat.machine import Machine, load, parameters
 from layflat.motion.scenario import MAX_DURATION, SIGNALS, Scenario
 from layflat.motion.signal_values import Angles, Pair, SignalKind, Value, check_integer, read_number, read_row
@@ -18,7 +18,7 @@ from layflat.physics.sensor import noise_samples
 from layflat.physics.step import STEP
 from layflat.sim.run import make_timing, start_angles
 from layflat.sim.signals import start_pressures
-from layflat.sim.stepping import PlantSetting, carry_at_rest, plant_kernels
+from layflat.sim.stepping import PlantSetting, carry_at_rest, move, sample
 
 
 class SteppedPlant(MachinePlant):
@@ -66,13 +66,14 @@ class SteppedPlant(MachinePlant):
         super().__init__(self._machine.joints, self._setting[-len(Surroundings._fields) :], self._h)
         angles = start_angles(scenario, machine, np.zeros((1, n)))
         carries = carry_at_rest(self._machine, angles, start_pressures(scenario, machine), self._h)
-        self._kernels, self._like = plant_kernels(self._machine, carries[0]), carries[0]
-        self._state_array = np.array([list(leaves(carry)) for carry in carries])
+        self._like, self._state_array = carries[0], np.array([list(leaves(carry)) for carry in carries])
+        self._samples, self._readings = np.zeros((n, 2)), np.empty((2, n))
+        plant = (*map(Like.from_tuple, (self._machine, carries[0])), self._setting, self._state_array)
+        self._move = move.bind(*plant, self._given, self._seen, self._steps, 0, 0, -1)
+        self._sample = sample.bind(*plant, self._samples, self._readings)
         self._step_count, self._due, self._grips = 0, -1, np.zeros(n)
         self._noise = noise_samples(seed if noise else None, n)
-        # Compile now, before a real-time clock runs.
         self._move_to(0)
-        self._kernels.sample(self._setting, self._state_array, np.zeros((n, 2)), np.empty((2, n)))
 
     @property
     def time(self) -> float:
@@ -119,9 +120,7 @@ class SteppedPlant(MachinePlant):
 
     def _move_to(self, last: int) -> None:
         """Advance the plant to step number `last`; raise DivergedError if a joint's state becomes invalid."""
-        self._due, diverged = self._kernels.move(
-            self._setting, self._state_array, self._given, self._seen, self._steps, self._step_count, last, self._due
-        )
+        self._due, diverged = self._move(self._steps, self._step_count, last, self._due)
         self._step_count = last
         if diverged >= 0:
             raise DivergedError(self.time, self.joints[diverged])
@@ -131,9 +130,10 @@ class SteppedPlant(MachinePlant):
 
         Each call draws new noise.
         """
-        out = np.empty((2, len(self.joints)))
-        self._kernels.sample(self._setting, self._state_array, next(self._noise), out)
-        return out[0], out[1]
+        self._samples[:] = next(self._noise)
+        self._sample()
+        angles, pressures = self._readings.copy()
+        return angles, pressures
 
     def grip(self, joint: int, torque: float) -> None:
         """Set the torque of a hand that grips a joint, in addition to its brake's; 0 releases it.

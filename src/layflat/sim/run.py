@@ -27,7 +27,7 @@ from layflat.motion.signal_values import Angles, Pair, Value, build_options, che
 from layflat.physics.sensor import sensor_noise
 from layflat.physics.step import STEP
 from layflat.sim.cause import find_cause
-from layflat.sim.kernel import JointRecord, run_cycles
+from layflat.sim.kernel import COLUMNS, JointRecord, run_cycles
 from layflat.sim.loop import Case, Signals, Timing
 from layflat.sim.signals import acting_signals, read_start_angles, start_pressures
 
@@ -207,12 +207,14 @@ class PreparedRun:
             signals), both up to a divergence; number of the joint that diverged, -1 for none.
         """
         law = CONTROL_LAWS.kind_of(self.case.settings)
-        rest = self.angles, self.pressures, self.signals, self.samples, self.timing, len(law.signals), self.counters
+        instants, joints = len(self.signals.by_joint) * self.timing.records + 1, len(self.angles)
+        rows, report = np.empty((instants, joints, COLUMNS)), np.empty((instants, joints, len(law.signals)))
+        inputs = self.angles, self.pressures, self.signals, self.samples, self.timing
         if law.compiled:
-            rows, report = run_cycles(*self._numbers, *rest)
+            run_cycles(*self._numbers, *inputs, self.counters, rows, report)
         else:
             with blame_outside():
-                rows, report = getattr(run_cycles, "py_func", run_cycles)(self.case, list(leaves(self.case)), *rest)
+                run_cycles.py_func(self.case, list(leaves(self.case)), *inputs, self.counters, rows, report)
         _, valid, diverged = self.counters.tolist()
         return rows[:valid], report[:valid], diverged
 

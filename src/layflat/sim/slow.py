@@ -7,9 +7,7 @@ rotation since the last angle (rad).
 from math import inf
 from typing import Any, NamedTuple
 
-import numpy as np
-
-from layflat.jit import kernel, law
+from layflat.jit import law, portable_kernel
 from layflat.lanes import in_lanes, read_lanes, select, total, width, write_lanes
 from layflat.physics.friction import slip_torque
 from layflat.physics.hose import torque_per_pressure
@@ -56,22 +54,21 @@ def turn_with_friction(slow, hose_a, hose_b, friction, q, increment, p_a, p_b, b
     return SlowSweep(after.direction, after.loss_a, after.loss_b, after.pull, after.lossless, torque)
 
 
-@kernel
-def sweep_joint(hose_a, hose_b, friction, q, p_a, p_b, brake):
-    """Return the torques with and without losses and friction (N m) along angles q (rad) at constant gauge pressures.
+@portable_kernel()
+def sweep_joint(hose_a, hose_b, friction, q, p_a, p_b, brake, torque, lossless):
+    """Write the torques with and without losses and friction (N m) along angles q (rad) at constant gauge pressures.
 
-    Args: hoses A and B; friction of the shaft; angles q, (instants,), rad; gauge pressures p_a, p_b, Pa; brake, N m.
+    Args: hoses A and B; friction of the shaft; angles q, (instants,), rad; gauge pressures p_a, p_b, Pa; brake, N m;
+    torques with and without, (instants,), which are filled.
     """
-    torque, lossless = np.empty_like(q), np.empty_like(q)
     slow = initial_sweep(hose_a, hose_b)
     for i in range(len(q)):
         increment = q[i] - q[i - 1] if i > 0 else 0.0
         slow = turn_with_friction(slow, hose_a, hose_b, friction, q[i], increment, p_a, p_b, brake)
         torque[i], lossless[i] = slow.torque, slow.lossless
-    return torque, lossless
 
 
-@kernel
+@portable_kernel()
 def sweep_many(like, numbers, forward, results):
     """Compute loop height and maximum lossless torque (N m) of many joints swept back and forth, a joint per lane.
 

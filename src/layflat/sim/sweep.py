@@ -97,5 +97,6 @@ def sweep(
     lap = np.concatenate([forward, forward[::-1]])
     angle = np.concatenate([lap, lap])
     friction, brake_torque = parameters.friction(described), brake * described.brake.torque
-    torque, lossless = sweep_joint(hose_a, hose_b, friction, angle, pressure, 0.0, brake_torque)
+    torque, lossless = np.empty_like(angle), np.empty_like(angle)
+    sweep_joint(hose_a, hose_b, friction, angle, pressure, 0.0, brake_torque, torque, lossless)
     return HysteresisLoop(lap, torque[len(lap) :], lossless[len(lap) :])

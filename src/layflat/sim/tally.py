@@ -6,8 +6,11 @@ The error of a joint is its angle less the demand; that of the tip is its distan
 from math import floor, inf
 from typing import NamedTuple
 
-from layflat.jit import kernel, law
-from layflat.lanes import select
+import numpy as np
+
+from layflat.arrays import Array
+from layflat.jit import law, portable_kernel
+from layflat.lanes import select, write_numbers
 
 
 class Tally(NamedTuple):
@@ -61,10 +64,23 @@ def update_tally(tally, i, count, error, direction, band):
     )
 
 
-@kernel
-def tally_errors(errors, direction, band):
-    """Return the tally of a move from all its errors, (records,)."""
+@portable_kernel()
+def write_tally(errors, direction, band, numbers):
+    """Write the tally of a move from all its errors, (records,), into `numbers`."""
     tally = EMPTY_TALLY
     for i in range(len(errors)):
         tally = update_tally(tally, i, len(errors), errors[i], direction, band)
-    return tally
+    write_numbers(numbers, tally)
+
+
+def tally_errors(errors: Array, direction: float, band: float) -> Tally:
+    """Return the tally of a move.
+
+    Args:
+        errors: all its errors, (records,), rad or m.
+        direction: sign of the move, by which an overshoot is positive.
+        band: limit of the error's magnitude at which the move has settled, in the errors' unit.
+    """
+    numbers = np.empty(COLUMNS)
+    write_tally(np.ascontiguousarray(errors), float(direction), band, numbers)
+    return Tally(*numbers.tolist())

@@ -178,9 +178,12 @@ def test_no_device_is_one_line() -> None:
     [
         (
             AttributeError("module 'numpy' has no attribute 'row_stack'"),
-            ("do not fit together (", "numpy ", "row_stack"),
+            ("are incomplete or incompatible (", "numpy ", "row_stack"),
         ),
-        (ImportError("cannot import name 'x' from 'cuda.bindings'"), ("do not fit together (", "cuda.bindings")),
+        (
+            ImportError("cannot import name 'x' from 'cuda.bindings'"),
+            ("are incomplete or incompatible (", "cuda.bindings"),
+        ),
         (RuntimeError("CUDA_ERROR_NO_DEVICE"), ("no CUDA device can be used (CUDA_ERROR_NO_DEVICE); see nvidia-smi",)),
     ],
 )

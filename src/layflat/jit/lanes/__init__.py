@@ -14,6 +14,7 @@ from numba.extending import NativeValue, box, unbox
 import layflat.jit.lanes.lowering
 import layflat.jit.lanes.memory
 import layflat.jit.lanes.tuples  # noqa: F401
+from layflat.jit.internals import lower_constant
 from layflat.jit.lanes.typing import LanesType, LikeType
 from layflat.lanes import Lanes
 
@@ -34,3 +35,8 @@ def _box_lanes(kind: Any, value: Any, c: Any) -> Any:
 @unbox(LikeType)
 def _unbox_like(kind: Any, value: Any, c: Any) -> Any:  # noqa: ARG001  (the compiler's own interface)
     return NativeValue(c.context.get_dummy_value())
+
+
+@lower_constant(LikeType)
+def _like_constant(context: Any, builder: Any, kind: Any, value: Any) -> Any:  # noqa: ARG001  (the compiler's interface)
+    return context.get_dummy_value()

@@ -1,8 +1,6 @@
 """The rigid arm, of any kind. A new kind is one file and one line here; see docs/kinds.md."""
 
-import numpy as np
-
-from layflat.jit import composition, kernel, law
+from layflat.jit import composition, law, portable_kernel
 from layflat.kinds import KindTable
 from layflat.lanes import each, gather, write_numbers
 from layflat.physics.arms import chain, planar
@@ -61,31 +59,27 @@ tip_in_space = ARM_KINDS.law(lambda laws: tip if laws.axes == 3 else _planar_tip
 """Position of the tip, as `tip`, with three coordinates whatever the arm."""
 
 
-@kernel
-def tip_positions(arm, like, q):
-    """Return positions of the tip, (instants, axes), m, at angles (instants, joints), rad.
+@portable_kernel()
+def tip_positions(arm, like, q, tips):
+    """Write positions of the tip, (instants, axes), m, at angles (instants, joints), rad, into `tips`.
 
     `like` is a tuple with an item a joint.
     """
-    tips = np.empty((len(q), len(tip(arm, like))))
     for i in range(len(q)):
         write_numbers(tips[i], tip(arm, gather(like, q[i])))
-    return tips
 
 
-@kernel
-def joint_positions_and_axes(arm, like, q):
-    """Return positions of joints and tip, (instants, joints + 1, 3), m, and axes, (instants, joints, 3), of length 1.
+@portable_kernel()
+def joint_positions_and_axes(arm, like, q, places, axes):
+    """Write positions of joints and tip, and the joints' axes, at angles (instants, joints), rad.
 
-    They are those at angles (instants, joints), rad; `like` is a tuple with an item a joint.
+    Args: the arm; a tuple with an item a joint; the angles; positions of joints and tip, (instants, 3 joints + 3), m,
+    and axes of length 1, (instants, 3 joints), which are filled.
     """
-    n = len(like)
-    places, axes = np.empty((len(q), n + 1, 3)), np.empty((len(q), n, 3))
     for i in range(len(q)):
         angles = gather(like, q[i])
-        write_numbers(places[i].reshape(3 * n + 3), points_in_space(arm, angles))
-        write_numbers(axes[i].reshape(3 * n), joint_axes(arm, angles))
-    return places, axes
+        write_numbers(places[i], points_in_space(arm, angles))
+        write_numbers(axes[i], joint_axes(arm, angles))
 
 
 __all__ = [

@@ -1,12 +1,14 @@
 """Numbers of a rig's control cycle, and the stages of compiled code that run on them."""
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from math import inf, isfinite, nan
 from struct import Struct
 
 import numpy as np
 
 from layflat.arrays import Array
+from layflat.lanes import Like
 from layflat.machine import Machine, parameters
 from layflat.physics.air_balance import AirEstimate
 from layflat.physics.joint import REST_PRESSURE_RATIO
@@ -45,13 +47,15 @@ class CycleCore:
         self.law = law
         self._joint_inputs, self._head = np.zeros((len(names), numbers.JOINT_INPUT_COUNT)), self.inputs.array[0]
         settings = self.rig.array[0], self.settings.array
-        self._arrays: tuple[Array, ...] = (*settings, self._head, self._joint_inputs, self.memory.array)
-        self._perform: Callable[..., int] = compiled.judge_samples
-        if law is not None:
-            arm = NamedRows([parameters.arm(machine)])
-            law_settings, memory, report = law.settings, law.memory, law.report
-            self._arrays += (arm.array[0], law_settings.array[0], memory.array[0], report.array)
-            self._perform = compiled.compile_cycle(arm.like, law_settings.like, memory.like, len(names))
+        arrays = (*settings, self._head, self._joint_inputs, self.memory.array)
+        self._perform: Callable[..., int]
+        if law is None:
+            self._perform = compiled.judge_samples.bind(*arrays)
+        else:
+            self._perform = _bound_cycle(NamedRows([parameters.arm(machine)]), law, arrays)
+            self._signals = np.empty((len(names), numbers.RECORDED_WIDTH + len(law.recorded) + 1))
+            written = self._signals, self._joint_inputs, self.memory.array, law.report.array, law.recorded
+            self._write_signals = compiled.write_signals.bind(*written)
         # Inputs: samples (rad, Pa), and the demands of the host (rad, rad/s, rad/s2), (joints,).
         self.angles, self.pressures, self._host_demands, *self._host_rates = self._joint_inputs.T[:5]
         self._demand_age, self._plans = 0.0, law is not None and law.kind.plans
@@ -134,15 +138,15 @@ class CycleCore:
         """
         INPUTS_HEADER.pack_into(self._head, 0, supply_now, elapsed, since, level, follow, wake, self._demand_age)
         if self.law is None:
-            return self._perform(*self._arrays)
+            return self._perform()
         if self.between is None:
-            return self._perform(*self._arrays, stages)
-        outcome = self._perform(*self._arrays, stages & ~numbers.GATE_STAGE)
+            return self._perform(stages)
+        outcome = self._perform(stages & ~numbers.GATE_STAGE)
         if outcome & numbers.FAULT_DETECTED:
             return outcome
         if stages & numbers.CONTROL_STAGE:
             self.between()
-        return outcome | self._perform(*self._arrays, stages & numbers.GATE_STAGE)
+        return outcome | self._perform(stages & numbers.GATE_STAGE)
 
     def freeze(self, angles: Array | None = None) -> None:
         """Set the demands to constant angles, rad, (joints,); default: those at which the joints are or can stop.
@@ -189,9 +193,26 @@ class CycleCore:
     def record(self, rows: Array) -> None:
         """Write the signals of each joint, as in `record.RowLayout` without faults, into rows, (joints, numbers)."""
         assert self.law is not None  # only cores with a law record
-        compiled.write_signals(rows, self._joint_inputs, self.memory.array, self.law.report.array, self.law.recorded)
+        self._write_signals()
+        rows[:] = self._signals
 
     @property
     def max_lead(self) -> float:
         """Return the greatest distance of any joint's demand from its reference, rad."""
         return float(np.abs(self.demands - self.memory["demand.reference"]).max())
+
+
+def _bound_cycle(arm: NamedRows, law: ArmLaw, arrays: tuple[Array, ...]) -> Callable[..., int]:
+    """Return the cycle of an arm with a control law as a function of the stages; plain Python if the law is.
+
+    `arrays` are those of the cycle without the law.
+    """
+    n, kind = len(law.report.array), law.kind
+    column = list(kind.signals).index(kind.gives_up) if kind.gives_up is not None else -1
+    scratch = np.zeros((2 * n + 4, n + 1))
+    numbers = (*arrays, arm.array[0], law.settings.array[0], law.memory.array[0], law.report.array, scratch)
+    likes = compiled.CycleLikes(arm.like, law.settings.like, law.memory.like)
+    if kind.compiled:
+        likes = compiled.CycleLikes(*map(Like.from_tuple, likes))
+        return compiled.run_cycle.bind(likes, (0.0,) * n, column, *numbers, 0)
+    return partial(compiled.run_cycle.py_func, likes, (0.0,) * n, column, *numbers)

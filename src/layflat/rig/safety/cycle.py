@@ -4,15 +4,12 @@ Its numbers stay in arrays from call to call (see cycle_numbers.py). The caller 
 between them wherever a fault is detected.
 """
 
-from collections.abc import Callable
 from math import inf, isfinite
-from typing import Any
+from typing import Any, NamedTuple
 
-import numpy as np
-
-from layflat.control import CONTROL_LAWS, Demand, Sensed, centre_shift, step, wake
-from layflat.jit import composition, kernel, law
-from layflat.lanes import gather, in_lanes, mapped, read_numbers, slots, write_numbers
+from layflat.control import Demand, Sensed, centre_shift, step, wake
+from layflat.jit import composition, kernel, law, portable_kernel
+from layflat.lanes import gather, in_lanes, read_numbers, slots, write_numbers
 from layflat.physics.air_balance import update_air_estimate
 from layflat.physics.arms import dynamics
 from layflat.rig.safety import demands, detectors, estimator
@@ -64,11 +61,12 @@ def _update_air(rig, settings, memory, samples, opening, supply_pressure, elapse
 
 
 @composition
-def _write_coupling(arm, rig_numbers, settings, joint_inputs, memory, nothing):
+def _write_coupling(arm, rig_numbers, settings, joint_inputs, memory, nothing, scratch):
     """Write each joint's inertia and pressures at rest (see estimator.py) for either payload into `joint_inputs`."""
     n = len(nothing)
     angles, rates = slots(nothing), slots(nothing)
-    turns, mass, work = np.zeros(n), np.empty((n, n)), np.empty((n, n + 1))
+    turns, passive, torques, holding = scratch[0, :n], scratch[1, :n], scratch[2, :n], scratch[3, :n]
+    mass, work = scratch[4 : 4 + n, :n], scratch[4 + n :]
     for j in range(n):
         estimate = read_numbers(MEMORY_TEMPLATE, memory[j]).estimate
         angles[j] = (
@@ -80,7 +78,6 @@ def _write_coupling(arm, rig_numbers, settings, joint_inputs, memory, nothing):
         )
         rates[j] = estimate.averaged_velocity if turns[j] > 0.0 else 0.0
     rig, q, v = read_numbers(RIG_TEMPLATE, rig_numbers), gather(nothing, angles), gather(nothing, rates)
-    passive, torques, holding = np.empty(n), np.empty(n), np.empty(n)
     for heavy in range(2):
         upper, swings, pulls = dynamics(arm, rig.heaviest if heavy else rig.lightest, q, v)
         row, swung, pulled = slots(upper), slots(in_lanes(swings, 0.0)), slots(in_lanes(pulls, 0.0))
@@ -101,7 +98,7 @@ def _write_coupling(arm, rig_numbers, settings, joint_inputs, memory, nothing):
             joint_inputs[j, JOINT_INPUT_OFFSETS.inertia] = per * mass[j, j]
 
 
-@kernel
+@portable_kernel(results=1)
 def judge_samples(rig_numbers, settings, inputs, joint_inputs, memory):
     """Update air and detectors by the samples; write faults into `inputs` and `memory`, return FAULT_DETECTED or 0.
 
@@ -245,7 +242,7 @@ def pass_voltages(rig_numbers, memory):
     return bad
 
 
-@kernel
+@portable_kernel()
 def write_signals(rows, joint_inputs, memory, report, recorded):
     """Write each joint's signals after a cycle into its part of a row (see `rig.record.RowLayout`), its fault as 0.
 
@@ -271,80 +268,61 @@ def write_signals(rows, joint_inputs, memory, report, recorded):
         rows[j, RECORDED_WIDTH + len(recorded)] = 0.0
 
 
-_compiled_cycles: dict[str, Callable[..., int]] = {}
+class CycleLikes(NamedTuple):
+    """Structures of what a cycle reads from arrays."""
+
+    arm: Any
+    settings: Any  # of the control law, as the next
+    memory: Any
 
 
-def compile_cycle(arm: Any, settings: Any, memory: Any, joints: int) -> Callable[..., int]:
-    """Return the cycle of an arm with a control law, compiled unless the law is plain Python; kept for the process.
+@portable_kernel(results=1)
+def run_cycle(
+    likes, nothing, rejection_column, rig, settings, inputs, joint_inputs, memory, arm, law_settings, law_memory,
+    report, scratch, stages,
+):  # fmt: skip
+    """Run the stages of a control cycle; return flags of the outcome.
 
-    Args:
-        arm: tuple of the arm's parameters; only its class and shape count, as of the next two.
-        settings: settings of the control law.
-        memory: memory of the control law.
-        joints: number of joints.
-
-    Returns:
-        Function of the arrays of `CycleCore` and the stages, which returns flags of the outcome.
-    """
-    arm, settings, memory = (mapped(like, lambda _: 0.0) for like in (arm, settings, memory))
-    # By text: tuples of different classes are equal where their items are.
-    kind = repr((arm, settings, memory, joints))
-    if kind not in _compiled_cycles:
-        law_kind = CONTROL_LAWS.kind_of(settings)
-        doubts = list(law_kind.signals).index(law_kind.gives_up) if law_kind.gives_up is not None else -1
-        cycle = _make_cycle(arm, settings, memory, (0.0,) * joints, doubts)
-        performed = "dispatcher" if law_kind.compiled else "py_func"
-        _compiled_cycles[kind] = getattr(cycle, performed, cycle)
-    return _compiled_cycles[kind]
-
-
-def _make_cycle(arm_like, settings_like, memory_like, nothing, rejection_column):
-    """Return the cycle as a kernel for an arm, law settings and law memory of such types; `nothing` has a zero a joint.
-
-    `rejection_column` is the column of the law's report that is 1 once it has given up its model, negative if none.
+    Args: `CycleLikes`; a tuple of zeros, one a joint; the column of the law's report that is 1 once it has given up its
+    model, negative if none; arrays of `CycleCore`; workspace, (2 joints + 4, joints + 1); the stages.
     """
     n = len(nothing)
-
-    @kernel
-    def cycle(rig, settings, inputs, joint_inputs, memory, arm, law_settings, law_memory, report, stages):
-        flags = 0
-        if stages & JUDGE_STAGE:
-            _write_coupling(read_numbers(arm_like, arm), rig, settings, joint_inputs, memory, nothing)
-            flags = judge_samples(rig, settings, inputs, joint_inputs, memory)
-            if flags > 0:
-                return flags
-        if stages & DEMAND_STAGE:
-            flags |= pass_demands(rig, settings, inputs, joint_inputs, memory)
-        if stages & ESTIMATE_STAGE:
-            estimate_motion(settings, inputs, joint_inputs, memory)
-        if stages & CONTROL_STAGE:
-            now, law_values = read_numbers(INPUTS_TEMPLATE, inputs), read_numbers(settings_like, law_settings)
-            planned = read_numbers(RIG_TEMPLATE, rig).plans
-            sensed = Sensed(
-                gather(nothing, joint_inputs[:, JOINT_INPUT_OFFSETS.angle]),
-                gather(nothing, joint_inputs[:, JOINT_INPUT_OFFSETS.pressure]),
-            )
-            demand = Demand(
-                gather(nothing, memory[:, MEMORY_OFFSETS.demand]), gather(nothing, memory[:, MEMORY_OFFSETS.velocity]),
-                gather(nothing, memory[:, MEMORY_OFFSETS.acceleration]), nothing,
-            )  # fmt: skip
-            before = read_numbers(memory_like, law_memory)
-            if now.wake > 0.0:
-                before = in_lanes(wake(law_values, sensed), 0.0)
-            cycle_time, elapsed = read_numbers(RIG_TEMPLATE, rig).cycle, now.elapsed
-            if planned > 0.0:
-                elapsed = min(max(elapsed, MIN_CYCLE_RATIO * cycle_time), MAX_CYCLE_RATIO * cycle_time)
-            after, command, signals = step(law_values, before, sensed, demand, elapsed)
-            write_numbers(law_memory, in_lanes(after, 0.0))
-            voltages, rows = slots(in_lanes(command.voltage, 0.0)), slots(in_lanes(signals, 0.0))
-            shifts = slots(in_lanes(centre_shift(law_values, after, nothing), 0.0))
-            for j in range(n):
-                memory[j, MEMORY_OFFSETS.law_voltage], memory[j, MEMORY_OFFSETS.neutral] = voltages[j], shifts[j]
-                write_numbers(report[j], rows[j])
-                if rejection_column >= 0 and report[j, rejection_column] > 0.5:
-                    flags |= MODEL_REJECTED
-        if stages & GATE_STAGE:
-            flags |= pass_voltages(rig, memory)
-        return flags
-
-    return cycle
+    flags = 0
+    if stages & JUDGE_STAGE:
+        _write_coupling(read_numbers(likes.arm, arm), rig, settings, joint_inputs, memory, nothing, scratch)
+        flags = judge_samples(rig, settings, inputs, joint_inputs, memory)
+        if flags > 0:
+            return flags
+    if stages & DEMAND_STAGE:
+        flags |= pass_demands(rig, settings, inputs, joint_inputs, memory)
+    if stages & ESTIMATE_STAGE:
+        estimate_motion(settings, inputs, joint_inputs, memory)
+    if stages & CONTROL_STAGE:
+        now, law_values = read_numbers(INPUTS_TEMPLATE, inputs), read_numbers(likes.settings, law_settings)
+        planned = read_numbers(RIG_TEMPLATE, rig).plans
+        sensed = Sensed(
+            gather(nothing, joint_inputs[:, JOINT_INPUT_OFFSETS.angle]),
+            gather(nothing, joint_inputs[:, JOINT_INPUT_OFFSETS.pressure]),
+        )
+        demand = Demand(
+            gather(nothing, memory[:, MEMORY_OFFSETS.demand]), gather(nothing, memory[:, MEMORY_OFFSETS.velocity]),
+            gather(nothing, memory[:, MEMORY_OFFSETS.acceleration]), nothing,
+        )  # fmt: skip
+        before = read_numbers(likes.memory, law_memory)
+        if now.wake > 0.0:
+            before = in_lanes(wake(law_values, sensed), 0.0)
+        cycle_time, elapsed = read_numbers(RIG_TEMPLATE, rig).cycle, now.elapsed
+        if planned > 0.0:
+            elapsed = min(max(elapsed, MIN_CYCLE_RATIO * cycle_time), MAX_CYCLE_RATIO * cycle_time)
+        after, command, signals = step(law_values, before, sensed, demand, elapsed)
+        write_numbers(law_memory, in_lanes(after, 0.0))
+        voltages, rows = slots(in_lanes(command.voltage, 0.0)), slots(in_lanes(signals, 0.0))
+        shifts = slots(in_lanes(centre_shift(law_values, after, nothing), 0.0))
+        for j in range(n):
+            memory[j, MEMORY_OFFSETS.law_voltage], memory[j, MEMORY_OFFSETS.neutral] = voltages[j], shifts[j]
+            write_numbers(report[j], rows[j])
+            if rejection_column >= 0 and report[j, rejection_column] > 0.5:
+                flags |= MODEL_REJECTED
+    if stages & GATE_STAGE:
+        flags |= pass_voltages(rig, memory)
+    return flags

@@ -2,7 +2,7 @@
 
 from typing import Any, NamedTuple
 
-from layflat.jit import composition, kernel, law
+from layflat.jit import composition, law, portable_kernel
 from layflat.lanes import each, gather, in_lanes, read_lanes, select, slots, width
 from layflat.physics.adjustable import FULL_FRACTIONS
 from layflat.physics.driver import ZERO_COMMANDS
@@ -192,7 +192,7 @@ def run_lanes(case, first, runs, scenarios, moves, timing, results, watch):
     write_totals(watch, results, states, progress, first, len(like))
 
 
-@kernel
+@portable_kernel()
 def run_block(case, runs, scenarios, moves, timing, results, watch):
     """Simulate all runs of a block, as many at a time as there are lanes; the watch is as wide as the block."""
     lanes = width(case, runs.parameters)

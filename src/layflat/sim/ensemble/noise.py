@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from layflat.jit import composition, kernel
+from layflat.jit import composition, portable_kernel
 from layflat.lanes import select
 
 
@@ -140,7 +140,7 @@ def seed_stream(streams, run):
     streams[0, run], streams[1, run], streams[2, run], streams[3, run] = state
 
 
-@kernel
+@portable_kernel()
 def fill_noise(streams, ziggurat, noise):
     """Fill `noise` with the noise of all runs; start and advance their generators `streams` in place."""
     for run in range(noise.shape[3]):

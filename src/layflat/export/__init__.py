@@ -1,0 +1,51 @@
+"""Laws and plants on other computers: as C, on microcontrollers, in simulators of others, in browsers.
+
+The way of a value: a machine gives its entries (`entries.py`), which are the laws as they stand; numba's portable code
+of them (`compiled.py`) becomes object files by the table of targets (`targets.py`); their structs (`layout.py`) become
+headers (`header.py`); and a writer puts all into a folder.
+"""
+
+from collections.abc import Callable
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+from layflat.description.wrong import did_you_mean
+from layflat.errors import InputError
+from layflat.machine import Machine, load
+
+__all__ = ["TARGET_WRITERS", "export"]
+
+TARGET_WRITERS: dict[str, str] = {}
+"""Function that writes the folder of each target, as "module:function"; see `export`."""
+
+
+def export(machine: str | Path | Machine, target: str, out: str | Path, *, precision: str = "double") -> list[Path]:
+    """Write what a target needs to run a machine's laws.
+
+    Args:
+        machine: a description, its file, or the name of a built-in machine.
+        target: name of the target, such as "c", "cortex-m7", "wasm" or "fmu".
+        out: folder, which is new or empty.
+        precision: "double" or "single".
+
+    Returns:
+        The files that were written.
+
+    Raises:
+        InputError: there is no such target or precision, or the folder is not empty.
+        KindError: the control law is plain Python.
+    """
+    if target not in TARGET_WRITERS:
+        known = ", ".join(TARGET_WRITERS)
+        raise InputError(
+            f"{target!r} is not a target{did_you_mean(target, TARGET_WRITERS)}",
+            where="target",
+            right=f"give one of {known}",
+        )
+    folder = Path(out)
+    if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
+        raise InputError(f"{folder} is not an empty folder", where="out", right="give a new one")
+    module, function = TARGET_WRITERS[target].split(":")
+    write: Callable[..., Any] = getattr(import_module(module), function)
+    return list(write(load(machine), folder, target=target, precision=precision))

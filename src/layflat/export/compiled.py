@@ -1,0 +1,74 @@
+"""Machine code of entries: portable code once, then an object file for each target."""
+
+# mypy: disable-error-code="no-untyped-call"
+# The compiler's own modules are untyped.
+
+from collections.abc import Iterable
+from typing import Any
+
+from layflat.export.entries import Entry
+from layflat.export.targets import Target
+from layflat.jit.objects import OF_EVERY_TARGET, machine_code
+
+SIZE_BY_PRECISION = {"double": 8, "single": 4}  # of a number, bytes
+LLVM_NUMBERS = {"double": "double", "single": "float"}
+
+
+def portable_entry(entry: Entry, prefix: str, precision: str) -> str:
+    """Return LLVM's portable text of an entry as the C function `prefix_name`.
+
+    Args:
+        entry: the entry.
+        prefix: prefix of all names in C.
+        precision: "double" or "single".
+    """
+    from numba import types  # noqa: PLC0415  # only where something is exported
+
+    from layflat.jit.portable import c_function  # noqa: PLC0415
+
+    real = types.float64 if precision == "double" else types.float32
+    number_kinds: dict[str, tuple[Any, str]] = {
+        "real": (real, LLVM_NUMBERS[precision]), "int32_t": (types.int32, "i32"), "int64_t": (types.int64, "i64")
+    }  # fmt: skip
+    kinds, taken, passed = [], [], []
+    for argument in entry.arguments:
+        if argument.like is None:
+            kind, llvm = number_kinds[argument.number]
+            kinds.append(kind)
+            taken.append(f"{llvm} %{argument.name}")
+            passed.append(taken[-1])
+        else:
+            taken.append(f"ptr %{argument.name}")
+            for view in argument.views:
+                kinds.append(types.CPointer(number_kinds[view][0]))
+                passed.append(taken[-1])
+    name, integer = f"{prefix}_{entry.name}", bool(entry.result)
+    return c_function(name, entry.function, tuple(kinds), ", ".join(taken), ", ".join(passed), integer=integer)
+
+
+def object_file(entry: Entry, text: str, prefix: str, target: Target) -> bytes:
+    """Return the object file of an entry.
+
+    Args:
+        entry: the entry.
+        text: its portable text.
+        prefix: prefix of all names in C.
+        target: the target.
+
+    Raises:
+        CompilerError: the code would call a function that the target lacks.
+    """
+    names = (f"{prefix}_{entry.name}",)
+    return machine_code(text, names, target.processor, ordered=False, outside=OF_EVERY_TARGET)
+
+
+def object_files(entries: Iterable[Entry], prefix: str, precision: str, target: Target) -> dict[str, bytes]:
+    """Return the object files of entries by the entries' names.
+
+    Args:
+        entries: the entries.
+        prefix: prefix of all names in C.
+        precision: "double" or "single".
+        target: the target.
+    """
+    return {one.name: object_file(one, portable_entry(one, prefix, precision), prefix, target) for one in entries}

@@ -1,0 +1,132 @@
+"""Machine code from LLVM's portable text: for any processor, as an object file; and its loading into this process."""
+
+# mypy: disable-error-code="no-untyped-call"
+# The compiler's own modules are untyped.
+
+import ctypes
+from collections.abc import Callable
+from functools import cache
+from hashlib import sha256
+from typing import Any, NamedTuple
+
+from llvmlite import binding
+
+from layflat.errors import CompilerError
+from layflat.jit.ordering import order_instructions
+
+OF_EVERY_TARGET = frozenset({"memcpy", "memset", "memmove", "floor", "floorf"})
+"""Functions of C that LLVM may call where a processor has no such instruction; their results are exact."""
+
+OF_C_LIBRARY = OF_EVERY_TARGET | {"acos", "asin", "atan", "atan2", "cos", "exp", "log", "log1p", "pow", "sin", "tan"}
+"""Functions of C's library on a computer, whose last bits differ between libraries."""
+
+
+class Processor(NamedTuple):
+    """Processor that machine code is made for, in LLVM's terms."""
+
+    triple: str
+    name: str
+    features: str = ""
+    relocation: str = "pic"
+
+    @property
+    def digest(self) -> str:
+        """Digest of all this and of LLVM's version, for names of files."""
+        return sha256(repr((self, binding.llvm_version_info)).encode()).hexdigest()[:8]
+
+
+def _host_features() -> str:
+    features: Any = binding.get_host_cpu_features()
+    return str(features.flatten())
+
+
+@cache
+def host() -> Processor:
+    """Return the processor of this computer."""
+    binding.initialize_native_target()
+    binding.initialize_native_asmprinter()
+    return Processor(binding.get_process_triple(), binding.get_host_cpu_name(), _host_features())
+
+
+def machine_code(
+    text: str,
+    names: tuple[str, ...],
+    processor: Processor,
+    *,
+    ordered: bool = True,
+    outside: frozenset[str] = OF_C_LIBRARY,
+) -> bytes:
+    """Return the object file of a module's functions.
+
+    Args:
+        text: LLVM's portable text (see `portable`).
+        names: functions that are seen from outside.
+        processor: the processor.
+        ordered: whether instructions are put in an order in which a large processor waits less.
+        outside: functions that it may call of other code.
+
+    Raises:
+        CompilerError: it calls another function.
+    """
+    machine = _target_machine(processor)
+    module = _optimized(text, names, processor, machine, ordered)
+    needed = {one.name for one in module.functions if one.is_declaration and not one.name.startswith("llvm.")}
+    if needed - outside:
+        raise CompilerError(f"code of {names[0]} needs {sorted(needed - outside)} from outside")
+    return bytes(machine.emit_object(module))
+
+
+def _target_machine(processor: Processor) -> Any:
+    if processor != host():
+        binding.initialize_all_targets()
+        binding.initialize_all_asmprinters()
+    return binding.Target.from_triple(processor.triple).create_target_machine(
+        cpu=processor.name, features=processor.features, opt=3, reloc=processor.relocation, codemodel="default"
+    )
+
+
+def _optimized(text: str, names: tuple[str, ...], processor: Processor, machine: Any, ordered: bool) -> Any:
+    """Return the module, optimised for a processor, with all but its named functions internal."""
+    module = binding.parse_assembly(text)
+    module.triple, module.data_layout = processor.triple, str(machine.target_data)
+    for one in (*module.functions, *module.global_variables):
+        if not one.is_declaration and one.name not in names:
+            one.linkage = "internal"
+    options = binding.create_pipeline_tuning_options(speed_level=3)
+    options.loop_vectorization, options.slp_vectorization = ordered, False
+    builder = binding.create_pass_builder(machine, options)
+    for _ in range(2):
+        builder.getModulePassManager().run(module, builder)
+    if ordered:
+        module = binding.parse_assembly(order_instructions(str(module)))
+    cleaner = binding.create_new_module_pass_manager()
+    cleaner.add_global_dead_code_eliminate_pass()
+    cleaner.add_strip_dead_prototype_pass()
+    cleaner.run(module, builder)
+    module.verify()
+    return module
+
+
+_engines: list[Any] = []  # that own loaded code, which stays as long as the process
+
+
+def load(code: bytes, name: str) -> Callable[[int], None]:
+    """Load an object file into this process; return its function of the address of words.
+
+    Raises:
+        CompilerError: it is no object file of this processor with such a function.
+    """
+    host()
+    try:
+        engine = binding.create_mcjit_compiler(
+            binding.parse_assembly(""), binding.Target.from_default_triple().create_target_machine()
+        )
+        engine.add_object_file(binding.ObjectFileRef.from_data(code))
+        engine.finalize_object()
+        address = engine.get_function_address(name)
+    except (RuntimeError, ValueError) as error:
+        raise CompilerError(f"machine code of {name} can't be loaded ({error})") from None
+    if not address:
+        raise CompilerError(f"machine code of {name} holds no such function")
+    _engines.append(engine)
+    return ctypes.CFUNCTYPE(None, ctypes.c_void_p)(address)
