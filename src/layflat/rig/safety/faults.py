@@ -13,7 +13,7 @@ class RigState(IntEnum):
     READY = 2  # air is on; no demand has come yet
     MOVING = 3  # demands are obeyed
     HOLDING = 4  # the joints are held where they are, with air; a start leads to READY
-    STOPPED = 5  # a controlled stop: the joints are held, then the air is let out; a start brings it again
+    STOPPED = 5  # a controlled stop: the joints are held, then the hoses are vented; a start brings it again
     FAULT = 6  # a latched fault; a reset leads to OFF, or to HOLDING where the air was left on
 
 

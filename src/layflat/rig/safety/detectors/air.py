@@ -71,7 +71,12 @@ def average_like_residual(before, value, elapsed):
 
 @law
 def update_suspicion(limits, memory, before, now, sample):
-    """Return memory and suspicions after a sample; `before` and `now` are the traces before and after it."""
+    """Return `SuspicionMemory` and `SensorSuspicion` after a sample.
+
+    A sensor that is suspect stays so, without wrong air too, as long as it repeats its samples.
+
+    Args: limits; memory; traces before and after the sample; `JointSample`.
+    """
     airy = sample.level >= AIR_LEVEL
     repeated = airy and limits.lively > 0.0 and sample.pressure == before.pressure_1
     same_pressure = accumulate_time(memory.same_pressure, repeated, sample.elapsed)
@@ -100,10 +105,14 @@ def find_pressure_frozen(limits, same_pressure, suspect):
 
 @law
 def find_valve_unresponsive(limits, before, doubts, blocked, now, sample):
-    """Return the time without a ripple (s), counted on from that before, and the fault of an unresponsive valve.
+    """Return the time without a ripple after a sample (s), and VALVE_UNRESPONSIVE or 0.
 
-    It is a fault if the ripple is gone for too long, or the air is wrong while no sensor is suspect: a stuck spool, a
-    burst or a kinked hose. A blocked joint explains wrong air, and is none.
+    It is a fault if the ripple has been gone for `limits.patience`, or the air is wrong while no sensor is suspect: a
+    stuck spool, a burst or a kinked hose. `blocked` excuses wrong air, but no missing ripple.
+
+    Args: limits; time without a ripple `before`, s, which goes on only while a ripple should show (small averaged
+    pressure and opening), and is 0 once there is one; `SensorSuspicion`; whether the joint is blocked; trace `now`
+    after the sample; `JointSample`.
     """
     shows = abs(sample.averaged_pressure) < limits.shows and abs(sample.opening) < limits.uncut
     gone = sample.level >= AIR_LEVEL and sample.alone > 0.0 and now.ripple < limits.ripple
