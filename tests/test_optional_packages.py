@@ -33,9 +33,15 @@ def test_the_table_is_what_pip_installs(extra: str) -> None:
 
 
 def test_every_extra_for_use_is_in_the_table() -> None:
-    assert set(PROJECT["optional-dependencies"]) - {"docs", "test", "lint", "mutants", "conformance", "dev"} == set(
-        extras.EXTRA_PACKAGES
-    )
+    assert set(PROJECT["optional-dependencies"]) - {
+        "docs",
+        "test",
+        "lint",
+        "mutants",
+        "importers",
+        "conformance",
+        "dev",
+    } == set(extras.EXTRA_PACKAGES)
 
 
 def test_a_missing_package_is_named_with_its_extra(monkeypatch: pytest.MonkeyPatch) -> None:

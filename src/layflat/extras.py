@@ -19,6 +19,7 @@ EXTRA_PACKAGES: Mapping[str, Mapping[str, str]] = {
     "cluster": {"pyarrow": "pyarrow", "pandas": "pandas", "dask": "dask", "distributed": "distributed"},
     "hyddown": {"yaml": "PyYAML"},
     "motion": {"ruckig": "ruckig"},
+    "export": {"ziglang": "ziglang"},
     "view": {"viser": "viser", "mujoco": "mujoco-core", "trimesh": "trimesh", "collada": "pycollada", "PIL": "pillow"},
     "panel": {"mcap": "mcap", "mcap_ros2": "mcap-ros2-support", "rosbags": "rosbags", "pyarrow": "pyarrow",
               "pymodbus": "pymodbus", "serial": "pyserial", "cobs": "cobs", "nicegui": "nicegui", "trimesh": "trimesh",

@@ -16,7 +16,7 @@ from layflat.machine import Machine, load
 
 __all__ = ["TARGET_WRITERS", "export"]
 
-TARGET_WRITERS: dict[str, str] = {}
+TARGET_WRITERS: dict[str, str] = {"fmu": "layflat.export.fmu.writer:write_fmus"}
 """Function that writes the folder of each target, as "module:function"; see `export`."""
 
 

@@ -68,7 +68,7 @@ COLUMNS, VOLTAGE = len(JointRecord._fields), JointRecord._fields.index("voltage"
 
 
 @law
-def _joint_record(joint, state, around, measured_angle, measured_pressure, voltage):
+def joint_record(joint, state, around, measured_angle, measured_pressure, voltage):
     """Return the recorded signals of one joint at an instant."""
     motion, a, b, ledger = state.motion, state.hose_a, state.hose_b, state.ledger
     loss_a, loss_b, p_a = joint.hose_a.loss, joint.hose_b.loss, around.ambient_pressure
@@ -125,7 +125,7 @@ def _write_record(run, joints, states, around, sensed, voltages, report, k, i):
     row = k * run.records + i
     angles, pressures, reports = slots(sensed.angle), slots(sensed.differential_pressure), slots(report)
     for j in range(len(sensed.angle)):
-        sample = _joint_record(joints[j], states[j], around, angles[j], pressures[j], voltages[j])
+        sample = joint_record(joints[j], states[j], around, angles[j], pressures[j], voltages[j])
         write_row(run.out, row, j, sample)
         for instant in range(row, row + 2):  # the last report also holds at the run's end
             write_row(run.reports, instant, j, reports[j])
@@ -146,7 +146,7 @@ def _write_last_record(run, machine):
     for j in range(len(joints)):
         voltage = run.out[row - 1, j, VOLTAGE]
         write_row(
-            run.out, row, j, _joint_record(joints[j], states[j], machine.around[0], angles[j], pressures[j], voltage)
+            run.out, row, j, joint_record(joints[j], states[j], machine.around[0], angles[j], pressures[j], voltage)
         )
     run.counters[1] = row + 1
 

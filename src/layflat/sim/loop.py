@@ -142,7 +142,7 @@ def _arm_demand(acting):
 
 
 @composition
-def _drive(joint, state, line, acting, gains, command, shares, around, cycle):
+def drive_joint(joint, state, line, acting, gains, command, shares, around, cycle):
     """Return a joint's drive for a control cycle, the voltage of its valve, and the line of commands after it.
 
     A set opening replaces the controller's `command` (V), and a set voltage with its output injection replaces both.
@@ -175,7 +175,7 @@ def control_cycle(joints, settings, memory, states, loop, around, time, cycle, h
     for j in range(len(states)):
         joint, state = joints[j], states[j]
         shares, loop.shares[j] = adjust_fractions(joint.adjustables, loop.shares[j], commanded_shares[j], cycle)
-        loop.drives[j], loop.voltages[j], loop.lines[j] = _drive(
+        loop.drives[j], loop.voltages[j], loop.lines[j] = drive_joint(
             joint, state, loop.lines[j], loop.acting[j], loop.injections[j], commands[j], shares, around, cycle
         )
         loop.waves[j] = weaken_wave(

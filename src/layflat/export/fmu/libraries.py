@@ -1,0 +1,114 @@
+"""Libraries of an FMU, linked by zig for all systems, or by the C compiler of this computer for its own."""
+
+import os
+import platform
+import subprocess
+import sys
+from collections.abc import Callable, Iterable, Mapping
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from importlib.util import find_spec
+from pathlib import Path
+from shutil import which
+
+from layflat.errors import CompilerError, MissingExtraError
+
+SOURCE_FOLDER = Path(__file__).parent / "source"
+
+C_FLAGS = ("-std=c11", "-O2", "-ffp-contract=off", "-fvisibility=hidden", "-fPIC", "-shared", "-s")
+
+C_COMPILERS = ("cc", "gcc", "clang")
+
+
+@dataclass(frozen=True)
+class System:
+    """System that a library is linked for."""
+
+    title: str
+    target: str  # a key of `targets.EXPORT_TARGETS`
+    triple: str  # of zig
+    folder: str  # in binaries/, by FMI 3.0
+    folder_2: str  # likewise by FMI 2.0; empty: it has none
+    suffix: str
+
+
+LINKED_SYSTEMS = (
+    System("Linux x86-64", "linux-x86-64", "x86_64-linux-gnu.2.17", "x86_64-linux", "linux64", ".so"),
+    System("Linux ARM64", "linux-aarch64", "aarch64-linux-gnu.2.17", "aarch64-linux", "", ".so"),
+    System("Windows x86-64", "windows-x86-64", "x86_64-windows-gnu", "x86_64-windows", "win64", ".dll"),
+    System("macOS x86-64", "macos-x86-64", "x86_64-macos", "x86_64-darwin", "darwin64", ".dylib"),
+    System("macOS ARM64", "macos-aarch64", "aarch64-macos", "aarch64-darwin", "darwin64", ".dylib"),
+)
+"""Systems of an FMU; FMI 2.0 has one folder for both processors of macOS, and a library with code for both."""
+
+
+@dataclass(frozen=True)
+class Linker:
+    """Compiler that links libraries, and the systems that it links them for."""
+
+    title: str
+    command: tuple[str, ...]
+    systems: tuple[System, ...]
+    cross: bool  # whether the command has to be told the system
+
+
+def host_system() -> System | None:
+    """Return the system of this computer; None: FMUs don't run on it."""
+    name = {"linux": "linux", "win32": "windows", "darwin": "darwin"}.get(sys.platform, sys.platform)
+    machine = {"amd64": "x86_64", "arm64": "aarch64"}.get(platform.machine().lower(), platform.machine().lower())
+    return next((system for system in LINKED_SYSTEMS if system.folder == f"{machine}-{name}"), None)
+
+
+def find_linker() -> Linker:
+    """Return zig where it is installed, else the C compiler of this computer.
+
+    Raises:
+        MissingExtraError: neither is there.
+    """
+    if find_spec("ziglang") is not None:
+        return Linker("zig", (sys.executable, "-m", "ziglang", "cc"), LINKED_SYSTEMS, cross=True)
+    compiler, system = next(filter(None, map(which, C_COMPILERS)), None), host_system()
+    if compiler is None or system is None:
+        raise MissingExtraError("export", ["ziglang or a C compiler"], where="target fmu")
+    return Linker(Path(compiler).name, (compiler,), (system,), cross=False)
+
+
+def link_libraries(
+    linker: Linker, header: str, objects: Callable[[System], Mapping[str, bytes]], folder: Path
+) -> dict[System, bytes]:
+    """Return the libraries of an FMU, both of FMI 2.0 and 3.0.
+
+    Args:
+        linker: compiler and systems.
+        header: content of model.h.
+        objects: function that returns the object files of the laws for a system, by name.
+        folder: for files on the way, which stay.
+
+    Raises:
+        CompilerError: the compiler fails.
+    """
+    written = [(system, objects(system)) for system in linker.systems]
+    with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
+        linked = pool.map(lambda item: _link(linker, item[0], header, item[1], folder / item[0].folder), written)
+    return dict(zip(linker.systems, linked, strict=True))
+
+
+def _link(linker: Linker, system: System, header: str, objects: Mapping[str, bytes], folder: Path) -> bytes:
+    folder.mkdir(parents=True)
+    (folder / "model.h").write_text(header, encoding="utf-8")
+    for name, code in objects.items():
+        (folder / f"{name}.o").write_bytes(code)
+    library = folder / f"library{system.suffix}"
+    words = [*linker.command, *(("-target", system.triple) if linker.cross else ()), *C_FLAGS]
+    words += [f"-I{folder}", f"-I{SOURCE_FOLDER}", *map(str, sorted(SOURCE_FOLDER.glob("*.c")))]
+    words += [*(str(folder / f"{name}.o") for name in objects), *_libraries(system), "-o", str(library)]
+    done = subprocess.run(words, cwd=folder, capture_output=True, text=True, check=False)
+    if done.returncode or not library.exists():
+        lines = [line for line in done.stderr.splitlines() if "error" in line] or done.stderr.splitlines()
+        reason = lines[0].strip() if lines else f"status {done.returncode}"
+        raise CompilerError(f"{linker.title} can't link the FMU's library for {system.title} ({reason})")
+    return library.read_bytes()
+
+
+def _libraries(system: System) -> Iterable[str]:
+    return ("-lm",) if system.suffix == ".so" else ()
