@@ -4,6 +4,7 @@
 # The compiler's own modules are untyped.
 
 import ctypes
+import re
 from collections.abc import Callable
 from functools import cache
 from hashlib import sha256
@@ -21,6 +22,10 @@ OF_C_LIBRARY = OF_EVERY_TARGET | {"acos", "asin", "atan", "atan2", "cos", "exp",
 """Functions of C's library on a computer, whose last bits differ between libraries."""
 
 
+NARROW_ADDRESS = "p:32:32"  # in the layout of data of 32-bit targets
+ADDRESS_IN_MEMORY = re.compile(r".*(?:store ptr|load ptr|alloca [^\n]*\bptr\b).*")
+
+
 class Processor(NamedTuple):
     """Processor that machine code is made for, in LLVM's terms."""
 
@@ -33,6 +38,9 @@ class Processor(NamedTuple):
     def digest(self) -> str:
         """Digest of all this and of LLVM's version, for names of files."""
         return sha256(repr((self, binding.llvm_version_info)).encode()).hexdigest()[:8]
+
+
+LAID_OUT_FOR = Processor("aarch64-unknown-none", "generic")
 
 
 def _host_features() -> str:
@@ -85,13 +93,41 @@ def _target_machine(processor: Processor) -> Any:
     )
 
 
-def _optimized(text: str, names: tuple[str, ...], processor: Processor, machine: Any, ordered: bool) -> Any:
-    """Return the module, optimised for a processor, with all but its named functions internal."""
+def in_registers(text: str, names: tuple[str, ...]) -> str:
+    """Return a module whose functions are inlined into those that are named, with no address left in memory.
+
+    Args:
+        text: LLVM's portable text (see `portable`).
+        names: functions that are seen from outside.
+
+    Raises:
+        CompilerError: an address stays in memory.
+    """
+    module = _parsed(text, names)
+    _keep_addresses_in_registers(module)
+    return without_target(str(module))
+
+
+def without_target(text: str) -> str:
+    """Return LLVM's text without the lines that name a target."""
+    return "\n".join(line for line in text.split("\n") if not line.startswith(("target triple", "target datalayout")))
+
+
+def _parsed(text: str, names: tuple[str, ...]) -> Any:
+    """Return a module, with all but its named functions internal."""
     module = binding.parse_assembly(text)
-    module.triple, module.data_layout = processor.triple, str(machine.target_data)
     for one in (*module.functions, *module.global_variables):
         if not one.is_declaration and one.name not in names:
             one.linkage = "internal"
+    return module
+
+
+def _optimized(text: str, names: tuple[str, ...], processor: Processor, machine: Any, ordered: bool) -> Any:
+    """Return the module, optimised for a processor, with all but its named functions internal."""
+    module = _parsed(text, names)
+    if NARROW_ADDRESS in str(machine.target_data):
+        _keep_addresses_in_registers(module)
+    module.triple, module.data_layout = processor.triple, str(machine.target_data)
     options = binding.create_pipeline_tuning_options(speed_level=3)
     options.loop_vectorization, options.slp_vectorization = ordered, False
     builder = binding.create_pass_builder(machine, options)
@@ -105,6 +141,25 @@ def _optimized(text: str, names: tuple[str, ...], processor: Processor, machine:
     cleaner.run(module, builder)
     module.verify()
     return module
+
+
+def _keep_addresses_in_registers(module: Any) -> None:
+    """Optimise a module until no address is in memory, where its size and the places behind it depend on the target.
+
+    The compiler of laws has laid memory out, and folded places in it into numbers of bytes, for addresses of 64 bits.
+
+    Raises:
+        CompilerError: an address stays in memory.
+    """
+    machine = _target_machine(LAID_OUT_FOR)
+    module.triple, module.data_layout = LAID_OUT_FOR.triple, str(machine.target_data)
+    options = binding.create_pipeline_tuning_options(speed_level=2)
+    options.loop_vectorization, options.slp_vectorization, options.loop_unrolling = False, False, False
+    builder = binding.create_pass_builder(machine, options)
+    builder.getModulePassManager().run(module, builder)
+    left = ADDRESS_IN_MEMORY.search(str(module))
+    if left:
+        raise CompilerError(f"code for 32 bits would keep an address in memory: {left[0].strip()}")
 
 
 _engines: list[Any] = []  # that own loaded code, which stays as long as the process

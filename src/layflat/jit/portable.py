@@ -19,6 +19,7 @@ from numba.extending import intrinsic
 from layflat.jit.compiler import INLINE_OPTIONS
 from layflat.jit.internals import Compiler, JITCodeLibrary
 from layflat.jit.libraries import NoEnvironments
+from layflat.jit.objects import without_target
 from layflat.lanes import Like
 
 C_ROOTS = {"sqrt": ("double", "f64"), "sqrtf": ("float", "f32")}
@@ -127,7 +128,7 @@ def c_function(
     inner = compiled.fndesc.llvm_func_name
     quoted = inner if re.fullmatch(r"[\w.$-]+", inner) else f'"{inner}"'
     short = "%long = load i64, ptr %ret\n  %short = trunc i64 %long to i32\n  ret i32 %short"
-    return f"""{_self_contained(_of_no_target(str(compiled.library._final_module)))}
+    return f"""{_self_contained(without_target(str(compiled.library._final_module)))}
 define {"i32" if integer else "void"} @{name}({taken}) nounwind {{
 entry:
   %ret = alloca i64, align 16
@@ -136,11 +137,6 @@ entry:
   {short if integer else "ret void"}
 }}
 """
-
-
-def _of_no_target(text: str) -> str:
-    lines = (line for line in text.split("\n") if not line.startswith(("target triple", "target datalayout")))
-    return "\n".join(lines)
 
 
 def _self_contained(text: str) -> str:
