@@ -15,7 +15,7 @@ V ?= 3.13
 BY_NEWEST := --only "rollout paper-small" --only "ensemble paper-small" --only "stepped plant"
 
 .DEFAULT_GOAL := help
-.PHONY: help install wheel reproduce questions test test-python lint docs pictures bench newest-numba conformance mutants calibrate clean
+.PHONY: help install wheel reproduce questions test test-python lint docs pictures bench newest-numba export-check conformance mutants calibrate clean
 
 help:  ## show what can be made
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  make %-12s %s\n", $$1, $$2}'
@@ -73,6 +73,10 @@ newest-numba: $(READY)  ## try the newest numba, candidates too: the compiler's 
 	$(NEWEST) -m pip list | grep -E '^(numba|llvmlite|numpy) '
 	$(NEWEST) -m pytest tests/jit tests/lanes
 	$(NEWEST) -m benchmarks.digests $(BY_NEWEST) --out build/newest-numba/newest.json --against build/newest-numba/pinned.json
+
+export-check: export LAYFLAT_EXPORT_CHECK := 1
+export-check: $(READY)  ## check every exported target with all built-in laws, also on simulated microcontrollers
+	$(BIN)/python -m pytest tests/export
 
 conformance:  ## compare arms of other packages as other tools read them: docs/arm-conformance.md (a quarter of an hour)
 	$(PYTHON) -m venv build/conformance

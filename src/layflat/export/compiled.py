@@ -7,8 +7,9 @@ from collections.abc import Iterable
 from typing import Any
 
 from layflat.export.entries import Entry
+from layflat.export.single import in_single_precision
 from layflat.export.targets import Target
-from layflat.jit.objects import OF_EVERY_TARGET, machine_code
+from layflat.jit.objects import OF_EVERY_TARGET, in_registers, machine_code
 
 SIZE_BY_PRECISION = {"double": 8, "single": 4}  # of a number, bytes
 LLVM_NUMBERS = {"double": "double", "single": "float"}
@@ -43,7 +44,10 @@ def portable_entry(entry: Entry, prefix: str, precision: str) -> str:
                 kinds.append(types.CPointer(number_kinds[view][0]))
                 passed.append(taken[-1])
     name, integer = f"{prefix}_{entry.name}", bool(entry.result)
-    return c_function(name, entry.function, tuple(kinds), ", ".join(taken), ", ".join(passed), integer=integer)
+    text = c_function(name, entry.function, tuple(kinds), ", ".join(taken), ", ".join(passed), integer=integer)
+    if precision == "single" and not entry.lanes:
+        return in_single_precision(in_registers(text, (name,)))
+    return text
 
 
 def object_file(entry: Entry, text: str, prefix: str, target: Target) -> bytes:

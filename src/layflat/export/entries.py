@@ -50,6 +50,7 @@ class Entry:
     arguments: tuple[Argument, ...]
     function: Callable[..., Any]  # of pointers (one a view) and numbers
     result: str = ""  # description of the integer that it returns; empty: it returns nothing
+    lanes: bool = True  # whether its laws take lanes, which have a form in single precision
 
 
 class PlantState(NamedTuple):

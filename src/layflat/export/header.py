@@ -174,12 +174,12 @@ def _numbers(value: Any) -> Iterator[Any]:
 
 def number_text(value: float, real: str) -> str:
     """Return a number in C, exact in `real` ("double" or "float"): a whole number as itself, else in hexadecimal."""
-    if isinstance(value, int) or value == float(f"{value:.6g}"):
-        return f"{value:.6g}" if isinstance(value, int) else f"{value!r}{'f' if real == 'float' else ''}"
     if isnan(value):
         return "NAN"
     if isinf(value):
         return "INFINITY" if value == inf else "-INFINITY"
+    if isinstance(value, int) or value == float(f"{value:.6g}"):
+        return f"{value:.6g}" if isinstance(value, int) else f"{float(value)!r}{'f' if real == 'float' else ''}"
     suffix = "f" if real == "float" else ""
     if value == int(value) and abs(value) < 1e6:
         return f"{int(value)}.0{suffix}"

@@ -37,20 +37,26 @@ def _alignment(kind: Any) -> int:
     return int(BIT_WIDTHS[number_in(kind)]) // 8
 
 
-def _load_leaves(context: Any, builder: Any, kind: Any, place: Callable[[int, Any], Any]) -> Any:
-    """Emit a value whose leaves are loaded from the pointers that `place(index, type)` returns."""
+def _load_leaves(context: Any, builder: Any, kind: Any, place: Callable[[int, Any], Any], stored: Any = None) -> Any:
+    """Emit a value whose leaves are loaded from the pointers that `place(index, type)` returns.
+
+    `stored` is the type of number in memory; None: that of the leaves.
+    """
     leaves = count()
 
     def read(kind: Any) -> Any:
         if isinstance(kind, types.BaseTuple):
             return context.make_tuple(builder, kind, [read(leaf) for leaf in kind.types])
-        return builder.load(place(next(leaves), kind), align=_alignment(kind))
+        number = builder.load(place(next(leaves), kind), align=_alignment(stored or kind))
+        return number if stored is None else context.cast(builder, number, stored, kind)
 
     return read(kind)
 
 
-def _store_leaves(builder: Any, kind: Any, value: Any, place: Callable[[int, Any], Any]) -> None:
-    """Emit the storing of a value's leaves at the pointers that `place(index, type)` returns."""
+def _store_leaves(
+    context: Any, builder: Any, kind: Any, value: Any, place: Callable[[int, Any], Any], stored: Any = None
+) -> None:
+    """Emit the storing of a value's leaves at the pointers that `place(index, type)` returns; `stored` as above."""
     leaves = count()
 
     def write(kind: Any, value: Any) -> None:
@@ -58,7 +64,8 @@ def _store_leaves(builder: Any, kind: Any, value: Any, place: Callable[[int, Any
             for leaf, item in zip(kind.types, cgutils.unpack_tuple(builder, value), strict=True):
                 write(leaf, item)
         else:
-            builder.store(value, place(next(leaves), kind), align=_alignment(kind))
+            number = value if stored is None else context.cast(builder, value, kind, stored)
+            builder.store(number, place(next(leaves), kind), align=_alignment(stored or kind))
 
     write(kind, value)
 
@@ -84,17 +91,20 @@ def _read_lanes(context: Any, builder: Any, sig: Any, args: Any) -> Any:
 @lower_builtin(lanes.write_lanes, types.Array, types.Any)
 def _write_lanes(context: Any, builder: Any, sig: Any, args: Any) -> Any:
     """Emit the storing of each leaf, a vector, in a row of a block."""
-    _store_leaves(builder, sig.args[1], args[1], _rows(context, builder, sig.args[0], args[0]))
+    _store_leaves(context, builder, sig.args[1], args[1], _rows(context, builder, sig.args[0], args[0]))
     return context.get_dummy_value()
 
 
 @lower_builtin(lanes.read_numbers, types.Any, types.Array)
 def _read_numbers(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-    return _load_leaves(context, builder, sig.return_type, _items(context, builder, sig.args[1], args[1]))
+    """Emit a value whose leaves are elements of a 1D array, from the first on, in the precision of the value."""
+    kind = sig.args[1]
+    return _load_leaves(context, builder, sig.return_type, _items(context, builder, kind, args[1]), kind.dtype)
 
 
 @lower_builtin(lanes.write_numbers, types.Array, types.Any)
 def _write_numbers(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-    """Emit the storing of each leaf, a number, in an element of a 1D array, from the first on."""
-    _store_leaves(builder, sig.args[1], args[1], _items(context, builder, sig.args[0], args[0]))
+    """Emit the storing of each leaf, a number, in an element of a 1D array, from the first on, in its precision."""
+    kind, values = sig.args
+    _store_leaves(context, builder, values, args[1], _items(context, builder, kind, args[0]), kind.dtype)
     return context.get_dummy_value()

@@ -99,7 +99,10 @@ def _store_item(context: Any, builder: Any, sig: Any, args: Any) -> Any:  # noqa
 
 
 def _gather_type(like: Any, items: Any) -> Any:
-    return types.UniTuple(items.item if isinstance(items, SlotsType) else items.dtype, len(like))
+    item = items.item if isinstance(items, SlotsType) else items.dtype
+    first = like.types[0] if isinstance(like, types.BaseTuple) else item
+    both = isinstance(item, types.Float) and isinstance(first, types.Float)
+    return types.UniTuple(first if both else item, len(like))
 
 
 register_typing([gather], _gather_type)
@@ -119,6 +122,7 @@ def _gather_array(context: Any, builder: Any, sig: Any, args: Any) -> Any:
     array = context.make_array(sig.args[1])(context, builder, args[1])
     places = [[context.get_constant(types.intp, i)] for i in range(len(sig.return_type))]
     items = [builder.load(cgutils.get_item_pointer(context, builder, sig.args[1], array, place)) for place in places]
+    items = [context.cast(builder, item, sig.args[1].dtype, sig.return_type.dtype) for item in items]
     return context.make_tuple(builder, sig.return_type, items)
 
 

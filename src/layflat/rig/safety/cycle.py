@@ -8,7 +8,7 @@ from math import inf, isfinite
 from typing import Any, NamedTuple
 
 from layflat.control import Demand, Sensed, centre_shift, step, wake
-from layflat.jit import composition, kernel, law, portable_kernel
+from layflat.jit import composition, law, portable_kernel
 from layflat.lanes import gather, in_lanes, read_numbers, slots, write_numbers
 from layflat.physics.air_balance import update_air_estimate
 from layflat.physics.arms import dynamics
@@ -144,7 +144,7 @@ def judge_samples(rig_numbers, settings, inputs, joint_inputs, memory):
     return FAULT_DETECTED if worst > 0 or fault > 0 else 0
 
 
-@kernel
+@composition
 def _pass_moving_demands(now, settings, joint_inputs, memory):
     """Pass demands of a control law that plans (see demands.py), with their rates; return DEMAND_CHANGED or 0."""
     changed, turns, jumps = 0, False, False
@@ -182,7 +182,7 @@ def _pass_moving_demands(now, settings, joint_inputs, memory):
     return changed
 
 
-@kernel
+@composition
 def pass_demands(rig_numbers, settings, inputs, joint_inputs, memory):
     """Pass demands through their gates (arguments as of `judge_samples`); return DEMAND_CHANGED if one was, else 0."""
     n, rig, now = len(settings), read_numbers(RIG_TEMPLATE, rig_numbers), read_numbers(INPUTS_TEMPLATE, inputs)
@@ -211,7 +211,7 @@ def pass_demands(rig_numbers, settings, inputs, joint_inputs, memory):
     return changed
 
 
-@kernel
+@composition
 def estimate_motion(settings, inputs, joint_inputs, memory):
     """Write estimates of angle, velocity and pressure into `memory`; arguments as of `judge_samples`."""
     now = read_numbers(INPUTS_TEMPLATE, inputs)
@@ -226,7 +226,7 @@ def estimate_motion(settings, inputs, joint_inputs, memory):
         write_numbers(memory[j, MEMORY_OFFSETS.estimate :], estimate)
 
 
-@kernel
+@composition
 def pass_voltages(rig_numbers, memory):
     """Write the law's voltages into `voltage`; if one is out of range, centre all, return VOLTAGE_REFUSED, else 0."""
     rig, bad = read_numbers(RIG_TEMPLATE, rig_numbers), 0

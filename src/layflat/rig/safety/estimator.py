@@ -16,7 +16,7 @@ the others' velocities supply g_j of it: b_j = M_jT a_T - g_j. Other joints at r
 from typing import NamedTuple
 
 from layflat.control.signals import mean4, ripple4
-from layflat.jit import kernel, law
+from layflat.jit import composition, law
 
 
 class EstimatorMemory(NamedTuple):
@@ -58,7 +58,7 @@ def update_estimate(memory, x, p, averaged, elapsed):
     return after, JointEstimate(x_used, (x_used - memory.last_angle) / elapsed, p_used, ripple)
 
 
-@kernel
+@composition
 def write_holding_torques(mass, torques, pulls, turns, work, out):
     """Write the holding torque b_j of each joint into `out`, (joints,).
 
@@ -86,7 +86,7 @@ def write_holding_torques(mass, torques, pulls, turns, work, out):
         out[j] = needed
 
 
-@kernel
+@composition
 def _solve_in_place(work, m, right):
     """Solve m symmetric, positive definite equations in place by Gaussian elimination without pivots.
 

@@ -1,0 +1,1 @@
+"""Firmware: the control cycle of a rig on a microcontroller."""
