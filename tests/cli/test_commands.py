@@ -235,7 +235,10 @@ def test_a_diverging_run_says_so_and_keeps_its_data(tmp_path: Path) -> None:
         ),
         (("joint", "sweep", "paper-arm", "--stroke", "-10 deg"), "--stroke: "),
         (("joint", "sweep", "paper-arm", "--pressure", "1e4 bar"), "--pressure: "),
-        (("joint", "sweep", "paper-arm", "--brake", "-1"), "--brake: -1 is out of range; give a fraction from 0 to 100"),
+        (
+            ("joint", "sweep", "paper-arm", "--brake", "-1"),
+            "--brake: -1 is out of range; give a fraction from 0 to 100",
+        ),
         (("simulate", "rig-polyester"), "rig-polyester: has no valve or sensors"),
         (
             ("joint", "sweep", "paper-arm", "--pressure", "0 bar"),
