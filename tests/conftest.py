@@ -8,6 +8,7 @@ import pytest
 from hypothesis import settings
 
 from layflat.lanes import interpreted
+from tests.programs import missing_program_lines, skip_without
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as there are tests on all cores, threads would wait for each other
 
@@ -34,12 +35,33 @@ def pytest_collection_finish() -> None:
     gc.freeze()
 
 
+@pytest.hookimpl(wrapper=True, tryfirst=True)
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> Iterator[None]:
+    """Say below all else which programs are missing, how many tests were left out for want of each, how to get it."""
+    yield
+    for line in missing_program_lines(terminalreporter.stats.get("skipped", [])):
+        terminalreporter.write_line(line, yellow=True)
+
+
 @pytest.fixture(scope="session", autouse=True)
 def records_of_outputs(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
     """Keep records of what commands wrote apart from the user's."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("LAYFLAT_STATE_DIR", str(tmp_path_factory.mktemp("state")))
         yield
+
+
+@pytest.fixture(scope="session")
+def opengl() -> None:
+    """OpenGL without a screen; tests that draw are left out where there is none."""
+    pytest.importorskip("mujoco")
+    from layflat.bridge.view.picture import gl_context
+    from layflat.errors import NoDrawingError
+
+    try:
+        gl_context(16, 16).free()
+    except NoDrawingError:
+        skip_without("OpenGL")
 
 
 @pytest.fixture(scope="session")

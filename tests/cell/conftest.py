@@ -13,7 +13,7 @@ def packing() -> Cell:
 
 
 @pytest.fixture(scope="session")
-def calibration(packing: Cell) -> Calibration:
+def calibration(packing: Cell, opengl: None) -> Calibration:
     """Of the built-in cell's camera, as all cells have it that differ in other things."""
     shares: list[float] = []
     found = calibrate_cell(packing, shares.append)

@@ -37,7 +37,7 @@ def told() -> list[float]:
 
 
 @pytest.fixture(scope="module")
-def camera(scene: Scene) -> Iterator[SimulatedCamera]:
+def camera(scene: Scene, opengl: None) -> Iterator[SimulatedCamera]:
     with SimulatedCamera(scene) as made:
         yield made
 
@@ -127,6 +127,7 @@ def test_a_blurred_picture_is_refused(cell: Cell, calibration: Calibration, pict
             make_detector(cell).detect(spoilt, calibration)
 
 
+@pytest.mark.usefixtures("opengl")
 @pytest.mark.parametrize(
     ("change", "told"), [({"exposure": 0.02}, "is black"), ({"exposure": 6.0}, "is white"), ({"blur": 3.0}, "blurred")]
 )
@@ -135,6 +136,7 @@ def test_a_camera_that_is_set_wrongly_is_refused(cell: Cell, change: dict[str, A
         check_picture(picture_of(Scene(with_camera(cell, **change), 2)))
 
 
+@pytest.mark.usefixtures("opengl")
 def test_lights_out_is_refused(cell: Cell) -> None:
     dark = cell.ambient.model_copy(update=dict.fromkeys(("mean", "min", "max", "std"), 0.0))
     with pytest.raises(PictureError, match="is black"):

@@ -16,6 +16,7 @@ from typing import IO, Any
 import pytest
 
 from tests.pages.server.serving import lines_of
+from tests.programs import skip_without
 
 ARGUMENTS = ["--no-sandbox"]  # tests may run as root
 # Where the time until a lease lapses isn't what is tested: a browser that draws by software, beside the rest on two
@@ -48,7 +49,7 @@ def chromium() -> Iterator[Any]:
     """A browser; the test is skipped where there is none."""
     sync_api = pytest.importorskip("playwright.sync_api")
     if shutil.which("chromium") is None:
-        pytest.skip("needs chromium")
+        skip_without("chromium")
     with sync_api.sync_playwright() as playwright, launched(playwright.chromium) as browser:
         yield browser
 

@@ -7,9 +7,9 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from layflat.bridge.pieces import COLOURS
-from layflat.bridge.view.picture import HEIGHT, WIDTH, gl_context, render_picture, save_picture
+from layflat.bridge.view.picture import HEIGHT, WIDTH, render_picture, save_picture
 from layflat.bridge.view.scenery import scenery
-from layflat.errors import InputError, NoDrawingError
+from layflat.errors import InputError
 from layflat.machine import load
 from tests.bridge.meshes import write_wedge
 from tests.physics.arms.chain.chains import as_chain, random_arm
@@ -17,12 +17,7 @@ from tests.physics.arms.chain.chains import as_chain, random_arm
 pytest.importorskip("mujoco")
 
 
-@pytest.fixture(scope="module", autouse=True)
-def _needs_opengl() -> None:
-    try:
-        gl_context(16, 16).free()
-    except NoDrawingError:
-        pytest.skip("there is no OpenGL")
+pytestmark = pytest.mark.usefixtures("opengl")
 
 
 def share(seen: NDArray[np.uint8], of: str) -> float:

@@ -57,7 +57,7 @@ def scene(packing: Cell) -> Scene:
 
 
 @pytest.fixture(scope="module")
-def camera(scene: Scene) -> Iterator[SimulatedCamera]:
+def camera(scene: Scene, opengl: None) -> Iterator[SimulatedCamera]:
     with SimulatedCamera(scene) as made:
         yield made
 
@@ -186,6 +186,7 @@ def test_a_way_to_draw_that_fails_is_told_in_one_line(monkeypatch: pytest.Monkey
     assert "\n" not in str(caught.value)
 
 
+@pytest.mark.usefixtures("opengl")
 def test_an_overview_leaves_the_cameras_pictures_as_fine_as_they_were(packing: Cell) -> None:
     scene = Scene(packing, 3)
     with SimulatedCamera(scene) as alone, SimulatedCamera(scene) as both:

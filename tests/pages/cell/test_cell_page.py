@@ -32,6 +32,7 @@ def alone(cell: Path, out: Path, *words: str) -> dict[str, Any]:
     return results(out)
 
 
+@pytest.mark.usefixtures("opengl")
 def test_a_run_is_seen_by_several_and_stopped_by_one(few: Path, tmp_path: Path, browser: Any) -> None:
     expected, out = alone(few, tmp_path / "alone", "--picks", "3"), tmp_path / "out"
     calibration = str(tmp_path / "alone" / "calibration.toml")

@@ -7,6 +7,7 @@ import pytest
 
 from layflat.errors import InputError
 from layflat.pages.server import Endpoint, serve
+from tests.programs import skip_without
 
 
 @pytest.fixture(scope="module")
@@ -17,7 +18,7 @@ def files(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
 
 def certificate(folder: Path) -> tuple[Path, Path]:
     if shutil.which("openssl") is None:
-        pytest.skip("needs openssl, to make a certificate")
+        skip_without("openssl")
     made, key = folder / "certificate.pem", folder / "key.pem"
     kind = ["-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:prime256v1", "-nodes", "-days", "2"]
     name = ["-subj", "/CN=layflat", "-addext", "subjectAltName=IP:127.0.0.1"]

