@@ -47,6 +47,7 @@ def test_cells_are_listed_and_printed() -> None:
     assert isinstance(CliRunner().invoke(app, ["cell", "show", "paking"]).exception, CellError)
 
 
+@pytest.mark.usefixtures("opengl")
 def test_a_run_leaves_results_a_film_and_a_sheet(few: str, tmp_path: Path) -> None:
     out = tmp_path / "out"
     done = CliRunner().invoke(app, ["cell", "pack", "--cell", few, "--picks", "1", "--out", str(out), "--film", "gif"])
@@ -134,6 +135,7 @@ def test_without_opengl_it_goes_on_without_pictures(few: str, tmp_path: Path) ->
     assert "1 of 1 pick correct" in done.stdout
 
 
+@pytest.mark.usefixtures("opengl")
 def test_an_empty_tray_is_told_after_the_results_are_written(few: str, tmp_path: Path) -> None:
     empty = tmp_path / "empty.toml"
     empty.write_text('extends = "few.toml"\n[tray.infeed]\ncount = { min = 0, max = 0 }\n', encoding="utf-8")
@@ -165,6 +167,19 @@ def test_what_is_wrong_is_said_before_any_work(options: list[str], said: str, tm
     done = CliRunner().invoke(app, ["cell", "pack", *options, "--out", str(tmp_path / "out")])
     assert isinstance(done.exception, InputError)
     assert said in str(done.exception)
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("content", [None, "", "picture_px = [1280", 'name = "packing"\n'])
+@pytest.mark.parametrize("study", [[], ["--study", "--seeds", "2"]], ids=["run", "study"])
+def test_a_wrong_calibration_is_refused_also_without_opengl(
+    content: str | None, study: list[str], few: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("MUJOCO_GL", "nothing")
+    if content is not None:
+        (tmp_path / "camera.toml").write_text(content, encoding="utf-8")
+    command = ["cell", "pack", "--cell", few, *study, "--picks", "1", "--calibration", "camera.toml", "--out", "out"]
+    assert refused(*command, cwd=tmp_path).startswith("layflat: camera.toml: ")
     assert not (tmp_path / "out").exists()
 
 

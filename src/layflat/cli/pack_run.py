@@ -54,6 +54,9 @@ def calibration_of(
         file: file of a calibration; None calibrates the camera.
         out: folder in which a new calibration is written.
         progress: called with the fraction of a new calibration done, 0..1.
+
+    Raises:
+        CameraError: the file is missing or holds no calibration, whether or not there is OpenGL.
     """
     from layflat.bridge.view.picture import gl_context  # noqa: PLC0415
     from layflat.cell.vision import load_calibration  # noqa: PLC0415
@@ -61,8 +64,9 @@ def calibration_of(
 
     try:
         if file is not None:
+            calibration = load_calibration(file)
             gl_context(16, 16).free()
-            return load_calibration(file)
+            return calibration
         with steps_bar("calibrating the camera, per cent", 100) as advance:
 
             def show(fraction: float) -> None:
