@@ -15,7 +15,7 @@ V ?= 3.13
 BY_NEWEST := --only "rollout paper-small" --only "ensemble paper-small" --only "stepped plant"
 
 .DEFAULT_GOAL := help
-.PHONY: help install wheel reproduce questions test test-python lint docs pictures bench newest-numba export-check conformance mutants calibrate clean
+.PHONY: help install wheel prebuilt wheels reproduce questions test test-python lint docs pictures bench newest-numba export-check conformance mutants calibrate clean
 
 help:  ## show what can be made
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  make %-12s %s\n", $$1, $$2}'
@@ -27,8 +27,15 @@ $(READY): pyproject.toml constraints.txt
 
 install: $(READY)  ## set up .venv; `. .venv/bin/activate` then puts layflat on the path
 
-wheel: $(READY)  ## build the wheel: dist/
+wheel: $(READY)  ## build the pure wheel, whose kernels are compiled where it runs: dist/
 	$(BIN)/python -m pip wheel --quiet --disable-pip-version-check --no-deps --wheel-dir dist .
+
+prebuilt: $(READY)  ## build the machine code of the built-in machines, if sources differ (half an hour)
+	$(BIN)/python -m wheels.prebuilt
+
+wheels: wheel prebuilt  ## build wheels with that machine code for Linux, too, on x86-64 and 64-bit ARM: dist/
+	for platform in x86_64 aarch64; do \
+	  LAYFLAT_WHEEL=$$platform $(BIN)/python -m pip wheel --quiet --disable-pip-version-check --no-deps --wheel-dir dist . || exit 1; done
 
 reproduce: $(READY)  ## reproduce the paper: build/reproduce/report.html and claims.json
 	$(BIN)/layflat reproduce --out build/reproduce

@@ -12,7 +12,7 @@ from typing import NoReturn
 import typer
 from typer.main import get_command
 
-from layflat.cli.groups import COMPLETION_VARIABLE, app
+from layflat.cli.groups import COMPLETION_VARIABLE, VERBOSE_OPTION, app
 from layflat.cli.lazy import PAGE_COMMANDS, LazyTyper
 from layflat.cli.moved import PRESENT_OPTIONS, moved_line
 from layflat.errors import LayflatError, StoppedError
@@ -20,6 +20,7 @@ from layflat.outputs import parse_command, run_command
 
 __all__ = ["app", "main"]
 
+VERBOSE_VARIABLE = "LAYFLAT_VERBOSE"  # which `layflat.jit` reads
 INTERRUPTED_EXIT = 130  # exit status after Ctrl-C
 TERMINATED_EXIT = 143  # exit status after SIGTERM
 NOTHING_KEPT = "stopped before there was anything to keep"
@@ -32,7 +33,8 @@ def main() -> None:
     `StoppedError`, whose line says where they are.
     """
     atexit.register(gc.freeze)  # last of all: looking for garbage at the end takes a short command a tenth of its time
-    words = sys.argv[1:]
+    gc.disable()  # until a command begins: nearly all that is imported stays
+    words = _take_verbose(sys.argv[1:])
     if os.environ.get(COMPLETION_VARIABLE):
         from layflat.cli.completion import answer_shell  # noqa: PLC0415
 
@@ -72,6 +74,14 @@ def main() -> None:
             raise
         _fail(NOTHING_KEPT, _status_after(signals))  # a library turned the interrupt into an error of its own
     sys.exit(status if isinstance(status, int) else 0)
+
+
+def _take_verbose(words: list[str]) -> list[str]:
+    """Return a command line without --verbose, which may be anywhere in it and holds for all processes of a command."""
+    rest = [word for word in words if word != VERBOSE_OPTION]
+    if len(rest) < len(words):
+        os.environ[VERBOSE_VARIABLE] = "1"
+    return rest
 
 
 def _status_after(signals: list[int]) -> int:

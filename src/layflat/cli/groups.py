@@ -8,6 +8,7 @@ from layflat._version import __version__
 from layflat.cli.lazy import LazyTyper
 
 COMMANDS = "Commands"  # heading of a group's help
+VERBOSE_OPTION = "--verbose"  # option of every command
 COMPLETION_VARIABLE = "_LAYFLAT_COMPLETE"  # environment variable by which a shell's script asks for completions
 
 machines = LazyTyper(
@@ -77,7 +78,7 @@ app = LazyTyper(
         "Run a rig": {"rig": rigs, "panel": "pages"},
         "Pack in a cell": {"cell": cells},
         "Research": {"reproduce": "reproduce", "beyond": "reproduce"},
-        "Help": {"docs": "describe", "completion": "completion"},
+        "Help": {"docs": "describe", "cache": "cache", "completion": "completion"},
     },
 )
 
@@ -93,6 +94,9 @@ def show_version(requested: bool) -> None:
 def options(
     version: Annotated[
         bool, typer.Option("--version", is_eager=True, callback=show_version, help="Print the version and exit.")
+    ] = False,
+    verbose: Annotated[  # `main` takes it from any place in the command line
+        bool, typer.Option(VERBOSE_OPTION, help="Say what is compiled, and why.")
     ] = False,
 ) -> None:
     """Accept the options that precede any command."""

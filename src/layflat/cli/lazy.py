@@ -1,5 +1,6 @@
 """Groups of commands that import a command's module when the command is used, and not before."""
 
+import gc
 from collections.abc import Callable, Mapping
 from importlib import import_module
 from inspect import cleandoc
@@ -86,6 +87,12 @@ class CheckedCommand(TyperCommand):
     Otherwise the last value would win silently, and an empty one, such as a script's unset variable, would count as
     none, or as the folder in which the command runs.
     """
+
+    def invoke(self, ctx: Any) -> Any:
+        """Run the command; what was imported until then is exempt from the collection of garbage."""
+        gc.freeze()
+        gc.enable()
+        return super().invoke(ctx)
 
     def make_parser(self, ctx: Any) -> Any:
         """Return the parser of the arguments; it raises BadParameter naming the option."""

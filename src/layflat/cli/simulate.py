@@ -124,8 +124,11 @@ def simulate_machine(
 
     Prints metrics; writes NAME.nc (NetCDF) and NAME.png, after the machine's name.
     """
+    from layflat.cli.trimming import trim_imports  # noqa: PLC0415
     from layflat.files import check_folder  # noqa: PLC0415
     from layflat.machine import load  # noqa: PLC0415
+
+    trim_imports()
     from layflat.sim import rollout  # noqa: PLC0415
 
     described = load(machine)
@@ -194,11 +197,14 @@ def _print_metrics(machine: Machine, run: xarray.Dataset, scenario: Scenario, de
 
 def _write_run(machine: Machine, run: xarray.Dataset, out: Path) -> None:
     """Write data set and figure of a run to a folder, and print their paths."""
+    from layflat.cli.trimming import hide_packages  # noqa: PLC0415
     from layflat.plot.runs import run_figure  # noqa: PLC0415
     from layflat.plot.style import save_figure  # noqa: PLC0415
     from layflat.sim.dataset import save_run  # noqa: PLC0415
 
-    typer.echo(f"wrote {save_run(run, out / f'{machine.name}.nc')}")
+    with hide_packages("dask"):
+        path = save_run(run, out / f"{machine.name}.nc")
+    typer.echo(f"wrote {path}")
     typer.echo(f"wrote {save_figure(run_figure(run), out / f'{machine.name}.png')}")
 
 

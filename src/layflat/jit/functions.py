@@ -10,11 +10,12 @@ from typing import Any
 
 import numpy as np
 
+from layflat.errors import CompilerError
 from layflat.jit import stored
 from layflat.jit.cache import cache_folder, included_sources
 from layflat.jit.outside import blame_outside
 from layflat.jit.signatures import signature_text, words
-from layflat.lanes import interpreted, lane_by_lane
+from layflat.lanes import interpreted, lane_by_lane, register_bytes
 
 LOG = logging.getLogger(__name__)
 
@@ -99,13 +100,14 @@ class PortableKernel:
     Args:
         function: the function.
         results: number of integers that it returns.
+        in_lanes: whether it reads as many lanes as a vector register holds, so that its machine code differs with that.
     """
 
     _lock = Lock()
 
-    def __init__(self, function: Callable[..., Any], results: int) -> None:
+    def __init__(self, function: Callable[..., Any], results: int, *, in_lanes: bool = False) -> None:
         update_wrapper(self, function)
-        self.py_func, self.results = function, results
+        self.py_func, self.results, self.in_lanes = function, results, in_lanes
         self._loaded: dict[tuple[str, tuple[str, ...]], Callable[[int], None]] = {}
 
     @cached_property
@@ -145,15 +147,20 @@ class PortableKernel:
 
     def code_name(self, args: tuple[Any, ...]) -> str:
         """Return the name of the object file for arguments of these types."""
-        return stored.code_name(self._file, self.py_func.__name__, signature_text(args))
+        return stored.code_name(self.file, self.py_func.__name__, self.signature(args))
+
+    def signature(self, args: tuple[Any, ...]) -> str:
+        """Return the types of arguments as a text: equal texts mean the same machine code."""
+        return signature_text(args) + (f" lanes:{register_bytes()}" if self.in_lanes else "")
 
     @property
-    def _file(self) -> Path:
+    def file(self) -> Path:
+        """File of the function."""
         return Path(self.py_func.__code__.co_filename)
 
     def machine_code(self, args: tuple[Any, ...]) -> Callable[[int], None]:
         """Return the loaded machine code for arguments of these types: a function of the address of their words."""
-        key = signature_text(args), included_sources()
+        key = self.signature(args), included_sources()
         if key not in self._loaded:
             with self._lock:
                 if key not in self._loaded:
@@ -164,12 +171,25 @@ class PortableKernel:
         from layflat.jit import objects  # noqa: PLC0415  # it loads LLVM
 
         name, entry, processor = self.code_name(args), self.py_func.__name__, objects.host()
-        code = stored.find_code(self._file, name, processor.digest)
-        if code is None:
-            LOG.info("compiling %s for %s", entry, signature_text(args))
-            code = objects.machine_code(self.portable_code(args), (entry,), processor)
-            stored.keep_code(self._file, name, processor.digest, code)
+        for path, code in stored.find_code(self.file, name, processor.digest):
+            try:
+                function = objects.load(code, entry)
+            except CompilerError as error:
+                stored.remark_damage(path, f"can't be loaded ({error})")
+            else:
+                LOG.debug("loaded %s from %s", entry, path)
+                return function
+        stored.report_compilation(entry, self.file)
+        text = self.portable_code(args)
+        for observe in COMPILATION_OBSERVERS:
+            observe(self, args, text)
+        code = objects.machine_code(text, (entry,), processor)
+        stored.keep_code(self.file, name, processor.digest, code)
         return objects.load(code, entry)
+
+
+COMPILATION_OBSERVERS: list[Callable[[PortableKernel, tuple[Any, ...], str], None]] = []
+"""Functions that are called when a kernel is compiled: with it, its arguments and LLVM's text of it."""
 
 
 class BoundKernel:
@@ -231,9 +251,9 @@ def kernel(function: Callable[..., Any]) -> Callable[..., Any]:
     return function if interpreted() else Kernel(function)
 
 
-def portable_kernel(results: int = 0) -> Callable[[Callable[..., Any]], PortableKernel]:
-    """Return a decorator for kernels that return a number of integers and allocate nothing (see `PortableKernel`)."""
-    return partial(PortableKernel, results=results)
+def portable_kernel(results: int = 0, *, in_lanes: bool = False) -> Callable[[Callable[..., Any]], PortableKernel]:
+    """Return a decorator for kernels that allocate nothing (see `PortableKernel`, also for the arguments)."""
+    return partial(PortableKernel, results=results, in_lanes=in_lanes)
 
 
 def by_kind(kinds: Mapping[type, Callable[..., Any]]) -> Callable[..., Any]:

@@ -164,6 +164,14 @@ def _keep_addresses_in_registers(module: Any) -> None:
 
 _engines: list[Any] = []  # that own loaded code, which stays as long as the process
 
+FORMAT_BYTES = 20  # at the beginning of an object file: its format and its processor, in that of Linux
+
+
+@cache
+def _host_format() -> bytes:
+    """Return the first bytes of this computer's object files; LLVM ends the process if it loads those of another."""
+    return bytes(_target_machine(host()).emit_object(binding.parse_assembly("")))[:FORMAT_BYTES]
+
 
 def load(code: bytes, name: str) -> Callable[[int], None]:
     """Load an object file into this process; return its function of the address of words.
@@ -172,6 +180,8 @@ def load(code: bytes, name: str) -> Callable[[int], None]:
         CompilerError: it is no object file of this processor with such a function.
     """
     host()
+    if not code.startswith(_host_format()):
+        raise CompilerError(f"machine code of {name} is of another processor or system")
     try:
         engine = binding.create_mcjit_compiler(
             binding.parse_assembly(""), binding.Target.from_default_triple().create_target_machine()

@@ -143,7 +143,7 @@ def _self_contained(text: str) -> str:
     """Return a module with bodies for what numba would call outside; raise CompilerError if more is needed."""
     for name in COUNTS_OF_REFERENCES:
         text = re.sub(
-            rf"^declare void @{name}\(.*$",
+            rf"^declare void @{name}\(.*$|^define .*void @{name}\(.*\{{\n[\s\S]*?^\}}$",
             f"define internal void @{name}(ptr %p) alwaysinline {{ ret void }}",
             text,
             flags=re.MULTILINE,

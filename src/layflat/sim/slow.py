@@ -68,7 +68,7 @@ def sweep_joint(hose_a, hose_b, friction, q, p_a, p_b, brake, torque, lossless):
         torque[i], lossless[i] = slow.torque, slow.lossless
 
 
-@portable_kernel()
+@portable_kernel(in_lanes=True)
 def sweep_many(like, numbers, forward, results):
     """Compute loop height and maximum lossless torque (N m) of many joints swept back and forth, a joint per lane.
 

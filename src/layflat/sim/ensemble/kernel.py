@@ -192,7 +192,7 @@ def run_lanes(case, first, runs, scenarios, moves, timing, results, watch):
     write_totals(watch, results, states, progress, first, len(like))
 
 
-@portable_kernel()
+@portable_kernel(in_lanes=True)
 def run_block(case, runs, scenarios, moves, timing, results, watch):
     """Simulate all runs of a block, as many at a time as there are lanes; the watch is as wide as the block."""
     lanes = width(case, runs.parameters)

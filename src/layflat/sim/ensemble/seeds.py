@@ -2,6 +2,8 @@
 
 from collections.abc import Callable, Iterator
 from functools import cache
+from importlib.util import find_spec, module_from_spec, spec_from_file_location
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -50,8 +52,16 @@ def make_noise(seeds: Seeds, shape: tuple[int, int], number: type[np.floating[An
 @cache
 def ziggurat_tables() -> Ziggurat:
     """Return the compiler's tables of the normal distribution."""
-    from numba.np.random import _constants as tables  # noqa: PLC0415  # takes long to import
-
+    # Its file alone: importing the compiler takes a second, and here nothing is compiled.
+    package = find_spec("numba")
+    assert package is not None  # layflat depends on it
+    assert package.submodule_search_locations is not None
+    path = Path(package.submodule_search_locations[0], "np", "random", "_constants.py")
+    spec = spec_from_file_location("layflat_ziggurat", path)
+    assert spec is not None  # as of any file of Python
+    assert spec.loader is not None
+    tables = module_from_spec(spec)
+    spec.loader.exec_module(tables)
     return Ziggurat(
         tables.ki_double,
         tables.wi_double,
