@@ -52,8 +52,8 @@ def model_description(model: FmuModel, version: str, identifier: str, title: str
 def _add_units(root: ET.Element, units: list[str]) -> None:
     definitions = ET.SubElement(root, "UnitDefinitions")
     for unit in dict.fromkeys(units):
-        exponents = unit_exponents(unit) if unit not in ("", "1") else None
-        if exponents is not None:
+        exponents = unit_exponents(unit)
+        if exponents:
             base = {name: str(exponent) for name, exponent in exponents.items()}
             ET.SubElement(ET.SubElement(definitions, "Unit", name=unit), "BaseUnit", base)
 
@@ -67,12 +67,14 @@ def _attributes(reference: int, variable: Variable) -> dict[str, str]:
         attributes["causality"] = "input"
     else:
         attributes |= {"causality": "output", "initial": "exact" if variable.held else "calculated"}
-    return attributes | ({"description": variable.meaning} if variable.meaning else {})
+    undefined = unit_exponents(variable.unit) is None and variable.unit
+    meaning = f"{variable.meaning}, {variable.unit}" if undefined else variable.meaning
+    return attributes | ({"description": meaning} if meaning else {})
 
 
 def _number_attributes(variable: Variable) -> dict[str, str]:
     """Return start and unit of a real variable."""
-    attributes = {"unit": variable.unit} if variable.unit not in ("", "1") else {}
+    attributes = {"unit": variable.unit} if unit_exponents(variable.unit) else {}
     if variable.use != "output" or variable.held:
         infinite = "INF" if variable.start == inf else "-INF"
         attributes["start"] = infinite if isinf(variable.start) else repr(variable.start)

@@ -21,13 +21,13 @@ UNIT_SYMBOLS: dict[str, dict[str, int]] = {
 
 
 def unit_exponents(unit: str) -> Exponents | None:
-    """Return the exponents of a unit such as "N m s/(rad Pa)", without those that are zero; None: it is no unit."""
-    match = re.fullmatch(r"([^/()]+?)(?:/\(([^/()]+)\)|/([^/() ]+))?", unit.strip())
-    if match is None:
+    """Return the exponents of a unit such as "N m s/(rad Pa)" or "V/rad/s", without zeros; None: it is no unit."""
+    if not re.fullmatch(r"[^/()]+(/\([^/()]+\)|/[^/() *]+)*", unit.strip()):
         return None
+    numerator, *denominators = re.sub(r"[\^()]", "", unit).replace("*", " ").split("/")
     total: dict[str, int] = {}
-    parts = [(symbol, 1) for symbol in match[1].split()]
-    parts += [(symbol, -1) for symbol in (match[2] or match[3] or "").split()]
+    parts = [(symbol, 1) for symbol in numerator.split()]
+    parts += [(symbol, -1) for denominator in denominators for symbol in denominator.split()]
     for symbol, sign in parts:
         bare, power = (symbol, "1") if symbol in UNIT_SYMBOLS else (symbol[:-1], symbol[-1])
         if bare not in UNIT_SYMBOLS or power not in "123456789":
