@@ -39,12 +39,11 @@ class LazyTyper(typer.Typer):
             def get_command(self, ctx: Any, cmd_name: str) -> Any:  # noqa: ARG002
                 return owner.build_command(cmd_name) if cmd_name in owner.places else None
 
-            def format_commands(self, ctx: Any, formatter: Any) -> None:
+            def format_commands(self, ctx: Any, formatter: Any) -> None:  # noqa: ARG002
                 width = max(map(len, owner.places))
                 for heading, names in sections.items():
-                    commands = [(name.ljust(width), self.get_command(ctx, name)) for name in names]
                     with formatter.section(heading):
-                        formatter.write_dl([(padded, command.get_short_help_str()) for padded, command in commands])
+                        formatter.write_dl([(name.ljust(width), owner.short_help(name)) for name in names])
 
         self.sections = sections
         self.places = {name: place for names in sections.values() for name, place in names.items()}
@@ -68,6 +67,15 @@ class LazyTyper(typer.Typer):
             examples: command lines that its help shows, without the words up to its name.
         """
         return self.command(name, cls=CheckedCommand, epilog="\n".join(examples))
+
+    def short_help(self, name: str) -> str:
+        """Return the line about a command in the help; its options are not built, which takes most of the time."""
+        place = self.places[name]
+        if isinstance(place, LazyTyper):
+            return _first_sentence(str(place.info.help))
+        import_module(f"layflat.cli.{place}")
+        (command,) = (info for info in self.registered_commands if info.name == name)
+        return _first_sentence(str(command.help or getattr(command.callback, "__doc__", "")))
 
     def build_command(self, name: str) -> Any:
         """Import the module of a command and build the command."""
@@ -135,9 +143,13 @@ def command_examples(command: Any, path: str) -> list[str]:
 
 def _with_short_help(command: Any) -> Any:
     """Set the help line of a command in the list of its group, the whole first sentence of its help; return it."""
-    first = " ".join(cleandoc(command.help).partition("\n\n")[0].split())
-    command.short_help = first.partition(". ")[0].removesuffix(".") + "."
+    command.short_help = _first_sentence(command.help)
     return command
+
+
+def _first_sentence(text: str) -> str:
+    first = " ".join(cleandoc(text).partition("\n\n")[0].split())
+    return first.partition(". ")[0].removesuffix(".") + "."
 
 
 def _with_force(command: Any) -> Any:
