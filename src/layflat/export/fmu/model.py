@@ -7,7 +7,7 @@ from functools import cached_property
 from layflat.control import CONTROL_LAWS
 from layflat.errors import InputError
 from layflat.export.entries import Argument, ControlEntries, Entry, number_of
-from layflat.export.fmu.noise import ziggurat_tables
+from layflat.export.fmu.noise import table_definitions
 from layflat.export.fmu.plant import PlantFunctions
 from layflat.export.fmu.variables import (
     ACCESS_CODES,
@@ -171,7 +171,7 @@ class FmuModel:
         lines += _table("double model_start", [number_text(float(number), "double") for number in starts])
         lines += _table("unsigned char model_access", [str(use) for use in uses])
         lines += [_prototype(entry) for entry in self.entries]
-        return "\n".join([*lines, *(ziggurat_tables() if self.has_plant else ()), ""])
+        return "\n".join([*lines, *(table_definitions() if self.has_plant else ()), ""])
 
 
 def _table(declared: str, numbers: list[str]) -> list[str]:

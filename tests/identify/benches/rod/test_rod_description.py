@@ -39,7 +39,11 @@ def test_every_value_says_where_it_comes_from() -> None:
         ("[0.4, 0.3, 0.3]", "[0.4, 0.3]", "as many as deflections"),
         ("[0.4, 0.3, 0.3]", "[0.4, 0.3, 0.2]", "add up to 1"),
         ("value = [0, 0, 0,", "value = [-1.5, 0, 0,", "friction.profile"),
-        ('profile_to = { value = "40 mm"', 'profile_to = { value = "-40 mm"', "lie beyond profile_from"),
+        (
+            'profile_to = { value = "40 mm"',
+            'profile_to = { value = "-40 mm"',
+            "profile_to be greater than profile_from",
+        ),
         ("film_fraction = { value = 0.5", "film_fraction = { value = 1.5", "film_fraction"),
         ('kind = "friction rig"', 'kind = "fiction rig"', 'did you mean "friction rig"?'),
         ('slope = { value = "0.5', 'slop = { value = "0.5', "unknown key"),
