@@ -84,6 +84,7 @@ newest-numba: $(READY)  ## try the newest numba, candidates too: the compiler's 
 export-check: export LAYFLAT_EXPORT_CHECK := 1
 export-check: $(READY)  ## check every exported target with all built-in laws, also on simulated microcontrollers
 	$(BIN)/python -m pytest tests/export
+	$(BIN)/python -m tests.export.matrix
 
 conformance:  ## compare arms of other packages as other tools read them: docs/arm-conformance.md (a quarter of an hour)
 	$(PYTHON) -m venv build/conformance

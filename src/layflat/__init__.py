@@ -20,6 +20,7 @@ _PUBLIC_NAMES = {
     "changed": "layflat.machine:changed",
     "design_joint": "layflat.design:design_joint",
     "ensemble": "layflat.sim.ensemble:ensemble",
+    "export": "layflat.export",
     "identify": "layflat.identify",
     "inverse_kinematics": "layflat.motion:inverse_kinematics",
     "load": "layflat.machine:load",

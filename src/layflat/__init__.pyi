@@ -1,3 +1,4 @@
+from layflat import export as export
 from layflat import identify as identify
 from layflat import plot as plot
 from layflat import tune as tune

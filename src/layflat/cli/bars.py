@@ -61,7 +61,9 @@ def busy(what: str) -> Iterator[Callable[[str], None]]:
         yield shown.update
 
 
-def in_background(work: Callable[[], Any], what: str, fraction: Callable[[], float] | None = None) -> Any:
+def in_background(
+    work: Callable[[], Any], what: str, fraction: Callable[[], float] | None = None, note: str = COMPILING_TEXT
+) -> Any:
     """Call a function in a thread, show the elapsed time, and return its result or raise its error.
 
     Compiled code does not react to Ctrl-C; here Ctrl-C ends the wait at once, and the thread ends with the process.
@@ -70,6 +72,7 @@ def in_background(work: Callable[[], Any], what: str, fraction: Callable[[], flo
         work: function without arguments.
         what: description of the work.
         fraction: returns the fraction of the work done, 0..1, for a bar once it takes `MIN_BAR_TIME`; None: unknown.
+        note: text behind the elapsed time.
     """
     results: list[Any] = []
     failures: list[BaseException] = []
@@ -82,10 +85,10 @@ def in_background(work: Callable[[], Any], what: str, fraction: Callable[[], flo
 
     thread, start = Thread(target=run, daemon=True), perf_counter()
     thread.start()
-    with busy(f"{what} {COMPILING_TEXT}") as show:
+    with busy(f"{what} {note}") as show:
         while thread.is_alive():
             thread.join(POLL_INTERVAL)
-            show(f"{what}, {perf_counter() - start:.0f} s {COMPILING_TEXT}")
+            show(f"{what}, {perf_counter() - start:.0f} s {note}")
             if fraction is not None and fraction() > 0.0 and perf_counter() - start > MIN_BAR_TIME:
                 break
     if fraction is not None and thread.is_alive():

@@ -61,6 +61,13 @@ def complete_joint(ctx: Any, incomplete: str) -> list[str]:
     return _begin_with(incomplete, joints if isinstance(joints, dict) else ())
 
 
+def complete_target(incomplete: str) -> list[str]:
+    """Return the targets of an export that begin with a text."""
+    from layflat.export import TARGET_WRITERS  # noqa: PLC0415
+
+    return _begin_with(incomplete, TARGET_WRITERS)
+
+
 def complete_page(incomplete: str) -> list[str]:
     """Return the pages of the documentation that begin with a text."""
     folder = docs_folder()

@@ -8,19 +8,26 @@ headers (`header.py`); and a writer puts all into a folder.
 from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from layflat.description.wrong import did_you_mean
 from layflat.errors import InputError
-from layflat.machine import Machine, load
+from layflat.outputs import is_forced
+
+if TYPE_CHECKING:
+    from layflat.machine import Machine
 
 __all__ = ["TARGET_WRITERS", "export"]
 
-TARGET_WRITERS: dict[str, str] = {"fmu": "layflat.export.fmu.writer:write_fmus"}
+C_TARGETS = ("c", "cortex-m7", "cortex-m4f", "cortex-m4", "cortex-m33", "riscv32")
+
+TARGET_WRITERS: dict[str, str] = {
+    **dict.fromkeys(C_TARGETS, "layflat.export.c_folder:write_c_folder"),
+    "fmu": "layflat.export.fmu.writer:write_fmus",
+}
 """Function that writes the folder of each target, as "module:function"; see `export`."""
 
 
-def export(machine: str | Path | Machine, target: str, out: str | Path, *, precision: str = "double") -> list[Path]:
+def export(machine: "str | Path | Machine", target: str, out: str | Path, *, precision: str = "double") -> list[Path]:
     """Write what a target needs to run a machine's laws.
 
     Args:
@@ -36,16 +43,14 @@ def export(machine: str | Path | Machine, target: str, out: str | Path, *, preci
         InputError: there is no such target or precision, or the folder is not empty.
         KindError: the control law is plain Python.
     """
+    from layflat.description.wrong import did_you_mean  # noqa: PLC0415  # the names of the targets are read at a key
+    from layflat.machine import load  # noqa: PLC0415
+
     if target not in TARGET_WRITERS:
-        known = ", ".join(TARGET_WRITERS)
-        raise InputError(
-            f"{target!r} is not a target{did_you_mean(target, TARGET_WRITERS)}",
-            where="target",
-            right=f"give one of {known}",
-        )
+        raise InputError(f"{target!r} is not a target", where="target", right=did_you_mean(target, TARGET_WRITERS))
     folder = Path(out)
-    if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
-        raise InputError(f"{folder} is not an empty folder", where="out", right="give a new one")
+    if folder.exists() and not is_forced() and (not folder.is_dir() or any(folder.iterdir())):
+        raise InputError(f"{folder} is no empty folder", where="out", right="give the name of a new one")
     module, function = TARGET_WRITERS[target].split(":")
     write: Callable[..., Any] = getattr(import_module(module), function)
     return list(write(load(machine), folder, target=target, precision=precision))

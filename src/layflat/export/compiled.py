@@ -4,15 +4,23 @@
 # The compiler's own modules are untyped.
 
 from collections.abc import Iterable
-from typing import Any
+from typing import Any, NamedTuple
 
 from layflat.export.entries import Entry
 from layflat.export.single import in_single_precision
+from layflat.export.stack import stack_bytes
 from layflat.export.targets import Target
-from layflat.jit.objects import OF_EVERY_TARGET, in_registers, machine_code
+from layflat.jit.objects import OF_EVERY_TARGET, compiled_module, in_registers, machine_code
 
 SIZE_BY_PRECISION = {"double": 8, "single": 4}  # of a number, bytes
 LLVM_NUMBERS = {"double": "double", "single": "float"}
+
+
+class CompiledEntry(NamedTuple):
+    """Machine code of an entry."""
+
+    code: bytes  # object file
+    stack: int  # upper bound, without functions of the compiler's library, bytes
 
 
 def portable_entry(entry: Entry, prefix: str, precision: str) -> str:
@@ -76,3 +84,19 @@ def object_files(entries: Iterable[Entry], prefix: str, precision: str, target: 
         target: the target.
     """
     return {one.name: object_file(one, portable_entry(one, prefix, precision), prefix, target) for one in entries}
+
+
+def compiled_entry(entry: Entry, text: str, prefix: str, target: Target) -> CompiledEntry:
+    """Return the object file of an entry, and the stack that it takes.
+
+    Args:
+        entry: the entry.
+        text: its portable text.
+        prefix: prefix of all names in C.
+        target: the target.
+
+    Raises:
+        CompilerError: the code would call a function that the target lacks, or the stack is unknown.
+    """
+    module = compiled_module(text, (f"{prefix}_{entry.name}",), target.processor, OF_EVERY_TARGET)
+    return CompiledEntry(module.code, stack_bytes(module.assembly, target.processor.triple))

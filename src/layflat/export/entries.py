@@ -83,8 +83,8 @@ class RestPressures(NamedTuple):
 class SensorNoise(NamedTuple):
     """Standard normal samples of a joint's sensors."""
 
-    angle: float
-    pressure: float
+    angle: float  # of the angle sensor, in standard deviations
+    pressure: float  # of the pressure sensor, likewise
 
 
 def number_of(value: Any) -> int:
@@ -105,13 +105,16 @@ class ControlEntries:
 
     def __init__(self, machine: Machine, bytes_each: int) -> None:
         self.settings = parameters.control(machine)
-        CONTROL_LAWS.kind_of(self.settings).check_compiled("in C")
+        law = CONTROL_LAWS.kind_of(self.settings)
+        law.check_compiled("in C")
         nothing = (0.0,) * len(machine.joints)
         self.sensed, self.demand = Sensed(nothing, nothing), Demand(*[nothing] * 4)
         self.memory = in_lanes(wake(self.settings, self.sensed), 0.0)
         _, command, report = step(self.settings, self.memory, self.sensed, self.demand, machine.cycle)
         self.command, self.report = in_lanes(command, 0.0), ArmReport(in_lanes(report, 0.0))
         self._bytes = bytes_each
+        signals = {name: f"{meaning}, {unit}" for name, (unit, meaning) in law.signals.items()}
+        self.comments: dict[type, dict[str, str]] = {law.report: signals}
 
     def __iter__(self) -> Iterator[Entry]:
         """Yield the entries."""
@@ -214,8 +217,8 @@ class PlantEntries:
             clock[n * columns], clock[n * columns + 1] = begin + count, due
             return diverged
 
-        def sampled(setting, state, noise, readings):  # type: ignore[no-untyped-def]
-            rows, out = carray(state, (n, columns)), carray(readings, (2, n))
+        def sampled(setting, state, noise, sensed):  # type: ignore[no-untyped-def]
+            rows, out = carray(state, (n, columns)), carray(sensed, (2, n))
             sample(setting_like, carry_like, carray(setting, (numbers,)), rows, carray(noise, (n, 2)), out)
 
         setting = Argument("parameters", "parameters of the plant", self.setting)
@@ -259,7 +262,7 @@ class PlantEntries:
                 setting,
                 Argument("state", "state of the plant", self.state),
                 Argument("noise", "standard normal samples of each joint", SensorNoise(0.0, 0.0), n),
-                Argument("readings", "readings, which are filled", Sensed(nothing, nothing), output=True),
+                Argument("sensed", "readings, which are filled", Sensed(nothing, nothing), output=True),
             ),
             sampled,
         )

@@ -1,12 +1,13 @@
 """Headers of C: structs with every field's unit and meaning, functions, and the parameters of a machine as a table."""
 
-from collections.abc import Iterable, Iterator
-from math import inf, isinf, isnan
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any, NamedTuple
 
 from layflat._version import __version__
 from layflat.export.entries import Argument, Entry
 from layflat.export.layout import Struct, StructNames, struct_of
+from layflat.export.numbers import c_number
+from layflat.lanes import leaves
 
 C_REALS = {"double": "double", "single": "float"}
 COMMENT_COLUMN = 56  # at which the comments of fields begin
@@ -35,14 +36,21 @@ class Api:
         prefix: prefix of all names.
         precision: "double" or "single".
         entries: the entries.
+        comments: unit and meaning of fields, by class and field, in place of the comments in the class's source.
     """
 
-    def __init__(self, prefix: str, precision: str, entries: Iterable[Entry]) -> None:
+    def __init__(
+        self,
+        prefix: str,
+        precision: str,
+        entries: Iterable[Entry],
+        comments: Mapping[type, Mapping[str, str]] | None = None,
+    ) -> None:
         self.prefix, self.real, self.entries = prefix, C_REALS[precision], tuple(entries)
         outer = {
             argument.struct_name for entry in self.entries for argument in entry.arguments if argument.like is not None
         }
-        self._names, self._structs = StructNames(prefix, frozenset(outer)), dict[str, Struct]()
+        self._names, self._structs = StructNames(prefix, frozenset(outer), comments or {}), dict[str, Struct]()
         for entry in self.entries:
             for argument in entry.arguments:
                 if argument.like is not None:
@@ -69,13 +77,8 @@ class Api:
     def _parameter(self, argument: Argument) -> str:
         if argument.like is None:
             return f"{self.real if argument.number == 'real' else argument.number} {argument.name}"
-        const = "" if argument.output else "const "
-        items = "" if argument.rows is None else f"[{argument.rows}]"
-        return (
-            f"{const}{self.struct(argument).name} {argument.name}{items}"
-            if items
-            else (f"{const}{self.struct(argument).name} *{argument.name}")
-        )
+        const, struct = "" if argument.output else "const ", self.struct(argument).name
+        return f"{const}{struct} {'*' if argument.rows is None else ''}{argument.name}{_items(argument.rows)}"
 
     def header(self, title: str, constants: Iterable[Constant], tables: Iterable[Table]) -> str:
         """Return the header.
@@ -91,7 +94,7 @@ class Api:
         lines += ["#ifdef __cplusplus", 'extern "C" {', "#endif", ""]
         for one in constants:
             lines.append(
-                f"#define {self.prefix.upper()}_{one.name} {number_text(one.value, self.real)} /* {one.comment} */"
+                f"#define {self.prefix.upper()}_{one.name} {c_number(one.value, self.real)} /* {one.comment} */"
             )
         for struct in self.structs():
             lines += ["", *self._definition(struct)]
@@ -109,27 +112,37 @@ class Api:
         yield "typedef struct {"
         for field in struct.fields:
             kind = self._field_type(struct, field.name) if field.struct is None else field.struct.name
-            declared = f"    {kind} {field.name}{'' if field.count is None else f'[{field.count}]'};"
+            declared = f"    {kind} {field.name}{_items(field.count)};"
             yield f"{declared:<{COMMENT_COLUMN}}/* {c_comment(field.comment)} */" if field.comment else declared
         yield f"}} {struct.name};"
 
     def _field_type(self, struct: Struct, name: str) -> str:
+        if struct.name == f"{self.prefix}_progress":
+            return "int64_t"
         return "int64_t" if struct.name == f"{self.prefix}_state" and name in {"step", "due"} else self.real
 
     def source(self, header: str, tables: Iterable[Table]) -> str:
-        """Return the source file with the parameters of the machine.
+        """Return the source file with the parameters of the machine, and checks of the structs' sizes.
 
         Args:
             header: name of the header file.
             tables: the parameters.
         """
-        lines = ["#include <math.h>", "", f'#include "{header}"']
+        lines = ["#include <math.h>", "", f'#include "{header}"', ""]
+        lines += ["/* The compiler lays the structs out as the machine code does, or stops here. */"]
+        for struct in self.structs():
+            size = f"{struct.size} * sizeof({self.real})"
+            lines.append(f"typedef char {struct.name}_check[sizeof({struct.name}) == {size} ? 1 : -1];")
         for table in tables:
             struct = self._structs[table.name]
             lines += ["", f"const {struct.name} {self.prefix}_default_{table.name} ="]
-            lines += [*_initializer(table.like, struct, self.real, ""), ";"]
-            lines[-2:] = [lines[-2] + ";"]
+            lines += _initializer(table.like, struct, self.real, "")
+            lines[-1] += ";"
         return "\n".join([*lines, ""])
+
+
+def _items(count: int | None) -> str:
+    return "" if count is None else f"[{count}]"
 
 
 def _function_comment(entry: Entry) -> Iterator[str]:
@@ -142,53 +155,30 @@ def _function_comment(entry: Entry) -> Iterator[str]:
 
 
 def _initializer(value: Any, struct: Struct, real: str, indent: str, name: str = "") -> Iterator[str]:
-    """Yield the lines of a struct's initializer, with the names of its fields."""
-    yield f"{indent}{name}{{"
+    """Yield the lines of a struct's initializer, with the names of its fields as comments, which C++ takes, too."""
+    yield f"{indent}{{{name}"
     inner = indent + "    "
-    items = [item for item in value if not isinstance(item, tuple) or any(True for _ in _numbers(item))]
+    items = [item for item in value if not isinstance(item, tuple) or any(True for _ in leaves(item))]
     for field, item in zip(struct.fields, items, strict=True):
-        label = f".{field.name} = "
+        label = f" /* {field.name} */"
         if field.struct is None and field.count is None:
-            yield f"{inner}{label}{number_text(item, real)},"
+            yield f"{inner}{c_number(item, real)},{label}"
         elif field.struct is None:
-            yield f"{inner}{label}{{{', '.join(number_text(one, real) for one in item)}}},"
+            yield f"{inner}{{{', '.join(c_number(one, real) for one in item)}}},{label}"
         elif field.count is None:
-            lines = list(_initializer(item, field.struct, real, inner, label))
-            yield from (*lines[:-1], f"{lines[-1]},")
+            yield from _closed(_initializer(item, field.struct, real, inner, label))
         else:
-            yield f"{inner}{label}{{"
+            yield f"{inner}{{{label}"
             for one in item:
-                lines = list(_initializer(one, field.struct, real, f"{inner}    "))
-                yield from (*lines[:-1], f"{lines[-1]},")
+                yield from _closed(_initializer(one, field.struct, real, f"{inner}    "))
             yield f"{inner}}},"
     yield f"{indent}}}"
 
 
-def _numbers(value: Any) -> Iterator[Any]:
-    for item in value:
-        if isinstance(item, tuple):
-            yield from _numbers(item)
-        else:
-            yield item
-
-
-def number_text(value: float, real: str) -> str:
-    """Return a number in C, exact in `real` ("double" or "float"): a whole number as itself, else in hexadecimal."""
-    if isnan(value):
-        return "NAN"
-    if isinf(value):
-        return "INFINITY" if value == inf else "-INFINITY"
-    if isinstance(value, int) or value == float(f"{value:.6g}"):
-        return f"{value:.6g}" if isinstance(value, int) else f"{float(value)!r}{'f' if real == 'float' else ''}"
-    suffix = "f" if real == "float" else ""
-    if value == int(value) and abs(value) < 1e6:
-        return f"{int(value)}.0{suffix}"
-    return f"{float_text(value)}{suffix}" if real == "float" else float(value).hex()
-
-
-def float_text(value: float) -> str:
-    """Return a number in nine digits, which single precision reads back to its nearest number."""
-    return f"{value:.9e}"
+def _closed(lines: Iterable[str]) -> Iterator[str]:
+    """Yield lines with a comma behind the last."""
+    *first, last = lines
+    yield from (*first, f"{last},")
 
 
 def c_comment(text: str) -> str:

@@ -7,50 +7,24 @@ import inspect
 import io
 import re
 import tokenize
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Any
 
 from layflat.lanes import leaves
 
 C_KEYWORDS = frozenset(
     [
-        "auto",
-        "break",
-        "case",
-        "char",
-        "const",
-        "continue",
-        "default",
-        "do",
-        "double",
-        "else",
-        "enum",
-        "extern",
-        "float",
-        "for",
-        "goto",
-        "if",
-        "inline",
-        "int",
-        "long",
-        "register",
-        "restrict",
-        "return",
-        "short",
-        "signed",
-        "sizeof",
-        "static",
-        "struct",
-        "switch",
-        "typedef",
-        "union",
-        "unsigned",
-        "void",
-        "volatile",
-        "while",
+        "auto", "bool", "break", "case", "catch", "char", "class", "const", "constexpr", "continue", "default",
+        "delete", "do", "double", "else", "enum", "explicit", "export", "extern", "false", "float", "for",
+        "friend", "goto", "if", "inline", "int", "int32_t", "int64_t", "long", "mutable", "namespace", "new",
+        "nullptr", "operator", "private", "protected", "public", "register", "restrict", "return", "short",
+        "signed", "sizeof", "static", "static_assert", "struct", "switch", "template", "this", "throw", "true",
+        "try", "typedef", "typename", "union", "unsigned", "using", "virtual", "void", "volatile", "while",
     ]
-)
+)  # fmt: skip
+"""Names that C or C++ keeps for itself, or a header uses."""
 
 
 @dataclass(frozen=True)
@@ -92,10 +66,21 @@ class StructNames:
     Args:
         prefix: prefix of all names.
         outer: names that only structs of arguments have; a part of such a name belongs to a joint.
+        comments: unit and meaning of fields, by class and field, in place of the comments in the class's source.
     """
 
-    def __init__(self, prefix: str, outer: frozenset[str] = frozenset()) -> None:
+    def __init__(
+        self,
+        prefix: str,
+        outer: frozenset[str] = frozenset(),
+        comments: Mapping[type, Mapping[str, str]] = MappingProxyType({}),
+    ) -> None:
         self._prefix, self._outer, self._known = prefix, outer, dict[str, list[tuple[StructField, ...]]]()
+        self._comments = comments
+
+    def comments(self, kind: type) -> Mapping[str, str]:
+        """Return unit and meaning of the fields of a class."""
+        return self._comments.get(kind) or field_comments(kind)
 
     def struct_name(self, name: str, fields: tuple[StructField, ...], *, outer: bool) -> str:
         """Return the name of a struct.
@@ -123,7 +108,7 @@ def struct_of(value: Any, names: StructNames, name: str = "", comment: str = "")
         name: name without prefix; default: that of the class.
         comment: description; default: that of the class.
     """
-    comments = field_comments(type(value))
+    comments = names.comments(type(value))
     labels = getattr(value, "_fields", [f"item_{i}" for i in range(len(value))])
     items = zip(labels, value, strict=True)
     fields = tuple(_field(c_name(label), item, names, comments.get(label, "")) for label, item in items if _count(item))
@@ -152,8 +137,10 @@ def _count(item: Any) -> int:
 
 def c_name(name: str) -> str:
     """Return a name as an identifier of C."""
-    plain = re.sub(r"\W", "_", name).strip("_") or "unnamed"
-    return f"{plain}_" if plain in C_KEYWORDS or plain[0].isdigit() else plain
+    plain = re.sub(r"\W", "_", name, flags=re.ASCII).strip("_") or "unnamed"
+    if plain[0].isdigit():
+        return f"n{plain}"
+    return f"{plain}_" if plain in C_KEYWORDS else plain
 
 
 def snake_case(name: str) -> str:

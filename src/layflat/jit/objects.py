@@ -21,6 +21,9 @@ OF_EVERY_TARGET = frozenset({"memcpy", "memset", "memmove", "floor", "floorf"})
 OF_C_LIBRARY = OF_EVERY_TARGET | {"acos", "asin", "atan", "atan2", "cos", "exp", "log", "log1p", "pow", "sin", "tan"}
 """Functions of C's library on a computer, whose last bits differ between libraries."""
 
+CONSTANT_SECTIONS = re.compile(b"rodata|rdata|const|literal")
+"""Names of sections with constants, of ELF, COFF and Mach-O."""
+
 
 NARROW_ADDRESS = "p:32:32"  # in the layout of data of 32-bit targets
 ADDRESS_IN_MEMORY = re.compile(r".*(?:store ptr|load ptr|alloca [^\n]*\bptr\b).*")
@@ -56,6 +59,13 @@ def host() -> Processor:
     return Processor(binding.get_process_triple(), binding.get_host_cpu_name(), _host_features())
 
 
+class CompiledModule(NamedTuple):
+    """Machine code of a module."""
+
+    code: bytes  # object file
+    assembly: str
+
+
 def machine_code(
     text: str,
     names: tuple[str, ...],
@@ -77,11 +87,38 @@ def machine_code(
         CompilerError: it calls another function.
     """
     machine = _target_machine(processor)
+    return bytes(machine.emit_object(_checked(text, names, processor, machine, ordered, outside)))
+
+
+def compiled_module(
+    text: str, names: tuple[str, ...], processor: Processor, outside: frozenset[str] = OF_C_LIBRARY
+) -> CompiledModule:
+    """Return object file and assembly of a module's functions, whose instructions keep their order.
+
+    Args:
+        text: LLVM's portable text (see `portable`).
+        names: functions that are seen from outside.
+        processor: the processor.
+        outside: functions that it may call of other code.
+
+    Raises:
+        CompilerError: it calls another function.
+    """
+    machine = _target_machine(processor)
+    module = _checked(text, names, processor, machine, False, outside)
+    copy = binding.parse_assembly(str(module))  # as the emission changes a module
+    return CompiledModule(bytes(machine.emit_object(module)), str(machine.emit_assembly(copy)))
+
+
+def _checked(
+    text: str, names: tuple[str, ...], processor: Processor, machine: Any, ordered: bool, outside: frozenset[str]
+) -> Any:
+    """Return the optimised module; raise CompilerError if it calls a function that is not among `outside`."""
     module = _optimized(text, names, processor, machine, ordered)
     needed = {one.name for one in module.functions if one.is_declaration and not one.name.startswith("llvm.")}
     if needed - outside:
         raise CompilerError(f"code of {names[0]} needs {sorted(needed - outside)} from outside")
-    return bytes(machine.emit_object(module))
+    return module
 
 
 def _target_machine(processor: Processor) -> Any:
@@ -162,6 +199,12 @@ def _keep_addresses_in_registers(module: Any) -> None:
         raise CompilerError(f"code for 32 bits would keep an address in memory: {left[0].strip()}")
 
 
+def code_size(code: bytes) -> int:
+    """Return the size of an object file's instructions and constants, bytes."""
+    sections = binding.ObjectFileRef.from_data(code).sections()
+    return sum(one.size() for one in sections if one.is_text() or CONSTANT_SECTIONS.search(one.name() or b""))
+
+
 _engines: list[Any] = []  # that own loaded code, which stays as long as the process
 
 FORMAT_BYTES = 20  # at the beginning of an object file: its format and its processor, in that of Linux
@@ -173,8 +216,13 @@ def _host_format() -> bytes:
     return bytes(_target_machine(host()).emit_object(binding.parse_assembly("")))[:FORMAT_BYTES]
 
 
-def load(code: bytes, name: str) -> Callable[[int], None]:
-    """Load an object file into this process; return its function of the address of words.
+def load(code: bytes, name: str, arguments: tuple[Any, ...] = (ctypes.c_void_p,)) -> Callable[..., None]:
+    """Load an object file into this process; return its function.
+
+    Args:
+        code: the object file.
+        name: name of the function.
+        arguments: types of its arguments for `ctypes`; default: the address of words.
 
     Raises:
         CompilerError: it is no object file of this processor with such a function.
@@ -194,4 +242,4 @@ def load(code: bytes, name: str) -> Callable[[int], None]:
     if not address:
         raise CompilerError(f"machine code of {name} holds no such function")
     _engines.append(engine)
-    return ctypes.CFUNCTYPE(None, ctypes.c_void_p)(address)
+    return ctypes.CFUNCTYPE(None, *arguments)(address)

@@ -32,9 +32,9 @@ class JointFractionLimits(NamedTuple):
 class DriveFractions(NamedTuple):
     """Fractions of a joint's maximum brake torque, of its valve's dither and of its supply's gauge pressure, 0 to 1."""
 
-    brake: float
-    dither: float
-    supply: float
+    brake: float  # of the brake's maximum torque, 0..1
+    dither: float  # of the valve's dither, 0..1
+    supply: float  # of the supply's gauge pressure, 0..1
 
 
 NOT_ADJUSTABLE = FractionLimits(1.0, 1.0)

@@ -27,8 +27,8 @@ ISOTHERMAL_SOUND_SPEED = sqrt(GAS_CONSTANT * REFERENCE_TEMPERATURE)
 class Chamber(NamedTuple):
     """Parameters of the air space of one hose."""
 
-    dead_volume: float
-    compliance: float
+    dead_volume: float  # volume at the collapsed hose, m3
+    compliance: float  # k, m3/Pa
     wall_conductance: float  # heat flow to the wall per kelvin, W/K
 
 

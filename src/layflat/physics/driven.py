@@ -43,7 +43,7 @@ def leak_through_hole(hose, state, fraction, p_a):
 class DrivenInputs(NamedTuple):
     """Input signals of a joint."""
 
-    voltage: float
+    voltage: float  # to the valve's driver, V
     load: float  # external torque, N m
     hole_a: float  # fraction of its gauge pressure that hose A loses through a hole in a step; 0: no hole
     hole_b: float  # likewise of hose B
@@ -52,10 +52,10 @@ class DrivenInputs(NamedTuple):
 class DrivenOutputs(NamedTuple):
     """Output signals of a joint: angle (rad), velocity (rad/s), absolute pressures (Pa)."""
 
-    angle: float
-    velocity: float
-    pressure_a: float
-    pressure_b: float
+    angle: float  # rad
+    velocity: float  # rad/s
+    pressure_a: float  # absolute, Pa
+    pressure_b: float  # absolute, Pa
 
 
 def field_columns(cls: Any) -> Any:

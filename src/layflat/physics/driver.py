@@ -24,9 +24,9 @@ MAX_DELAY_CYCLES = 3  # upper limit of the delay of a command, control cycles
 class CommandDelayLine(NamedTuple):
     """Openings that were commanded one, two and three cycles ago."""
 
-    last_1: float
-    last_2: float
-    last_3: float
+    last_1: float  # one cycle ago, -1..1
+    last_2: float  # two cycles ago
+    last_3: float  # three cycles ago
 
 
 ZERO_COMMANDS = CommandDelayLine(0.0, 0.0, 0.0)
@@ -53,10 +53,10 @@ def delay_command(line, u, n):
 class DitherPhasor(NamedTuple):
     """Dither as sine and cosine of its phase in the middle of the coming step, and of the phase increment in a step."""
 
-    sine: float
-    cosine: float
-    turn_sine: float
-    turn_cosine: float
+    sine: float  # of the phase
+    cosine: float  # of the phase
+    turn_sine: float  # of the phase's increment
+    turn_cosine: float  # of the phase's increment
 
 
 @law

@@ -30,17 +30,17 @@ STROKE_NODES = 41  # contact angles at which a roller's stroke is fitted, closes
 class ConstantStroke(NamedTuple):
     """K that is constant over the travel (m3/rad), as with a cam."""
 
-    k0: float
+    k0: float  # m3/rad
 
 
 class PolynomialStroke(NamedTuple):
     """K over the travel s as a polynomial, K = k0 + k1 s + ... + k4 s^4 (m3/rad^n)."""
 
-    k0: float
-    k1: float
-    k2: float
-    k3: float
-    k4: float
+    k0: float  # m3/rad
+    k1: float  # m3/rad^2
+    k2: float  # m3/rad^3
+    k3: float  # m3/rad^4
+    k4: float  # m3/rad^5
 
 
 @law

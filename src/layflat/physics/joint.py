@@ -23,8 +23,8 @@ REST_PRESSURE_RATIO = 0.75
 class Damping(NamedTuple):
     """Damping without pressure (N m s/rad), and its slope by gauge pressure (N m s/(rad Pa))."""
 
-    base: float
-    slope: float
+    base: float  # without pressure, N m s/rad
+    slope: float  # by gauge pressure, N m s/(rad Pa)
 
 
 class HoseParameters(NamedTuple):
@@ -33,7 +33,7 @@ class HoseParameters(NamedTuple):
     stroke: ConstantStroke | PolynomialStroke
     chamber: Chamber
     loss: Any
-    neutral: float
+    neutral: float  # travel at angle zero, rad
     damping: Damping = Damping(0.0, 0.0)
     line: Any = NoLine()
 
@@ -45,7 +45,7 @@ class TwoHoses(NamedTuple):
 class SecondHose(NamedTuple):
     """Mark of a joint in a machine with single-acting joints: 1 where it has hose B, 0 where that is missing."""
 
-    present: float
+    present: float  # 1 or 0
 
 
 @law
@@ -82,11 +82,11 @@ class JointParameters(NamedTuple):
 class Surroundings(NamedTuple):
     """Surroundings that the joints share: absolute pressures (Pa), temperatures (K), payload (kg)."""
 
-    supply_pressure: float
-    supply_temperature: float
-    ambient_pressure: float
-    ambient_temperature: float
-    payload: float
+    supply_pressure: float  # absolute, Pa
+    supply_temperature: float  # K
+    ambient_pressure: float  # absolute, Pa
+    ambient_temperature: float  # K
+    payload: float  # kg
 
 
 class Drive(NamedTuple):
@@ -101,10 +101,10 @@ class Drive(NamedTuple):
 class HoseState(NamedTuple):
     """State of a hose: energy (J), mass (kg), geometric volume (m3), pressure (Pa), losses and line."""
 
-    energy: float
-    mass: float
-    volume: float
-    pressure: float
+    energy: float  # of air and stretched wall, J
+    mass: float  # of air, kg
+    volume: float  # geometric, m3
+    pressure: float  # absolute, Pa
     pressure_change: float  # in the last step, Pa
     mass_change: float  # in the last step, kg
     loss: Any  # state of the hysteresis (see hysteresis/kind.py)
@@ -114,26 +114,26 @@ class HoseState(NamedTuple):
 class JointMotion(NamedTuple):
     """Angle (rad), velocity, and its change in the last step (rad/s) of a joint."""
 
-    angle: float
-    velocity: float
-    velocity_change: float
+    angle: float  # rad
+    velocity: float  # rad/s
+    velocity_change: float  # in the last step, rad/s
 
 
 class EnergyLedger(NamedTuple):
     """Works since the start (J), and mass of air drawn from the supply (kg)."""
 
-    gas_work: float
-    load_work: float
-    hose_work: float
-    brake_heat: float
-    damping_heat: float
-    air_taken: float
+    gas_work: float  # work of the air on the joint, J
+    load_work: float  # work of the joint on its load, J
+    hose_work: float  # work lost or stored in the hoses, J
+    brake_heat: float  # J
+    damping_heat: float  # J
+    air_taken: float  # mass of air drawn from the supply, kg
 
 
 class AirLedger(NamedTuple):
     """Mass of air drawn from the supply (kg): the only entry that ensembles compute."""
 
-    air_taken: float
+    air_taken: float  # kg
 
 
 class JointState(NamedTuple):

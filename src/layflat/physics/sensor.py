@@ -22,11 +22,11 @@ from layflat.jit import law
 class Sensor(NamedTuple):
     """Parameters of one sensor with its converter (units as in the module's table)."""
 
-    low: float
-    high: float
-    lsb: float
-    offset: float
-    noise: float
+    low: float  # lower end of the range, rad or Pa
+    high: float  # upper end of the range, rad or Pa
+    lsb: float  # one count of the converter, rad or Pa
+    offset: float  # rad or Pa
+    noise: float  # standard deviation, rad or Pa
 
 
 @law

@@ -21,11 +21,11 @@ from layflat.physics.arms.kind import NO_TORQUE
 class StopParameters(NamedTuple):
     """Parameters of the end stops on both sides (units as in the module's table)."""
 
-    squeeze_angle: float
-    squeeze_stiffness: float
-    stop_angle: float
-    stop_stiffness: float
-    stop_damping: float
+    squeeze_angle: float  # q_h, rad
+    squeeze_stiffness: float  # k_h, N m/rad
+    stop_angle: float  # q_s, rad
+    stop_stiffness: float  # k_s, N m/rad
+    stop_damping: float  # d_s, N m s/rad
 
 
 @law
@@ -61,8 +61,8 @@ class NoSpring(NamedTuple):
 class SpringParameters(NamedTuple):
     """Parameters of a spring: torque at q = 0 (N m; positive turns the joint forward), and stiffness (N m/rad)."""
 
-    torque: float
-    stiffness: float
+    torque: float  # at q = 0, N m
+    stiffness: float  # N m/rad
 
 
 @law

@@ -160,20 +160,16 @@ def _has_diverged(run, states, k, i):  # noqa: ARG001
     return run.counters[2] >= 0
 
 
-@portable_kernel()
-def run_cycles(like, numbers, angles, pressures, signals, samples, timing, counters, out, reports):
-    """Simulate a scenario from rest.
+@composition
+def run_case(case, angles, pressures, timing, run):
+    """Simulate a `Case` from rest into `RunBuffers`.
 
-    Args: `Like` of a `Case`, and its numbers in order; start angles (joints,), rad; start pressures (joints, 2),
-    absolute, Pa, NaN for those that hold the arm; `loop.Signals`; standard normal samples of the sensors of angle and
-    pressure, (cycles + 1, joints, 2); `Timing`; `RunBuffers.counters`, `RunBuffers.out` and `RunBuffers.reports`, which
-    are filled.
+    Args: the case; start angles (joints,), rad; start pressures (joints, 2), absolute, Pa, NaN for those that hold the
+    arm; `Timing`; the buffers.
     """
-    case = read_numbers(like, numbers)
-    joints, cycles = case.joints, len(signals.by_joint)
-    run = RunBuffers(signals, samples, out, reports, timing.records, counters)
+    joints, counters = case.joints, run.counters
     counters[0], counters[1], counters[2] = 0, 0, -1
-    span = CycleSpan(0, cycles)
+    span = CycleSpan(0, len(run.signals.by_joint))
     around = _surroundings(run, case.air, span.first)
     firsts, seconds = gather(joints, pressures[:, 0]), gather(joints, pressures[:, 1])
     rest = states_at_rest(case.arm, joints, gather(joints, angles), firsts, seconds, around)
@@ -194,3 +190,16 @@ def run_cycles(like, numbers, angles, pressures, signals, samples, timing, count
     run_span(machine, span, timing, LoopPorts(_observe, _load, _write_record, _has_diverged), run)
     if counters[2] < 0:
         _write_last_record(run, machine)
+
+
+@portable_kernel()
+def run_cycles(like, numbers, angles, pressures, signals, samples, timing, counters, out, reports):
+    """Simulate a scenario from rest.
+
+    Args: `Like` of a `Case`, and its numbers in order; start angles (joints,), rad; start pressures (joints, 2),
+    absolute, Pa, NaN for those that hold the arm; `loop.Signals`; standard normal samples of the sensors of angle and
+    pressure, (cycles + 1, joints, 2); `Timing`; `RunBuffers.counters`, `RunBuffers.out` and `RunBuffers.reports`, which
+    are filled.
+    """
+    run = RunBuffers(signals, samples, out, reports, timing.records, counters)
+    run_case(read_numbers(like, numbers), angles, pressures, timing, run)

@@ -34,24 +34,24 @@ NO_INJECTION = InjectionGains(0.0, 0.0, 0.0, 0.0)
 class JointSignals(NamedTuple):
     """Signals of a joint in a control cycle: rows of the table in motion/scenario.py."""
 
-    demand: float
-    demand_velocity: float
-    demand_acceleration: float
-    demand_stiffness: float
+    demand: float  # rad
+    demand_velocity: float  # rad/s
+    demand_acceleration: float  # rad/s2
+    demand_stiffness: float  # N m/rad; 0 for none
     opening: float  # of the valve, -1..1; NaN where the controller or a voltage drives
     voltage: float  # V; NaN where the controller or an opening drives
-    brake: float
-    dither: float
-    load: float
-    drift: float
+    brake: float  # fraction of the brake's torque, 0..1
+    dither: float  # fraction of the valve's dither, 0..1
+    load: float  # external torque, N m
+    drift: float  # shift of the valve's centre, V
 
 
 class SharedSignals(NamedTuple):
     """Signals of a control cycle that all joints share: rows of the same table."""
 
-    supply: float
-    payload: float
-    ambient: float
+    supply: float  # gauge, Pa
+    payload: float  # kg
+    ambient: float  # absolute, Pa
 
 
 ZERO_JOINT_SIGNALS, ZERO_SHARED_SIGNALS = (

@@ -111,15 +111,15 @@ class Settings(NamedTuple):
 class Memory(NamedTuple):
     """Memory of one joint: last samples of both signals (newest first), last averaged angle, integrals, rest time."""
 
-    angle_0: float
-    angle_1: float
-    angle_2: float
-    pressure_0: float
-    pressure_1: float
-    pressure_2: float
-    last_angle: float
-    short_term: float
-    long_term: float
+    angle_0: float  # rad
+    angle_1: float  # rad
+    angle_2: float  # rad
+    pressure_0: float  # differential, Pa
+    pressure_1: float  # likewise, Pa
+    pressure_2: float  # likewise, Pa
+    last_angle: float  # rad
+    short_term: float  # F, V
+    long_term: float  # FL, V
     slow_time: float  # time for which the joint has been slow, s
 
 

@@ -45,9 +45,9 @@ class Prior(NamedTuple):
 class MatrixZeros(NamedTuple):
     """Zeros that give matrices their sizes: tuples of n n, m m and n m items."""
 
-    joints: tuple[float, ...]
-    prior: tuple[float, ...]
-    both: tuple[float, ...]
+    joints: tuple[float, ...]  # n n zeros
+    prior: tuple[float, ...]  # m m zeros
+    both: tuple[float, ...]  # n m zeros
 
 
 class ParameterEstimate(NamedTuple):

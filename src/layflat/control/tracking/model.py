@@ -87,8 +87,8 @@ class ObserverGains(NamedTuple):
 class PressureInnovations(NamedTuple):
     """Innovations of the differential pressure in the last two cycles, after their corrections, Pa."""
 
-    last: float
-    before: float
+    last: float  # Pa
+    before: float  # Pa
 
 
 @law

@@ -32,9 +32,9 @@ CROSS_PATH_RATE = 40.0  # decay rate of the velocity across the path, 1/s
 class Reference(NamedTuple):
     """Reference of a joint: angle (rad), velocity (rad/s) and acceleration (rad/s2)."""
 
-    angle: float
-    velocity: float
-    acceleration: float
+    angle: float  # rad
+    velocity: float  # rad/s
+    acceleration: float  # rad/s2
 
 
 class PathLimits(NamedTuple):

@@ -18,7 +18,7 @@ from layflat.export.fmu.variables import (
     quoted,
     scenario_input,
 )
-from layflat.export.header import number_text
+from layflat.export.numbers import c_number
 from layflat.machine import Machine
 from layflat.machine.signals import SIGNALS
 from layflat.physics.adjustable import DriveFractions
@@ -168,7 +168,7 @@ class FmuModel:
         items = [item for section in self.sections for item in section.items]
         uses = [ACCESS_CODES[item.use] if isinstance(item, Variable) else ACCESS_CODES["none"] for item in items]
         starts = [number for section in self.sections for number in section.start_values]
-        lines += _table("double model_start", [number_text(float(number), "double") for number in starts])
+        lines += _table("double model_start", [c_number(float(number), "double") for number in starts])
         lines += _table("unsigned char model_access", [str(use) for use in uses])
         lines += [_prototype(entry) for entry in self.entries]
         return "\n".join([*lines, *(table_definitions() if self.has_plant else ()), ""])

@@ -42,37 +42,37 @@ class PlanarArmPart(ArmPart):
 class OneLink(NamedTuple):
     """Parameters of an arm with one joint; everything but the payload is lumped into inertia and first moment."""
 
-    inertia: float
-    moment: float
-    length: float
-    gravity_x: float
-    gravity_y: float
+    inertia: float  # kg m2
+    moment: float  # first moment of mass, kg m
+    length: float  # m
+    gravity_x: float  # g_x, m/s2
+    gravity_y: float  # g_y, m/s2
 
 
 class TwoLink(NamedTuple):
     """Parameters of an arm with two joints, without payload (symbols in the module's table)."""
 
-    a: float
-    b: float
-    c: float
-    moment_1: float
-    moment_2: float
-    length_1: float
-    length_2: float
-    elbow: float
-    gravity_x: float
-    gravity_y: float
+    a: float  # in the inertia a + 2 b cos(q_2 + e) of joint 1, kg m2
+    b: float  # likewise, kg m2
+    c: float  # inertia of joint 2, kg m2
+    moment_1: float  # S_1, kg m
+    moment_2: float  # S_2, kg m
+    length_1: float  # l_1, m
+    length_2: float  # l_2, m
+    elbow: float  # e, rad
+    gravity_x: float  # g_x, m/s2
+    gravity_y: float  # g_y, m/s2
 
 
 class LevelTwoLink(NamedTuple):
     """Parameters of an arm with two joints that moves in a level plane: gravity does no work."""
 
-    a: float
-    b: float
-    c: float
-    length_1: float
-    length_2: float
-    elbow: float
+    a: float  # in the inertia a + 2 b cos(q_2 + e) of joint 1, kg m2
+    b: float  # likewise, kg m2
+    c: float  # inertia of joint 2, kg m2
+    length_1: float  # l_1, m
+    length_2: float  # l_2, m
+    elbow: float  # e, rad
 
 
 def parameters(described: PlanarArmPart, joints: Sequence[Any]) -> OneLink | TwoLink | LevelTwoLink:

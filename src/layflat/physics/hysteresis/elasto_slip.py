@@ -32,15 +32,15 @@ from layflat.physics.hysteresis.kind import HysteresisKind, LossesPart, split_by
 class ElastoSlip(NamedTuple):
     """Parameters of each element: k (N m/rad), Y_0 (N m) and Y_1 (N m/Pa) of the module's table."""
 
-    stiffness: tuple[float, ...]
-    base: tuple[float, ...]
-    slope: tuple[float, ...]
+    stiffness: tuple[float, ...]  # k, N m/rad
+    base: tuple[float, ...]  # Y_0, N m
+    slope: tuple[float, ...]  # Y_1, N m/Pa
 
 
 class ElementTorques(NamedTuple):
     """Torques of the elements, N m."""
 
-    torque: tuple[float, ...]
+    torque: tuple[float, ...]  # f, N m
 
 
 class ElastoSlipPart(LossesPart):

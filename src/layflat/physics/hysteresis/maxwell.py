@@ -35,9 +35,9 @@ TIME_FLOOR = 1e-12  # lower limit of a relaxation time, s
 class Maxwell(NamedTuple):
     """Parameters of each element: k (N m/rad), tau_0 (s) and tau_1 (s/Pa) of the module's table."""
 
-    stiffness: tuple[float, ...]
-    base: tuple[float, ...]
-    slope: tuple[float, ...]
+    stiffness: tuple[float, ...]  # k, N m/rad
+    base: tuple[float, ...]  # tau_0, s
+    slope: tuple[float, ...]  # tau_1, s/Pa
 
 
 class MaxwellPart(LossesPart):

@@ -37,15 +37,15 @@ class SpoolValve(NamedTuple):
     """Parameters of a spool valve with its driver."""
 
     spool: Spool | StictionSpool
-    conductance: float
-    leakage: float
-    critical_ratio: float
-    laminar_slope: float
-    overlap: float
-    centre_voltage: float
-    volts_to_full: float
-    dither_amplitude: float
-    dither_frequency: float
+    conductance: float  # of a fully open path, m3/(s Pa)
+    leakage: float  # conductance of a closed path, m3/(s Pa)
+    critical_ratio: float  # critical pressure ratio
+    laminar_slope: float  # slope of the flow near the pressure ratio 1
+    overlap: float  # fraction of the stroke in which a land covers its port
+    centre_voltage: float  # V
+    volts_to_full: float  # change of the voltage to full opening, V
+    dither_amplitude: float  # as a fraction of full command
+    dither_frequency: float  # Hz
     delay: float  # from the command to the spool, s
 
 

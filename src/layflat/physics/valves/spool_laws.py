@@ -33,16 +33,16 @@ from layflat.physics.valves.kind import MeanValve
 class Spool(NamedTuple):
     """Parameters of the spool's motion (units as in the module's table)."""
 
-    natural_frequency: float
-    damping_ratio: float
-    friction: float
+    natural_frequency: float  # wn, rad/s
+    damping_ratio: float  # zeta
+    friction: float  # f, as a change of the command
 
 
 class SpoolState(NamedTuple):
     """State of a spool: opening (-1..1), and its rate (1/s)."""
 
-    opening: float
-    rate: float
+    opening: float  # x, -1..1
+    rate: float  # v, 1/s
 
 
 class StictionSpool(NamedTuple):
@@ -172,16 +172,16 @@ class MeanSpool(NamedTuple):
     """Parameters of a spool valve with its driver, averaged over the dither."""
 
     spool: Spool
-    conductance: float
-    leakage: float
-    critical_ratio: float
-    laminar_slope: float
-    overlap: float
-    centre_voltage: float
-    volts_to_full: float
-    dither_range: float
-    dither_frequency: float
-    delay: float
+    conductance: float  # C, m3/(s Pa)
+    leakage: float  # C_0, m3/(s Pa)
+    critical_ratio: float  # critical pressure ratio
+    laminar_slope: float  # slope of the flow near the pressure ratio 1
+    overlap: float  # o, fraction of the stroke
+    centre_voltage: float  # V
+    volts_to_full: float  # V
+    dither_range: float  # U at full dither
+    dither_frequency: float  # Hz
+    delay: float  # from the command to the spool, s
 
 
 class DitherFraction(NamedTuple):

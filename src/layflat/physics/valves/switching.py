@@ -32,23 +32,23 @@ from layflat.physics.valves.kind import ValveKind, ValvePart
 class Switch(NamedTuple):
     """Switching times of an on/off valve, s: until its plunger begins to move, and for its full travel."""
 
-    opening_delay: float
-    opening_time: float
-    closing_delay: float
-    closing_time: float
+    opening_delay: float  # s
+    opening_time: float  # s
+    closing_delay: float  # s
+    closing_time: float  # s
 
 
 class SwitchingPair(NamedTuple):
     """Parameters of two on/off valves with their driver."""
 
     switch: Switch
-    conductance: float
-    leakage: float
-    critical_ratio: float
-    laminar_slope: float
-    centre_voltage: float
-    volts_to_full: float
-    frequency: float
+    conductance: float  # of a fully open path, m3/(s Pa)
+    leakage: float  # conductance of a closed path, m3/(s Pa)
+    critical_ratio: float  # critical pressure ratio
+    laminar_slope: float  # slope of the flow near the pressure ratio 1
+    centre_voltage: float  # V
+    volts_to_full: float  # change of the voltage to full duty, V
+    frequency: float  # of the pulses, Hz
     dead_band: float  # command up to which there is no pulse, fraction of full opening
     min_pulse: float  # length of the pulse at the edge of the dead band, s
     delay: float  # from the command to the driver's pulses, s
@@ -95,8 +95,8 @@ def parameters(described: SwitchingValvesPart) -> SwitchingPair:
 class SwitchState(NamedTuple):
     """State of an on/off valve: charge of its coil, and opening, 0..1."""
 
-    charge: float
-    opening: float
+    charge: float  # c, 0..1
+    opening: float  # x, 0..1
 
 
 class PairState(NamedTuple):
@@ -109,8 +109,8 @@ class PairState(NamedTuple):
 class Carrier(NamedTuple):
     """Sawtooth of the driver: phase at the beginning of the coming step, and phase increment in a step."""
 
-    phase: float
-    gain: float
+    phase: float  # 0..1
+    gain: float  # increment of the phase in a step
 
 
 @law

@@ -44,9 +44,9 @@ class ChainLink(NamedTuple):
     """A link in its own frame: its joint turns about z, and x is at right angles to the axis of the next joint."""
 
     sin_tilt: float  # of z, about x of the frame before
-    cos_tilt: float
+    cos_tilt: float  # of z, about x of the frame before
     sin_turn: float  # of x at mid-stroke, about z, from x of the frame before
-    cos_turn: float
+    cos_turn: float  # of x at mid-stroke, about z, from x of the frame before
     place: Vector  # position of its origin in the frame before, m
     body: RigidBody
 

@@ -18,9 +18,9 @@ from layflat.jit import law
 class Vector(NamedTuple):
     """Vector by its components along three axes."""
 
-    x: float
-    y: float
-    z: float
+    x: float  # in the unit of the vector
+    y: float  # likewise
+    z: float  # likewise
 
 
 class Axes(NamedTuple):
@@ -34,20 +34,20 @@ class Axes(NamedTuple):
 class Symmetric(NamedTuple):
     """Items of a symmetric matrix, such as an inertia, kg m2, whose item xy is minus the product of inertia."""
 
-    xx: float
-    yy: float
-    zz: float
-    xy: float
-    xz: float
-    yz: float
+    xx: float  # kg m2
+    yy: float  # kg m2
+    zz: float  # kg m2
+    xy: float  # kg m2
+    xz: float  # kg m2
+    yz: float  # kg m2
 
 
 class RigidBody(NamedTuple):
     """Mass, first moment and inertia of a rigid body about the origin of its frame."""
 
-    m: float
-    h: Vector
-    J: Symmetric
+    m: float  # mass, kg
+    h: Vector  # first moment, kg m
+    J: Symmetric  # inertia, kg m2
 
 
 @law

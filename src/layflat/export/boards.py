@@ -1,0 +1,72 @@
+"""Boards of microcontrollers for which the examples are written; QEMU has them, so that they run on any computer."""
+
+from collections.abc import Iterator
+from typing import Any, NamedTuple
+
+from layflat.export.templates import fill_template
+
+
+class Memory(NamedTuple):
+    """Part of a board's memory."""
+
+    start: int
+    size: int  # bytes
+
+
+class ExampleBoard(NamedTuple):
+    """Board of a microcontroller: its compiler, memory, and QEMU's name."""
+
+    name: str  # of QEMU's machine
+    template: str  # of the files that start the processor
+    compiler: str
+    options: str  # of the compiler, for the processor
+    flash: Memory
+    ram: Memory
+    emulator: str  # command that runs the example
+
+    @property
+    def tools(self) -> tuple[str, str]:
+        """Compiler and emulator."""
+        return self.compiler, self.emulator.split()[0]
+
+    def texts(self, values: dict[str, Any]) -> Iterator[tuple[str, str]]:
+        """Yield name and content of the files that build the example and start the processor.
+
+        Args:
+            values: values of all templates.
+        """
+        board = {**values, **self._asdict()}
+        yield "Makefile", fill_template("Makefile.board", **board)
+        for name in ("startup.c", "board.ld") if self.template == "cortex" else ():
+            yield name, fill_template(name, **board)
+
+
+MEMORY_SIZE = 4 << 20  # of flash and of RAM of each board, bytes
+
+ARM_COMPILER, ARM_QEMU = "arm-none-eabi-gcc", "qemu-system-arm -M {} -nographic -semihosting -kernel"
+
+
+def _cortex(name: str, options: str, flash: int = 0, ram: int = 0x20000000) -> ExampleBoard:
+    return ExampleBoard(
+        name, "cortex", ARM_COMPILER, f"-mthumb {options}", Memory(flash, MEMORY_SIZE), Memory(ram, MEMORY_SIZE),
+        ARM_QEMU.format(name),
+    )  # fmt: skip
+
+
+EXAMPLE_BOARDS: dict[str, ExampleBoard] = {
+    "cortex-m7": _cortex("mps2-an500", "-mcpu=cortex-m7 -mfloat-abi=hard -mfpu=fpv5-d16"),
+    "cortex-m4f": _cortex("mps2-an386", "-mcpu=cortex-m4 -mfloat-abi=hard -mfpu=fpv4-sp-d16"),
+    "cortex-m4": _cortex("mps2-an386", "-mcpu=cortex-m4 -mfloat-abi=soft"),
+    "cortex-m33": _cortex("mps2-an505", "-mcpu=cortex-m33 -mfloat-abi=hard -mfpu=fpv5-sp-d16", 0x10000000, 0x38000000),
+    "riscv32": ExampleBoard(
+        "virt",
+        "riscv",
+        "riscv64-unknown-elf-gcc",
+        "-march=rv32imafdc -mabi=ilp32d --specs=picolibc.specs",
+        Memory(0x80000000, MEMORY_SIZE),
+        Memory(0x80400000, MEMORY_SIZE),
+        "qemu-system-riscv32 -M virt -bios none -display none -serial none -monitor none "
+        "-chardev stdio,id=output -semihosting-config enable=on,chardev=output -kernel",
+    ),
+}
+"""Board of the example, by target."""

@@ -1,0 +1,149 @@
+"""Every target with every machine: the whole matrix, of which `make test` runs a corner.
+
+    python -m tests.export.matrix [NAME|FILE ...]
+
+Each line is a machine, a target and the outcome: "same" to the bit in a closed loop of 2 s with noise, "skipped" for
+want of a tool, which is named, or the difference, which makes the status 1.
+"""
+
+import re
+import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+import pytest
+
+from layflat.arrays import Array
+from layflat.export import export
+from layflat.export.boards import EXAMPLE_BOARDS
+from layflat.export.targets import EXPORT_TARGETS
+from layflat.machine import Machine, load
+from tests.export.builds import LANGUAGES, LEVELS, STRICT, build, needing, read_trace, run, run_board, target_runs_here
+from tests.export.loops import python_trace
+
+MACHINES = ("paper-arm", "paper-arm-tracking", "picking-arm")
+KINDS_PAGE = Path(__file__).parents[2] / "docs" / "kinds.md"
+OUTSIDE_MACHINE = """extends = "paper-small-joint-fast"
+name = "kinds-from-outside"
+kinds = ["relay.py", "quick_valve.py"]
+
+[controller]
+kind = "relay"
+cycle = "5 ms"
+level = "0.6 V"
+dead_band = "0.2 deg"
+
+[valve]
+kind = "quick"
+conductance = "1.99 dm^3/(s bar)"
+critical_ratio = 0.3
+leakage = "0.008 dm^3/(s bar)"
+centre_voltage = "5 V"
+volts_to_full = "5 V"
+"""
+
+
+def outside_machine(folder: Path) -> Path:
+    """A machine whose control law and valve are the examples of docs/kinds.md."""
+    for block in re.findall(r"```python\n(.*?)```", KINDS_PAGE.read_text(encoding="utf-8"), re.DOTALL):
+        (folder / block.split("\n")[0].removeprefix("# ")).write_text(block, encoding="utf-8")
+    path = folder / "outside.toml"
+    path.write_text(OUTSIDE_MACHINE, encoding="utf-8")
+    return path
+
+
+Check = tuple[str, Callable[[], None]]  # name of a target, and a function that raises AssertionError where it differs
+
+
+def computers(machine: Machine, folder: Path, reference: Array) -> Iterator[Check]:
+    """Checks of the folder "c": processors of this computer, a 64-bit ARM in QEMU, Windows by Wine."""
+    export(machine, "c", folder)
+
+    def same(text: str) -> None:
+        assert np.array_equal(read_trace(text)[:, 1:], reference[:, 1:])
+
+    def native(compiler: str, target: str) -> None:
+        if not target_runs_here(target):
+            pytest.skip(f"no processor of {target}")
+        same(run([build(folder, needing(compiler), *LANGUAGES["C"], *STRICT, target=target)], folder))
+
+    def aarch64() -> None:
+        needing("qemu-aarch64")
+        program = build(folder, needing("aarch64-linux-gnu-gcc"), *LANGUAGES["C"], *STRICT, target="linux-aarch64")
+        same(run(["qemu-aarch64", "-L", "/usr/aarch64-linux-gnu", program], folder))
+
+    def windows() -> None:
+        needing("wine")
+        compiler = needing("x86_64-w64-mingw32-gcc")
+        program = build(folder, compiler, *LANGUAGES["C"], *STRICT, target="windows-x86-64")
+        same(run(["wine", program], folder))
+
+    for compiler in ("gcc", "clang"):
+        for target in LEVELS:
+            yield f"{target} ({compiler})", lambda compiler=compiler, target=target: native(compiler, target)  # type: ignore[misc]
+    yield "linux-aarch64", aarch64
+    yield "windows-x86-64", windows
+
+
+def single(machine: Machine, folder: Path) -> Iterator[Check]:
+    """Check of the control law in single precision on this computer."""
+
+    def check() -> None:
+        export(machine, "c", folder, precision="single")
+        program = build(folder, needing("gcc"), *LANGUAGES["C"], *STRICT)
+        assert run([program], folder).splitlines()[-1].startswith("0 of ")
+
+    yield "linux-x86-64, single", check
+
+
+def microcontrollers(machine: Machine, folder: Path) -> Iterator[Check]:
+    """Checks of the control law on boards in QEMU, in both precisions."""
+    for target, board in EXAMPLE_BOARDS.items():
+        for precision in EXPORT_TARGETS[target].precisions:
+
+            def check(target: str = target, precision: str = precision, tools: tuple[str, str] = board.tools) -> None:
+                for tool in tools:
+                    needing(tool)
+                export(machine, target, folder / f"{target}-{precision}", precision=precision)
+                assert run_board(folder / f"{target}-{precision}", *tools).startswith("0 of ")
+
+            yield f"{target}, {precision}", check
+
+
+def checks(machine: Machine, folder: Path) -> Iterator[Check]:
+    """All checks of a machine."""
+    yield from computers(machine, folder / "c", python_trace(machine))
+    yield from single(machine, folder / "single")
+    yield from microcontrollers(machine, folder)
+
+
+def outcome(check: Callable[[], None]) -> str:
+    """Return "same", the tool that is missing, or the difference."""
+    try:
+        check()
+    except pytest.skip.Exception as missing:
+        return f"skipped: {missing}"
+    except AssertionError as error:
+        return f"DIFFERS: {str(error).splitlines()[0][:80] if str(error) else 'other numbers'}"
+    return "same"
+
+
+def main(names: list[str]) -> int:
+    """Run the matrix; return 1 if a target differs."""
+    different = 0
+    with TemporaryDirectory() as name:
+        folder = Path(name)
+        for described in names or [*MACHINES, str(outside_machine(folder))]:
+            machine = load(described)
+            for target, check in checks(machine, folder / machine.name):
+                result = outcome(check)
+                different += result.startswith("DIFFERS")
+                sys.stdout.write(f"{machine.name:20} {target:28} {result}\n")
+                sys.stdout.flush()
+    return 1 if different else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
