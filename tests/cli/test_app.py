@@ -92,8 +92,9 @@ OPTION = re.compile(r"(?<![\w-])--[a-z][a-z-]*")
 COMMAND_LINES = {
     "outputs.py",
     "extras.py",
+    "export/boards.py",
     "tune/tuning.py",
-}  # what is forced; lines of pip; the line that repeats a search
+}  # what is forced; lines of pip; options of a C compiler; the line that repeats a search
 
 
 def test_messages_of_the_library_name_no_option() -> None:
