@@ -44,7 +44,7 @@ def test_a_run_of_any_machine_is_repeated(
     assert system is not None
     with own_sources():
         machine = outside_machine(tmp_path, COMPILED) if name == OUTSIDE else load(name)
-        run = lf.rollout(machine, "5 deg", seed=3, duration="2 s")
+        run = lf.rollout(machine, [("0.1 s", "5 deg")], seed=3, duration="2 s")
         files = writer.write_fmus(machine, tmp_path / "fmus", target="fmu", precision="double")
         first = next(iter(files))
     instance = Instance(Fmu(first, tmp_path / "unpacked", (system.folder_2, system.folder)))
