@@ -214,7 +214,7 @@ def test_a_profile_that_turns_over_itself_is_refused() -> None:
 
 
 def test_a_round_roller_has_no_cam_to_draw(tmp_path: Path) -> None:
-    with pytest.raises(DesignError, match=r'output\.kind: "roller"; give "cam"'):
+    with pytest.raises(DesignError, match=r'output\.kind: "roller" has no cam; give "cam"'):
         write_drawings(design_joint("rig-polyester"), tmp_path / "out")
     assert not (tmp_path / "out").exists()
 

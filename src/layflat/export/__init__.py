@@ -4,9 +4,10 @@ The way of a value: a machine gives its entries (`entries.py`), which are the la
 of them (`compiled.py`) becomes object files by the table of targets (`targets.py`); their structs (`layout.py`) become
 headers (`header.py`); and a writer puts all into a folder.
 
->>> import layflat as lf
->>> sorted(name for name in lf.export.TARGET_WRITERS if name.startswith("cortex"))
-['cortex-m33', 'cortex-m4', 'cortex-m4f', 'cortex-m7']
+Example:
+    >>> import layflat as lf
+    >>> sorted(name for name in lf.export.TARGET_WRITERS if name.startswith("cortex"))
+    ['cortex-m33', 'cortex-m4', 'cortex-m4f', 'cortex-m7']
 """
 
 from collections.abc import Callable

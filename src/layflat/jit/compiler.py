@@ -49,7 +49,7 @@ try:
     from layflat.jit.internals import tolerate_failed_save
     from layflat.jit.libraries import KernelCompiler, LawCompiler
 except (ImportError, AttributeError) as error:
-    what = f"numba {version('numba')} lacks a part that layflat uses ({error}); pip install --force-reinstall layflat"
+    what = f"numba {version('numba')} lacks a part that layflat uses ({error}); install layflat again"
     raise CompilerError(what) from error
 
 config: Any = numba.config
