@@ -13,7 +13,7 @@ SECTIONS = {
     "How-to guides": [
         "docs/python", "docs/studio", "docs/sizing-arms", "docs/arms", "docs/arm-models", "docs/export", "docs/motion",
         "docs/learning", "docs/identification", "docs/logs", "docs/rig", "docs/panel", "docs/packing", "docs/bridge",
-        "docs/speed", "docs/cell", "docs/cell-vision", "docs/kinds", "docs/browser", "firmware/README",
+        "docs/speed", "docs/cell", "docs/cell-vision", "docs/kinds", "firmware/README",
     ],
     "Reference": [
         "reference/interface", "reference/commands", "reference/descriptions", "docs/conventions", "docs/rig-faults",
@@ -28,7 +28,6 @@ SECTIONS = {
     ],
 }  # fmt: skip
 """Pages by section, without their suffix."""
-SIMULATOR_NAME = "simulator.html"  # page that simulates in the browser
 GENERATED = ("gallery/", "reference/")  # pages that no file in the repository holds
 
 
@@ -44,21 +43,15 @@ def copy_pages(source: Path) -> None:
             shutil.copyfile(file, source / "docs" / file.name)
 
 
-def index(sections: dict[str, list[str]], *, has_simulator: bool) -> str:
-    """Return the first page: the README's first lines, and a table of contents for each section.
-
-    Args:
-        sections: pages by section.
-        has_simulator: whether the site has the page that simulates in the browser.
-    """
+def index(sections: dict[str, list[str]]) -> str:
+    """Return the first page: a table of contents for each section, in the words of the README's first lines."""
     readme = (ROOT / "README.md").read_text(encoding="utf-8")
     first = readme[: readme.index("From a clone")]
     lists = [
         "```{toctree}\n" + f":caption: {name}\n:maxdepth: 1\n\n" + "\n".join(map(_entry, pages)) + "\n```\n"
         for name, pages in sections.items()
     ]
-    link = f'<p><a href="{SIMULATOR_NAME}">Move an arm in the browser</a>: no installation, no server.</p>\n'
-    return "\n".join([first, *([link] if has_simulator else []), *lists])
+    return f"{first}\n" + "\n".join(lists)
 
 
 def _entry(page: str) -> str:
