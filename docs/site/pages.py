@@ -12,8 +12,8 @@ SECTIONS = {
     "Gallery": ["gallery/index"],
     "How-to guides": [
         "docs/python", "docs/studio", "docs/sizing-arms", "docs/arms", "docs/arm-models", "docs/export", "docs/fmu",
-        "docs/motion", "docs/learning", "docs/identification", "docs/logs", "docs/rig", "docs/panel", "docs/packing", "docs/bridge",
-        "docs/speed", "docs/cell", "docs/cell-vision", "docs/kinds", "firmware/README",
+        "docs/motion", "docs/learning", "docs/identification", "docs/logs", "docs/rig", "docs/panel", "docs/packing",
+        "docs/bridge", "docs/speed", "docs/cell", "docs/cell-vision", "docs/kinds", "firmware/README",
     ],
     "Reference": [
         "reference/interface", "reference/commands", "reference/descriptions", "docs/conventions", "docs/rig-faults",
