@@ -3,7 +3,6 @@
 # mypy: disable-error-code="no-untyped-call"
 # The compiler's own modules are untyped.
 
-from collections.abc import Iterable
 from typing import Any, NamedTuple
 
 from layflat.export.entries import Entry
@@ -72,18 +71,6 @@ def object_file(entry: Entry, text: str, prefix: str, target: Target) -> bytes:
     """
     names = (f"{prefix}_{entry.name}",)
     return machine_code(text, names, target.processor, ordered=False, outside=OF_EVERY_TARGET)
-
-
-def object_files(entries: Iterable[Entry], prefix: str, precision: str, target: Target) -> dict[str, bytes]:
-    """Return the object files of entries by the entries' names.
-
-    Args:
-        entries: the entries.
-        prefix: prefix of all names in C.
-        precision: "double" or "single".
-        target: the target.
-    """
-    return {one.name: object_file(one, portable_entry(one, prefix, precision), prefix, target) for one in entries}
 
 
 def compiled_entry(entry: Entry, text: str, prefix: str, target: Target) -> CompiledEntry:
