@@ -13,7 +13,8 @@ SECTIONS = {
     "How-to guides": [
         "docs/python", "docs/studio", "docs/sizing-arms", "docs/arms", "docs/arm-models", "docs/export", "docs/fmu",
         "docs/motion", "docs/learning", "docs/identification", "docs/logs", "docs/rig", "docs/panel", "docs/packing",
-        "docs/bridge", "docs/speed", "docs/cell", "docs/cell-vision", "docs/kinds", "firmware/README",
+        "docs/bridge", "docs/speed", "docs/cell", "docs/cell-vision", "docs/kinds", "docs/browser",
+        "firmware/README",
     ],
     "Reference": [
         "reference/interface", "reference/commands", "reference/descriptions", "docs/conventions", "docs/rig-faults",
@@ -28,6 +29,7 @@ SECTIONS = {
     ],
 }  # fmt: skip
 """Pages by section, without their suffix."""
+SIMULATOR_NAME = "simulator.html"  # page that simulates in the browser
 GENERATED = ("gallery/", "reference/")  # pages that no file in the repository holds
 
 
@@ -43,15 +45,21 @@ def copy_pages(source: Path) -> None:
             shutil.copyfile(file, source / "docs" / file.name)
 
 
-def index(sections: dict[str, list[str]]) -> str:
-    """Return the first page: a table of contents for each section, in the words of the README's first lines."""
+def index(sections: dict[str, list[str]], *, has_simulator: bool) -> str:
+    """Return the first page: the README's first lines, and a table of contents for each section.
+
+    Args:
+        sections: pages by section.
+        has_simulator: whether the site has the page that simulates in the browser.
+    """
     readme = (ROOT / "README.md").read_text(encoding="utf-8")
     first = readme[: readme.index("From a clone")]
     lists = [
         "```{toctree}\n" + f":caption: {name}\n:maxdepth: 1\n\n" + "\n".join(map(_entry, pages)) + "\n```\n"
         for name, pages in sections.items()
     ]
-    return f"{first}\n" + "\n".join(lists)
+    link = f'<p><a href="{SIMULATOR_NAME}">Move an arm in the browser</a>: no installation, no server.</p>\n'
+    return "\n".join([first, *([link] if has_simulator else []), *lists])
 
 
 def _entry(page: str) -> str:

@@ -28,6 +28,8 @@ C_TARGETS = ("c", "cortex-m7", "cortex-m4f", "cortex-m4", "cortex-m33", "riscv32
 TARGET_WRITERS: dict[str, str] = {
     **dict.fromkeys(C_TARGETS, "layflat.export.c_folder:write_c_folder"),
     "fmu": "layflat.export.fmu.writer:write_fmus",
+    "wasm": "layflat.export.web.folder:write_folder",
+    "wasm-plain": "layflat.export.web.folder:write_folder",
 }
 """Function that writes the folder of each target, as "module:function"; see `export`."""
 

@@ -50,6 +50,10 @@ EXPORT_TARGETS: dict[str, Target] = {
         "32-bit RISC-V with hardware for double precision",
         plant=False,
     ),
-    "wasm": Target(Processor("wasm32-unknown-unknown", "generic", "+bulk-memory,+simd128"), "WebAssembly with SIMD"),
-    "wasm-plain": Target(Processor("wasm32-unknown-unknown", "generic", "+bulk-memory"), "WebAssembly without SIMD"),
+    "wasm": Target(
+        Processor("wasm32-unknown-unknown", "generic", "+bulk-memory,+simd128", "static"), "WebAssembly with SIMD"
+    ),
+    "wasm-plain": Target(
+        Processor("wasm32-unknown-unknown", "generic", "+bulk-memory", "static"), "WebAssembly without SIMD"
+    ),
 }
