@@ -58,7 +58,7 @@ export class Plant {
     const { plant_rest, plant_advance, plant_sample } = machine.functions;
     const at = (names) => names.map((name) => addressOf(this[name]));
     const [parameters, state, angles, pressures] = at(["parameters", "state", "restAngles", "restPressures"]);
-    const [inputs, outputs, noise, readings] = at(["inputs", "outputs", "noise", "sensed"]);
+    const [inputs, outputs, noise, readings] = at(["inputs", "outputs", "noise", "readings"]);
     const places = this.inputs.map((input) => indexOf(input));
     const { heap, steps: stepsOfCycle } = machine;
     this.calls = {
