@@ -18,7 +18,7 @@ def export_laws(
     machine: MachineName,
     target: Annotated[
         str,
-        typer.Option(metavar="TARGET", help="such as c, cortex-m7 (docs/export.md)", autocompletion=complete_target),
+        typer.Option(metavar="TARGET", help="such as c, fmu, wasm (docs/export.md)", autocompletion=complete_target),
     ],
     out: Annotated[Path, typer.Option("--out", "-o", metavar="DIR", help="folder for the results, new or empty")],
     precision: Annotated[

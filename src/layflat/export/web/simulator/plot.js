@@ -10,6 +10,7 @@ const TOP = 24;
 const BOTTOM = 8;
 const TIME_AXIS = 22;
 const STEPS = [1, 2, 3, 5, 10]; // of ticks, times a power of ten
+const WIDTHS = [2.4, 1.1]; // px of curves in turn, by which they differ without colour
 const ANGLE_STEPS = [1, 1.5, 3, 4.5, 9, 10];
 
 /** Plot of a simulation's record on a canvas, one axis above the other. */
@@ -40,16 +41,16 @@ export class Plot {
     return [
       { title: "Angle, deg", range: [-1.15 * stroke, 1.15 * stroke], steps: ANGLE_STEPS, curves: [
         ...joints.map((_, j) => ({ column: column(j, "demand"), color: colors.target, dash: [4, 3] })),
-        ...joints.map((_, j) => ({ column: column(j, "angle"), color: colors.joints[j], name: names[j], width: 2 })),
-      ], extra: { name: "demand", color: colors.target, isDashed: true } },
+        ...joints.map((_, j) => ({ column: column(j, "angle"), color: colors.joints[j], name: names[j], width: WIDTHS[j % 2] })),
+      ], extra: { name: "demand", color: colors.target, isDashed: true, width: 2 } },
       ...joints.map((joint, j) => ({
         title: joints.length > 1 ? `Pressure of ${joint}, bar` : "Pressure, bar", range: [0, supply * 1.05], curves: [
-          { column: column(j, "pressureA"), color: colors.hoseA, name: "hose A", width: 1.5 },
-          { column: column(j, "pressureB"), color: colors.hoseB, name: "hose B", width: 1.5 },
+          { column: column(j, "pressureA"), color: colors.hoseA, name: "hose A", width: WIDTHS[0] },
+          { column: column(j, "pressureB"), color: colors.hoseB, name: "hose B", width: WIDTHS[1] },
         ],
       })),
       { title: "Valve voltage, V", range: [centre - 1.08 * span, centre + 1.08 * span], curves:
-        joints.map((_, j) => ({ column: column(j, "voltage"), color: colors.joints[j], name: joints.length > 1 ? joints[j] : "", width: 1.25 })) },
+        joints.map((_, j) => ({ column: column(j, "voltage"), color: colors.joints[j], name: joints.length > 1 ? joints[j] : "", width: WIDTHS[j % 2] })) },
     ];
   }
 
@@ -87,13 +88,13 @@ export class Plot {
     let x = this.right;
     context.font = `12px ${colors.font}`;
     context.textAlign = "right";
-    for (const { name, color, isDashed } of [...items].reverse()) {
+    for (const { name, color, isDashed, width } of [...items].reverse()) {
       context.fillStyle = colors.text;
       context.fillText(name, x, y);
       x -= context.measureText(name).width + 5;
       context.fillStyle = color;
       if (isDashed) for (const dash of [14, 6]) context.fillRect(x - dash, y - 1, 5, 2);
-      else context.fillRect(x - 14, y - 1.5, 13, 3);
+      else context.fillRect(x - 14, y - width / 2, 13, width);
       x -= 26;
     }
   }
