@@ -9,7 +9,6 @@ is somebody else's.
 Where no command runs, in Python, a function writes to the path that it is given, as those of other libraries do.
 """
 
-import hashlib
 import json
 import os
 import shlex
@@ -179,7 +178,10 @@ def _read_record(path: Path) -> OutputRecord | None:
 
 def _record_path(path: Path) -> Path:
     """Return the path of the record of a file, in LAYFLAT_STATE_DIR or the user's state folder."""
-    import platformdirs  # noqa: PLC0415  # only commands that write need it
+    # Only commands that write need them.
+    import hashlib  # noqa: PLC0415
+
+    import platformdirs  # noqa: PLC0415
 
     root = Path(os.environ.get("LAYFLAT_STATE_DIR") or platformdirs.user_state_dir("layflat"))
     name = hashlib.blake2b(os.fsencode(path.resolve()), digest_size=16).hexdigest()
@@ -188,6 +190,8 @@ def _record_path(path: Path) -> Path:
 
 def _digest(path: Path) -> str:
     """Return the BLAKE2b digest of a file's content, 32 hexadecimal digits."""
+    import hashlib  # noqa: PLC0415  # as above
+
     with path.open("rb") as file:
         return hashlib.file_digest(file, lambda: hashlib.blake2b(digest_size=16)).hexdigest()
 

@@ -166,7 +166,7 @@ def with_present_keys(
         if isinstance(part, dict):
             table: Plain = {}
             for key, value in part.items():
-                name = str(present_steps(noun, (*steps, key), kind_at)[-1])
+                name = str(present_steps(noun, (*steps, key), kind_at)[-1]) if _may_be_old(noun, key) else key
                 if name != key:
                     renamed.append(RenamedKey((*steps, key), name))
                 if name != key and name in part:
@@ -269,6 +269,11 @@ def _rows(noun: str) -> dict[str | int, list[tuple[str, str]]]:
             for old, name in names.items():
                 rows.setdefault(old, []).append((place, name))
     return rows
+
+
+def _may_be_old(noun: str, key: str) -> bool:
+    """Return whether a key has another name now in some table of a description."""
+    return key in _rows(noun) or noun in INNER_DESCRIPTIONS or noun in PATH_KEYS
 
 
 def _is_at(place: str, present: Steps, steps: Steps, kind_at: KindAt) -> bool:

@@ -13,8 +13,6 @@ from dataclasses import dataclass, field, fields
 from math import inf, nan
 from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple
 
-from annotated_types import Ge
-
 from layflat.errors import InputError
 
 if TYPE_CHECKING:
@@ -138,9 +136,13 @@ class SignalRow:
     @property
     def annotation(self) -> Any:
         """Type of its values in a file: a float with its quantity and its bounds."""
+        # Help reads the table without them.
+        from annotated_types import Ge  # noqa: PLC0415
+
+        from layflat.description import units  # noqa: PLC0415
+
         if not self.written:
             return Annotated[float, Ge(0)]
-        from layflat.description import units  # noqa: PLC0415  # takes long to import
 
         kind = getattr(units, self.written)
         return Annotated[float, kind] if isinstance(kind, units.Quantity) else kind
