@@ -8,7 +8,6 @@ from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor
 from contextlib import contextmanager, suppress
 from importlib import import_module
-from math import ceil
 from multiprocessing.connection import Connection
 from multiprocessing.context import SpawnProcess
 from multiprocessing.synchronize import Event
@@ -38,18 +37,6 @@ def run_on_all_cores(work: Callable[[Job], None], jobs: Sequence[Job], threads: 
         return
     with ThreadPoolExecutor(threads or os.cpu_count()) as pool:
         list(pool.map(work, jobs))
-
-
-def split_candidates(count: int, cases: int = 1, threads: int | None = None) -> list[slice]:
-    """Return equal slices of candidates, with about 4 pairs of slice and case a thread; the last may reach beyond.
-
-    Args:
-        count: number of candidates.
-        cases: simulations of each candidate.
-        threads: number of threads; default: one a core.
-    """
-    size = max(1, ceil(count * cases / (4 * (threads or os.cpu_count() or 1))))
-    return [slice(first, first + size) for first in range(0, count, size)]
 
 
 def processors() -> int:

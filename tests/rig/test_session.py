@@ -49,6 +49,7 @@ def test_a_rig_starts_moves_and_stops(tmp_path: Path) -> None:
         assert shot is not None
         assert list(shot["averaged_angle"]) == pytest.approx([0.2, 0.1], abs=0.05)
     assert rig.process.exitcode == 0
+    rig.close()  # once more
     assert any("cycles, late by" in line for line in rig.messages)
     assert "moving -> stopped" in (tmp_path / "lines").read_text()
 

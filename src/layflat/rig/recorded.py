@@ -4,6 +4,7 @@ import time
 from collections.abc import Callable
 from contextlib import AbstractContextManager, ExitStack
 from functools import partial
+from glob import escape
 from pathlib import Path
 from typing import Self
 
@@ -26,7 +27,7 @@ RECORDER_TIMEOUT = 20.0  # without a heartbeat, after which a recorder is killed
 def free_log_path(folder: Path, name: str) -> Path:
     """Return the first of NAME.mcap, NAME-2.mcap, ... of whose stem the folder holds no file, whatever its suffix."""
     count = 1
-    while any(folder.glob(f"{(stem := name if count == 1 else f'{name}-{count}')}.*")):
+    while any(folder.glob(f"{escape(stem := name if count == 1 else f'{name}-{count}')}.*")):
         count += 1
     return folder / f"{stem}.mcap"
 

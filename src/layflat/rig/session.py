@@ -238,7 +238,12 @@ class RigSession(AbstractContextManager["RigSession"]):
         self._change_setpoints(ended=True, stops=self._setpoints.stops + 1)
 
     def close(self) -> None:
-        """Stop, and wait until the air is out and the loop has ended; kill its process after `ENDS_WITHIN`."""
+        """Stop, and wait until the air is out and the loop has ended; kill its process after `ENDS_WITHIN`.
+
+        A second call does nothing.
+        """
+        if self._over.is_set():
+            return
         self.end()
         try:
             end_process(self.process, ENDS_WITHIN)
