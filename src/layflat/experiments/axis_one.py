@@ -63,7 +63,7 @@ def max_settling_inertia(times: Mapping[float, float], allowed: float) -> float:
 
 
 def trace_rollout(machine: Machine, scenario: Scenario) -> xarray.Dataset:
-    """Return demands and angles of a rollout, up to where it diverged, computed by the ensemble's kernel.
+    """Return demands and angles (rad) of a rollout, up to where it diverged, computed by the ensemble's kernel.
 
     `sweep_inertia` has that kernel compiled in any case, and its runs are rollouts to the last bit.
     """
@@ -96,7 +96,10 @@ class InertiaSweep:
 
 
 def sweep_inertia(machine: Machine, brake: float) -> InertiaSweep:
-    """Return the settling of steps of the small joint at each of `INERTIA_RATIOS`, medians over `SEED_COUNT` seeds."""
+    """Return the settling of steps of the small joint at each of `INERTIA_RATIOS`, medians over `SEED_COUNT` seeds.
+
+    `brake` is a fraction of the brake's full torque.
+    """
     torque = maximum_torque(machine, "small")
     payloads = [payload_for_inertia(machine, "small", ratio * torque) for ratio in INERTIA_RATIOS]
     vary = {
@@ -131,7 +134,7 @@ INERTIA_RATIO_UNIT = "kg m2/(N m)"
 
 
 def step_settling(run: xarray.Dataset) -> float:
-    """Return the time from the step until the joint stays within 0.3 deg of its demand, s; infinite if it does not."""
+    """Return the time from the step until the small joint stays within 0.3 deg, s; infinite if never, or diverged."""
     if not _is_complete(run):
         return inf
     return measure_move(run, "small", since=STEP_TIME).settling
@@ -151,7 +154,10 @@ class AxisOneExperiment(Experiment):
     """Runs of a 40 deg step of both joints, and their settling with every inertia per torque."""
 
     def _step(self, machine: Machine, brake: float, payload: float | None = None) -> xarray.Dataset:
-        """Return a step, up to where it diverged if it did; default payload: the inertia per torque of the paper."""
+        """Return a step, up to where it diverged, by fraction of the brake and payload (kg).
+
+        Default payload: that with the paper's inertia per torque.
+        """
         inertia = INERTIA_PER_TORQUE * maximum_torque(machine, "small")
         load = payload_for_inertia(machine, "small", inertia) if payload is None else payload
         return trace_rollout(machine, step_scenario(brake, 1, load))

@@ -85,7 +85,7 @@ class ReproductionBench:
 
     @cached_property
     def earlier_scaled(self) -> Machine:
-        """The earlier actuator, its pressure gains scaled by its torque over that of the small joint."""
+        """The earlier actuator, its pressure gains, if any, scaled by its torque over that of the small joint."""
         gains = self.earlier.joint["small"].gains
         if gains is None:
             return self.earlier

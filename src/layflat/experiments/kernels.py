@@ -12,7 +12,10 @@ from layflat.physics.valves.spool_laws import advance_spool, path_conductance
 
 @portable_kernel()
 def control_cycles(settings, angle, pressure, demand, cycles, voltages_sum):  # type: ignore[no-untyped-def]
-    """Run the control law of all axes over many cycles of recorded samples; write the sum of their voltages, (1,)."""
+    """Run the control law of all axes over many cycles of 5 ms, and write the sum of their voltages, (1,).
+
+    Samples of angle and demand (rad) and differential pressure (Pa), (samples,) each, recur, shifted from axis to axis.
+    """
     like, total = settings.joints, 0.0
     angles, pressures, demands = slots(like, angle[0]), slots(like, pressure[0]), slots(like, demand[0])
     memory = wake(settings, Sensed(gather(like, angles), gather(like, pressures)))
@@ -31,7 +34,11 @@ def control_cycles(settings, angle, pressure, demand, cycles, voltages_sum):  # 
 
 @portable_kernel()
 def sweep_spool(valve, command, amplitude, frequency, h, n, opening):  # type: ignore[no-untyped-def]
-    """Write the mean net opening over the last half of n steps at each command, fraction of full conductance."""
+    """Write the mean net opening over the last half of n steps at each command, fraction of full conductance.
+
+    Command and dither's amplitude are fractions of full opening, the dither's frequency is in Hz, the step h in s. The
+    spool's state goes on from command to command.
+    """
     x, v, t = 0.0, 0.0, 0.0
     for i in range(len(command)):
         total = 0.0

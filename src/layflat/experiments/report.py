@@ -108,6 +108,7 @@ def _rig_drawer(**labels: str) -> Callable[[Reproduction], Figure]:
     """Return a function that draws the hysteresis curves of named rigs; words of a label are joined by "_"."""
 
     def draw(reproduction: Reproduction) -> Figure:
+        """Draw the curves of these rigs at `RIG_PRESSURE`."""
         named = {label.replace("_", " "): name for label, name in labels.items()}
         return hysteresis_curves(
             {label: reproduction.open_loop.rigs[name][RIG_PRESSURE] for label, name in named.items()}

@@ -56,7 +56,7 @@ def map_in_processes(function: Callable[[str], T], names: Sequence[str]) -> Iter
 
 
 def quantity_ranges(claims_by_member: Sequence[Sequence[Claim]]) -> list[QuantityRange]:
-    """Return the range of each number of each claim over members, each with the same claims in the same order."""
+    """Return the range of each number of each claim, as of the first member, over members with the same claims."""
     rows = []
     for member_claims in zip(*claims_by_member, strict=True):
         agreeing = float(np.mean([claim.agrees is True for claim in member_claims]))

@@ -143,7 +143,10 @@ def _joint_accelerations(machine: Machine, configurations: Array, reach: float) 
 
 
 def _limit_motion(demand: Array, speed: float, acceleration: Array, cycle: float) -> Array:
-    """Return the demand (cycles, joints) within limits of speed (rad/s) and acceleration (rad/s2), not overshooting."""
+    """Return the demand (cycles, joints), rad, within limits of speed (rad/s) and acceleration, not overshooting.
+
+    The acceleration, rad/s2, is (joints,); `cycle` is the time from row to row, s.
+    """
     limited, increment = demand.copy(), np.zeros(demand.shape[1])  # increment of a cycle
     change = acceleration * cycle**2
     for k in range(1, len(demand)):

@@ -108,6 +108,8 @@ class Identification:
         count = len(self.candidates)
 
         def fit_candidate(number: int, candidate: LawCandidate) -> Fit:
+            """Fit the candidate of this number, and report its progress as a part of the whole."""
+
             def report_progress(fraction: float, text: str) -> None:
                 if progress is not None:
                     progress((number + fraction) / count, f"{candidate.name}: {text}" if count > 1 else text)
@@ -176,7 +178,11 @@ class Identification:
                     raise InputError(problem, where=str(self.path), right=right) from None
 
     def figures(self, result: Fit) -> dict[str, Any]:
-        """Return all figures of a fit, SI, by the keys of the JSON file."""
+        """Return all figures of a fit, SI, by the keys of the JSON file.
+
+        They are description, blocks, logs (checksums by name), converged, trusted, partial, simulations, remarks,
+        values (by path: unit and `ESTIMATE_FIELDS`), errors (items of `Quality`) and expected (items of `Expected`).
+        """
         return {
             "description": self.source,
             "blocks": list(self.blocks),
@@ -288,7 +294,7 @@ def _cut_unknown_start(log: Dataset) -> tuple[Dataset, list[Issue]]:
 
 
 def _refuse_stationary(model: Model, sequence: str, file: str) -> None:
-    """Raise InputError for a log in which nothing moves, with the parameters and the experiments to record."""
+    """Raise InputError for a log in which nothing moves, naming parameters, experiments to record, and `sequence`."""
     unknowns = [unknown for unknown in model.unknowns if not unknown.nuisance]
     excitations = list(dict.fromkeys(unknown.excitation for unknown in unknowns if unknown.excitation))
     problem = f"{NOTHING_MOVES.text}: it can't identify {_name_first([unknown.path for unknown in unknowns])}"

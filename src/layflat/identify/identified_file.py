@@ -288,7 +288,7 @@ def _written_value(
     estimate: FittedParameter | None,
     before: Any,
 ) -> WrittenValue:
-    """Return one value as it stands in a file, with its interval, within the searched range, in the same unit."""
+    """Return one value as it stands in a file, and its interval, cut to the searched range, in the same unit."""
     unit = si_unit(described, path)
     fitted = str(u.quantity_text(before, value, unit)) if holds_other_value(described, path, text, value) else ""
     if estimate is None:

@@ -30,7 +30,7 @@ def draw_response(axes: tuple[Axes, Axes], run: xarray.Dataset, label: str, orde
 
     Args:
         axes: axes for the angle, and for the error.
-        run: run of one joint, with time, demand and angle.
+        run: run of one joint, with time, demand and angle (rad).
         label: label of the run.
         order: index of the line among the runs, for its style.
         since: time that is drawn as zero, s.
@@ -45,7 +45,7 @@ def draw_demand(axes: Axes, run: xarray.Dataset, *, since: float = 0.0, named: b
 
     Args:
         axes: axes to draw on.
-        run: run of one joint, with time and demand.
+        run: run of one joint, with time and demand (rad).
         since: time that is drawn as zero, s.
         named: whether the legend names it.
     """
@@ -233,8 +233,8 @@ class ComparedSignal(NamedTuple):
 def measured_and_simulated(signals: Sequence[ComparedSignal]) -> Figure:
     """Draw a row per signal: both on the left, the error (simulated less measured) on the right.
 
-    The time from the first to the last sample that was not fitted is grey. Samples without a finite measurement are a
-    gap in the lines, which up to `MAX_MARKED_SAMPLES` samples bridge.
+    The time from the first to the last sample that was not fitted is grey. Samples without a finite measurement are
+    gaps in the lines; a signal of up to `MAX_MARKED_SAMPLES` finite samples has markers, and lines across its gaps.
     """
     rows = len(signals)
     with styled_figure(rows, 2, width=11.0, height=1.9 * rows + 0.9, above=HEAD_ROOM, beside=0.2, between=0.95) as (

@@ -155,7 +155,11 @@ class SignalAnnotation:
 
 
 def _parse_number(value: object, kind: u.Quantity | None) -> float:
-    """Return a number in SI units; without a quantity only a plain number up to `MAX_PLAIN_NUMBER` is valid."""
+    """Return the number of a text with a unit in SI; without a quantity, of a plain number up to `MAX_PLAIN_NUMBER`.
+
+    Raises:
+        ValueError: anything else.
+    """
     if kind is None:
         if isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) <= MAX_PLAIN_NUMBER:
             return float(value)

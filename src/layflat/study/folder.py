@@ -66,7 +66,7 @@ class StudyFolder:
         return {number: rows for number, rows in counts.items() if number < self.chunks}
 
     def holds(self, content: dict[str, Any]) -> bool:
-        """Return whether the folder holds a study of this content."""
+        """Return whether study.json has this content; False without the file, or if it can't be read."""
         try:
             held = json.loads(self.study.read_text(encoding="utf-8"))
         except (OSError, ValueError):

@@ -38,7 +38,7 @@ Work = Iterable[tuple[int, dict[str, Array]]]  # numbers of chunks, and their ru
 
 
 def software_versions(study: Study) -> dict[str, str]:
-    """Return versions of libraries, and digests of laws and users' kinds, on which a table's bits depend."""
+    """Return what a table's bits depend on: versions by library, a digest by user's kind (file name), and of `laws`."""
     libraries = {name: version(name) for name in ("numpy", "scipy", "numba")}
     files = [Path(path) for variant in study.variants for path in variant.machine.kinds]
     kinds = {path.name: sha256(path.read_bytes()).hexdigest()[:16] for path in files}
@@ -159,7 +159,10 @@ def simulate_on_cluster(study: Study, work: Work, scheduler: str) -> "Iterator[t
 
 
 def _completed_chunks(client: Any, study: Study, work: Work) -> "Iterator[tuple[int, pyarrow.Table]]":
-    """Yield number and table of each chunk as a cluster completes it, with a limited number of chunks queued."""
+    """Yield number and table of each chunk as a cluster completes it, with a limited number of chunks queued.
+
+    What a worker raises is raised here, as is the loss of the scheduler.
+    """
     from distributed import as_completed  # noqa: PLC0415
 
     waiting, numbers, own = iter(work), {}, software_versions(study)
@@ -241,7 +244,7 @@ def run_study(
     Raises:
         ChangedError: the folder holds another study.
         OutputError: the folder can't be used, or the disk is too full.
-        InputError: no cluster answers, the device can't be used, or a part that is needed is not installed.
+        InputError: an argument is out of range, memory can't hold the samples, or a cluster, device or part is missing.
         StoppedError: the user stopped it (Ctrl-C); the same call goes on.
     """
     _check_means(scheduler, device)

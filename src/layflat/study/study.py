@@ -99,7 +99,10 @@ class Study:
         return [table.name or str(i) for i, table in enumerate(self.file.scenario)]
 
     def canonical(self) -> dict[str, Any]:
-        """Return the content on which the table depends, in SI units: equal for equivalent files."""
+        """Return the content on which the table depends, in SI units: equal for equivalent files.
+
+        Keys are study, and machine (its description) or variant (descriptions by name).
+        """
         apart = {"vary", "machine", "metrics", "variant"}
         written = self.file.model_dump(mode="json", exclude_none=True, exclude=apart)
         written |= {"metrics": list(self.metrics), "precision": self.precision}
@@ -213,7 +216,7 @@ def _build_scenario(table: ScenarioTable, file: StudyFile, where: str) -> Scenar
 
 
 def _check_metrics(names: tuple[str, ...] | None, where: str) -> tuple[str, ...]:
-    """Return the chosen metrics in the order of `METRICS`, all by default; raise InputError for an unknown one."""
+    """Return the chosen metrics in the order of `METRICS`, all for None; InputError for an unknown one, or none."""
     from layflat.sim.results import METRICS  # noqa: PLC0415  # xarray takes long to import
 
     if names is not None and not names:

@@ -237,7 +237,11 @@ def resolve_axis(path: str, table: VaryTable, machine: Machine, sampling: str, w
 
 
 def _cloud_axis(table: VaryTable, machine: Machine, where: str) -> StudyAxis:
-    """Return the axis of members of the machine's cloud: those whose indices are listed, or all."""
+    """Return the axis of members of the machine's cloud: those whose indices are listed, or all.
+
+    Raises:
+        InputError: an index is not a member's, the list is empty, or another key than `group` stands beside it.
+    """
     members = member_values(machine.origin)
     count = len(next(iter(members.values())))
     odd = sorted(table.model_fields_set - {"values", "group"})
@@ -282,7 +286,7 @@ def _read_distribution(table: VaryTable, kind: VariedQuantity, sampling: str, wh
 
 
 def _read_values(table: VaryTable, kind: VariedQuantity, where: str) -> tuple[float, ...]:
-    """Return the values of a grid axis in SI units; raise InputError for an empty list, repeats or other keys."""
+    """Return the listed `values` of an axis in SI units; raise InputError for an empty list, repeats or other keys."""
     written = table.values or []
     beside = sorted(table.model_fields_set - {"values", "also", "relative", "group"})
     values = tuple(kind.parse(value, f"{where}.values.{i}") for i, value in enumerate(written))

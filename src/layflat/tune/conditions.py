@@ -227,7 +227,7 @@ def nominal_configurations(joints: int) -> Array:
 
 
 def _sequence_scenario(machine: Machine, configurations: Sequence[StrokeFractions], window: float) -> Scenario:
-    """Return the scenario of steps to configurations, the first one at the start, then one every `window`, s."""
+    """Return the scenario of steps: `REST_TIME` at the first configuration, then the next one every `window`, s."""
     rows = (np.array(configurations) * half_strokes(machine)).tolist()
     times = [0.0, *(REST_TIME + window * i for i in range(len(rows) - 1))]
     return Scenario(demand=list(zip(times, rows, strict=True)), duration=REST_TIME + window * (len(rows) - 1))
@@ -260,7 +260,9 @@ def check_joints_hold(machine: Machine, by: Conditions) -> None:
 
 
 def move_costs(runs: xarray.Dataset, window: float, measure: SettlingMeasure = JOINT_MEASURE) -> Array:
-    """Return the cost of every move.
+    """Return the cost of every move: its settling time, plus that of overshoot.
+
+    A move that does not settle (infinite) costs the window and more, one that diverged (NaN) `DIVERGENCE_COST`.
 
     Args:
         runs: results with the metrics.

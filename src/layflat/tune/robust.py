@@ -100,7 +100,10 @@ def _with_bouc_wen_losses(machine: Machine) -> Machine:
 
 
 def _draw_variations(machine: Machine, runs: int, draw: np.random.Generator) -> dict[str, Array]:
-    """Return random values of friction, losses, flow, supply and delay, one for each run, by path."""
+    """Return random values of friction, losses, flow, supply and delay, (runs,) each, by path.
+
+    The supply is `scenario.supply`, gauge, Pa.
+    """
     variations: dict[str, Array] = {}
     for name, joint in machine.joints.items():
         for path in ("brake.torque", *_loss_paths(joint)):
@@ -189,7 +192,10 @@ def _coupling_deflections(machine: Machine, response: xarray.Dataset, window: fl
 
 
 def coupling_warnings(before: Validation | None, after: Validation) -> list[str]:
-    """Return a warning for each joint that another's step deflects by over 3 deg, and over twice as far as before."""
+    """Return a warning for each joint that another's step deflects by over 3 deg, and over twice as far as before.
+
+    Without `before`, 3 deg alone count.
+    """
     messages = []
     for what, now in after.deflections.items():
         was = 0.0 if before is None else before.deflections.get(what, 0.0)

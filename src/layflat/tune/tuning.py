@@ -90,7 +90,7 @@ class Tuning:
         return words + (f", stopped after {len(self.history) - 1} generations" if self.stopped else "")
 
     def search(self, progress: Progress = lambda *_: None) -> None:
-        """Search until the end, or until Ctrl-C, after which the best so far counts, if there is any."""
+        """Search until the end, or until Ctrl-C, and keep the best so far in `history`; Ctrl-C is raised before any."""
         start = time.perf_counter()
 
         def report(best: SearchResult, done: int, name: str) -> None:

@@ -43,7 +43,7 @@ def _seconds(time: float) -> str:
 
 
 def result_numbers(comparison: Comparison) -> dict[str, Number]:
-    """Return the results by their keys in beyond.json; None for what the machine can't do."""
+    """Return the results by their keys in beyond.json; None for what the machine can't do, or is not finite."""
 
     def late(case: str, law: str = TRACKING_LABEL) -> Number:
         one = comparison.settling_of(law, case)

@@ -55,6 +55,8 @@ class Shooting:
     def errors(self, openings: Array) -> Array:
         """Return the tip's position less its goal at the end of every cycle, m, (runs, cycles, 2).
 
+        Where a run has diverged, both components are `DIVERGED_ERROR`.
+
         Args:
             openings: -1..1, (runs, cycles, joints).
         """
@@ -215,7 +217,7 @@ def sum_excess(errors: Array, cycles: int, band: float) -> Array:
 def simulate_trial(
     shooting: Shooting, openings: Array, cycles: int, band: float, tail: int = TAIL_CYCLES
 ) -> OpeningTrial:
-    """Simulate openings that are free until `LATE_CYCLES` after N cycles; missing ones are zero (valves centred).
+    """Simulate openings that are free until `LATE_CYCLES` after N cycles; missing and later ones are zero (centred).
 
     Args:
         shooting: the step.

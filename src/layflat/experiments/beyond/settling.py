@@ -119,7 +119,10 @@ def settle_unknown_payload(law: str, machine: Machine, runs: int, *, gravity: fl
 
 
 def with_unknown_payload(machine: Machine) -> Machine:
-    """Return the machine with a controller that estimates its payload, if it is the tracking law; else unchanged."""
+    """Return the machine with a tracking law that estimates the payload; a machine with another law is unchanged.
+
+    The described payload, where the estimate begins, becomes half of `max_payload`.
+    """
     if not isinstance(machine.controller, TrackingControllerPart):
         return machine
     upper = max_payload(machine)
@@ -164,7 +167,7 @@ class RestBehaviour(NamedTuple):
 
 
 def measure_rest(machine: Machine, seconds: float) -> RestBehaviour:
-    """Return motion and air in so many seconds of rest after a move; that with dither all the time is of up to 10 s."""
+    """Return motion in a rest of so many seconds after a move, and air over that with dither all the time (10 s)."""
     moved, air = _simulate_rest(machine, seconds)
     _, always = _simulate_rest(changed_all(machine, {"valve.dither.min": 1.0}), min(seconds, 10.0))
     return RestBehaviour(moved, air / always)

@@ -44,7 +44,10 @@ class Stiffness:
 
 
 def with_stiffness_actuators(machine: Machine) -> Machine:
-    """Return the machine with the built-in one's supply, and its callipers and regulators where it has none."""
+    """Return the machine with the supply pressure of `ADJUSTABLE_MACHINE`.
+
+    Joints without a calliper or a regulator get those of its first joint.
+    """
     model = load(ADJUSTABLE_MACHINE)
     part = next(iter(model.joint.values()))
     changes: dict[str, object] = {"supply.pressure_gauge": model.supply.pressure_gauge}

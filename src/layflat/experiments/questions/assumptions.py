@@ -26,7 +26,10 @@ def _max_of_columns(frame: pandas.DataFrame, names: list[str], limit: float) -> 
 
 
 def worst_results(frame: pandas.DataFrame) -> dict[str, Array]:
-    """Return the worst of the moves of braked runs: settling (s), error of the tip (m), ripple (rad)."""
+    """Return the worst of the moves of each braked run: "settling" (s), "tip error" (m), "ripple" (rad), (runs,).
+
+    They are cut to `MOVE_DURATION`, 1 m and pi, which are also those of a run that diverged.
+    """
     braked, moves = frame[frame["scenario"] == "braked"], move_names(frame)
     tips = [name for name in frame.columns if name.startswith("tip_error.")]
     return {
@@ -37,7 +40,7 @@ def worst_results(frame: pandas.DataFrame) -> dict[str, Array]:
 
 
 def holding_fractions(study: Study, frame: pandas.DataFrame) -> dict[str, float]:
-    """Return the fraction of independently drawn machines in which each result holds."""
+    """Return the fraction of independently drawn machines in which each result holds, by its label in the figure."""
     free = frame[frame["scenario"] == "without brake"]
     unbraked = _max_of_columns(free, [f"settling.{name}" for name in move_names(frame)], np.inf)
     worst = worst_results(frame)
@@ -51,7 +54,7 @@ def holding_fractions(study: Study, frame: pandas.DataFrame) -> dict[str, float]
 
 
 def result_indices(study: Study, frame: pandas.DataFrame) -> dict[str, SobolIndices]:
-    """Return Sobol indices of settling, and of the logarithms of the tip's error and of the ripple."""
+    """Return Sobol indices of settling, and of the logarithms of tip error and ripple, by keys of `worst_results`."""
     results = worst_results(frame)
     results |= {key: np.log(np.maximum(results[key], floor)) for key, floor in LOGARITHM_FLOORS.items()}
     return {key: sobol_indices(values, len(study.blocks)) for key, values in results.items()}

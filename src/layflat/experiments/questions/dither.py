@@ -36,14 +36,14 @@ def _measure_runs(study: Study, frame: pandas.DataFrame) -> tuple[pandas.DataFra
 def _mean_by_amplitude(
     runs: pandas.DataFrame, column: str, friction: float, band: tuple[float, float] = NOMINAL_BAND
 ) -> tuple[Array, Array]:
-    """Return amplitudes, and the mean of a column at frequencies of a band (Hz)."""
+    """Return amplitudes, and the mean of a column at each, of runs with a friction, and frequencies in a band (Hz)."""
     selected = runs[(runs[FRICTION] == friction) & runs[FREQUENCY].between(*band)]
     mean = selected.groupby(AMPLITUDE)[column].mean()
     return mean.index.to_numpy(dtype=float), mean.to_numpy(dtype=float)
 
 
 def _sufficient_amplitude(amplitudes: Array, errors: Array) -> float:
-    """Return the least amplitude from which on the error stays within `MAX_ERROR_RATIO` of the least."""
+    """Return the least amplitude from which on the error stays within `MAX_ERROR_RATIO` of the least, else the last."""
     bad = np.flatnonzero(errors > MAX_ERROR_RATIO * errors.min())
     return float(amplitudes[min(bad[-1] + 1, len(amplitudes) - 1)]) if len(bad) else float(amplitudes[0])
 

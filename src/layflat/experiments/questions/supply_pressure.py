@@ -21,7 +21,8 @@ DITHER_VARIANT, NO_DITHER_VARIANT = "with dither", "without dither"
 def results_by_pressure(frame: pandas.DataFrame) -> dict[str, Array]:
     """Return medians over runs, by supply pressure (bar, gauge), each (pressures,), by name.
 
-    Stiffnesses are in N m per deg, settling is in s, air at rest in normal l/min and that of a step in normal l.
+    Names are pressure, air stiffness, joint stiffness (N m per deg), settling (s), air at rest, leakage (normal l/min)
+    and air of a step (normal l).
     """
     keys = [frame["variant"], frame["scenario"], frame[PRESSURE_COLUMN]]
 

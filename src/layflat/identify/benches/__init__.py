@@ -60,7 +60,7 @@ class BenchKind(NamedTuple):
 
 
 def has_samples(log: Dataset, signal: str, joint: str) -> bool:
-    """Return whether a log has any sample of a joint's signal.
+    """Return whether a log has at least one sample, not NaN, of a joint's signal.
 
     Args:
         log: data set over `time`, and over `joint` where signals have one of each.
@@ -74,7 +74,7 @@ def has_samples(log: Dataset, signal: str, joint: str) -> bool:
 
 
 def require_samples(logs: Logs, signals: Sequence[str], joints: Sequence[str]) -> None:
-    """Check that every log has samples of these signals of these joints.
+    """Check that every log has at least one sample, not NaN, of each of these signals of each joint.
 
     Args:
         logs: logs by name.
@@ -92,7 +92,7 @@ def require_samples(logs: Logs, signals: Sequence[str], joints: Sequence[str]) -
 
 
 def check_choices(names: Collection[str], choices: Collection[str], where: str, noun: str) -> list[str]:
-    """Return each name once, if all are among the choices.
+    """Return each name once, in the order given, if all are among the choices.
 
     Args:
         names: names to be checked.
@@ -110,7 +110,7 @@ def check_choices(names: Collection[str], choices: Collection[str], where: str, 
 
 
 def select_blocks(table: Mapping[str, Sequence[T]], blocks: Collection[str]) -> list[T]:
-    """Return the items of a table for the chosen blocks, in the table's order; raise InputError if it lacks one."""
+    """Return the items of a table for the chosen blocks, in the table's order; InputError for an unknown block."""
     check_choices(blocks, table, "blocks", "block")
     return [item for block, items in table.items() if block in blocks for item in items]
 
@@ -121,7 +121,7 @@ def fitted_fraction(logs: Logs, validation: Logs | None, fraction: float | None)
     Args:
         logs: logs to be fitted.
         validation: logs that are only predicted.
-        fraction: fraction that the caller chose, 0 to 1; None: all, or two thirds without `validation`.
+        fraction: fraction that the caller chose, above 0 and at most 1; None: 1, or two thirds without `validation`.
 
     Raises:
         InputError: there is no log, or the fraction is out of range.
@@ -151,7 +151,7 @@ def simulate_candidates(
         run: a kernel; it takes the parameters of one candidate, the inputs of a case, and an array for its results.
         count: number of candidates.
         cases: inputs of each case: its parameters (numbers, or arrays with one item per candidate), then its inputs.
-        shapes: shapes of each case's results.
+        shapes: shapes of each case's results for one candidate.
 
     Returns:
         Results of each case, (candidates, *shape), NaN where `run` wrote none.

@@ -37,7 +37,7 @@ class CurveModel(Model, Generic[Described]):
     motions: tuple[Array, ...]  # angle (rad) or position (m) of every log
 
     def describe_candidates(self, values: Array) -> Described:
-        """Return the description with an array, one item per candidate, in place of each unknown."""
+        """Return the description, not validated, with an array of one item per candidate in place of each unknown."""
         return insert_columns(self.origin, self._described_columns(self.columns(values)))
 
     def describe(self, values: Array) -> Described:
@@ -48,7 +48,7 @@ class CurveModel(Model, Generic[Described]):
         return changed_all(self.origin, columns)
 
     def described_values(self, values: Array) -> dict[str, float]:
-        """Return values by their paths in the description: weights in place of their split."""
+        """Return values (SI) by path, without nuisances: rounded weights of the elements in place of their split."""
         described, columns = self.describe(values), self._described_columns(self.columns(values))
         weights = [f"{self._weights}.{j}" for j in range(len(columns.pop(self._weights, ())))]
         return {path: float(value_at(described, path)) for path in (*columns, *weights)}
@@ -58,7 +58,7 @@ class CurveModel(Model, Generic[Described]):
         return f"{self.losses}.weights"
 
     def _described_columns(self, columns: Mapping[str, Any]) -> dict[str, Any]:
-        """Return numbers or arrays by their paths in the description, from those by the unknowns' paths."""
+        """Return numbers or arrays by the description's paths: weights in place of their split, and no nuisances."""
         paths = [unknown.path for unknown in self.unknowns if not unknown.nuisance]
         described = {path: columns[path] for path in paths if ".split." not in path}
         split = [columns[path] for path in paths if ".split." in path]
@@ -104,7 +104,7 @@ def element_unknowns(
         unit: unit of the motion.
         deflections: described ones, in `unit`.
         weights: described ones; searched as their split, see `weights_from_split`.
-        travel: longest one in all logs, in `unit`; bounds the deflections.
+        travel: longest travel in any log, in `unit`; bounds the deflections.
     """
     bounds = MIN_DEFLECTION_RATIO * travel, MAX_DEFLECTION_RATIO * travel
     split = split_from_weights(np.array(weights))
@@ -128,7 +128,10 @@ def weights_from_split(split: Array) -> Array:
 
 
 def split_from_weights(weights: Array) -> Array:
-    """Return each element's fraction of the remainder, but for the last: inverse of `weights_from_split`."""
+    """Return each element's fraction of the remainder, but for the last: inverse of `weights_from_split`, (n,).
+
+    Where nothing remains, the fraction is 0.5.
+    """
     remainder = 1.0 - np.concatenate([[0.0], np.cumsum(weights)[:-1]])
     pairs = zip(weights[:-1], remainder[:-1], strict=True)
     return np.asarray([weight / rest if rest > 0.0 else 0.5 for weight, rest in pairs])
@@ -153,7 +156,7 @@ SLIP_NOISE_RATIO = 6.0  # rotation after which a brake slips, in standard deviat
 
 
 def read_signal(log: Dataset, name: str, where: str, joint: str = "") -> Array:
-    """Return a signal of a log with its gaps interpolated, (samples,).
+    """Return a signal of a log, (samples,): gaps interpolated, the first and last number held at the ends.
 
     Args:
         log: data set over `time`.
@@ -184,7 +187,7 @@ def read_moving_signal(log: Dataset, name: str, where: str, joint: str = "") -> 
         joint: joint of the signal, where there is one of each.
 
     Raises:
-        InputError: the log does not have it, or it never changes.
+        InputError: the log does not have it, it has no numbers, or it never changes.
     """
     values = median_filter(read_signal(log, name, where, joint))
     if not np.ptp(values) > 0.0:
@@ -199,7 +202,7 @@ def noise_level(values: Array) -> float:
 
 
 def smoothed_rate(time: Array, values: Array, window: float = 0.1) -> Array:
-    """Return the rate of a measured motion, averaged over a window.
+    """Return the rate of a measured motion, rad/s or m/s, averaged over a window.
 
     Args:
         time: s, (samples,).
@@ -233,7 +236,7 @@ def effort_outputs(
         joint: joint of the signal, where there is one of each.
 
     Raises:
-        InputError: there is no log, or an effort never changes.
+        InputError: there is no log, or one lacks the effort, has no numbers of it, or its effort never changes.
     """
     outputs = []
     fraction = np.inf if validation else FITTED_FRACTION
@@ -316,7 +319,8 @@ def loop_height(motion: Array, effort: Array) -> float:
     """Return the mean effort of forward less that of backward motion, over the middle of the range; never negative.
 
     The middle 80 % of the range are divided into 20 bins. In each the mean of all samples of backward motion is
-    subtracted from the mean of those of forward motion; the height is the size of the mean over all bins with both.
+    subtracted from the mean of those of forward motion; the height is the size of the mean over all bins with both, 0
+    without such a bin.
 
     Args:
         motion: angle or position, (samples,).

@@ -104,7 +104,7 @@ OFFSET_PATH = "log.torque_offset"
 class LoopModel(CurveModel[Machine]):
     """Model of the torques in the logs of one joint, by default the first of the arm; built as `BenchKind` says.
 
-    Default blocks are torque and losses, and the brake where the machine has one.
+    Default blocks are torque and losses, and the brake where the joint has one. InputError also: an unknown joint.
     """
 
     def __init__(
@@ -174,9 +174,9 @@ class LoopModel(CurveModel[Machine]):
         }
 
     def _read_log(self, log: Dataset, out: ModelOutput) -> TurnedLog:
-        """Return angle, gauge pressures and brake duty of a log, and the rotation (rad) from which friction slips.
+        """Return angle, gauge pressures, brake duty and first torque of a log, and the rotation at which a brake slips.
 
-        Without a signal the pressure of hose B is 0, and the duty 1.
+        Without a signal the gauge pressure of hose B is 0, and the duty 1. Raises InputError as `read_signal` does.
         """
         ambient = self.origin.supply.ambient_pressure
         angle = curves.read_moving_signal(log, "angle", out.log, self.joint)
@@ -202,7 +202,11 @@ def _find_moved_joint(machine: Machine, logs: Logs) -> str:
 
 
 def _build_model(machine: Machine, logs: Logs, validation: Logs, *, blocks: Sequence[str]) -> LoopModel:
-    """Return the model of the one joint whose torques the logs hold; raise InputError if a log lacks a signal."""
+    """Return the model of the one joint whose torques the logs hold.
+
+    Raises:
+        InputError: the logs hold torques of no joint or several, or one lacks a signal of that joint.
+    """
     moved = _find_moved_joint(machine, logs)
     require_samples({**logs, **validation}, ("torque", "angle", "pressure_a"), [moved])
     return LoopModel(machine, logs, validation, joint=moved, blocks=blocks)
@@ -211,7 +215,7 @@ def _build_model(machine: Machine, logs: Logs, validation: Logs, *, blocks: Sequ
 def _build_alternatives(
     machine: Machine, logs: Logs, blocks: Sequence[str]
 ) -> dict[str, tuple[Machine, dict[str, Any]]]:
-    """Return the machine by kind of losses to compare, its own as described, and the file's parts that change.
+    """Return by kind of losses: the machine with them, and the parts of its file that change, none for its own kind.
 
     There are none where the losses are not fitted, or are of a kind outside `STARTING_LOSSES`.
     """

@@ -26,7 +26,7 @@ HYDDOWN = {".yml", ".yaml"}  # suffixes of HydDown's input files, which describe
 def is_bench(where: str | Path) -> bool:
     """Return whether a built-in name or a file is that of a test bench that is not a machine.
 
-    A file of HydDown is. Of others the `kind` counts, their own or that of the descriptions that they extend.
+    A file of HydDown (YAML) is. Of others the `kind` counts, their own or that of the descriptions that they extend.
     """
     place, visited = str(where), set[str]()
     if Path(place).suffix in HYDDOWN:
@@ -56,7 +56,11 @@ def load_bench(where: str | Path) -> Any:
 
 
 def bench_tables(where: str | Path) -> tuple[Plain, Sources]:
-    """Return the plain values of a test bench, with those that it extends, and sources; raise InputError if broken."""
+    """Return the plain values of a test bench, with those that it extends, and sources (of HydDown none).
+
+    Raises:
+        InputError: the file is broken.
+    """
     if Path(where).suffix in HYDDOWN:
         from layflat.identify.benches.vessel.hyddown import hyddown_tables  # noqa: PLC0415  # of few benches
 
@@ -86,7 +90,10 @@ def description_class(kind: str) -> Any:
 
 
 def select_bench(described: Machine | BenchDescription, logs: Logs) -> BenchKind:
-    """Return the bench of a description; of a machine `joint_loops` if all logs have torque without voltage."""
+    """Return the bench of a description.
+
+    That of a machine is `joint_loops` if all logs have torque and no voltage, else `moving`.
+    """
     slow = all("torque" in log and "voltage" not in log for log in logs.values())
     of_machine = "joint_loops" if slow else "moving"
     name = KINDS[described.kind] if isinstance(described, BenchDescription) else of_machine

@@ -118,7 +118,7 @@ class Fit:
 
     @property
     def mispredicted(self) -> Quality | None:
-        """Return the worst prediction if beyond `MAX_PREDICTION_ERROR` (with feedback `MAX_TRACKING_ERROR`)."""
+        """Return the worst prediction beyond `MAX_PREDICTION_ERROR` (with feedback `MAX_TRACKING_ERROR`), or None."""
         worst = max(self.predictions, key=lambda one: one.relative_rms, default=None)
         limit = MAX_PREDICTION_ERROR if self.tracking is None else MAX_TRACKING_ERROR
         return worst if worst is not None and worst.relative_rms > limit else None
@@ -189,6 +189,8 @@ def _new_log_range(errors: Array) -> tuple[float, float]:
 
 def compute_quality(output: ModelOutput, chosen: Flags, simulated: Array, *, validation: bool) -> Quality:
     """Return the quality of the prediction of an output's chosen samples; its errors are infinite if one is not finite.
+
+    Where the measured samples are constant, `relative_rms` is infinite and `fit` minus infinite.
 
     Args:
         output: output with its measured samples.

@@ -175,7 +175,7 @@ class _Search:
         return scaled, converged
 
     def choose_start(self, starts: int, seed: int) -> Array:
-        """Return the best of a few refined starts: the guess, and the best of the model's and `starts` random ones."""
+        """Return the best refined start: guess, best of the model's and `starts` random ones; a lone guess stays."""
         guess, of_model = self.residuals.guess, self.residuals.scaling.scale(self.model.starts())
         tried = np.vstack([guess, np.clip(of_model, 0.0, 1.0), self._draw_starts(starts, seed)])
         self.simulations += len(tried)
@@ -202,7 +202,7 @@ class _Search:
     def compare_mirrored(self, scaled: Array, converged: bool) -> tuple[Array, bool]:
         """Replace values by those that mirror them, one pair after the other, where these predict better.
 
-        The worse ones of a pair are kept as rivals where logs can't distinguish the two.
+        Return the values and whether their search converged. The worse of two that logs can't tell apart is a rival.
         """
         for number in range(len(self.free.mirrored_values(self.free.guess))):
             cost = float(self.residuals.compute_costs(scaled[None])[0])
@@ -286,7 +286,7 @@ class _Search:
         return np.asarray(result.x), bool(result.status > 0)
 
     def update_scales(self, scaled: Array) -> None:
-        """Scale every output by its rms error, but not below its own scale; `scaled` becomes the best point."""
+        """Scale each fitted output by its rms error, but not below its own scale; `scaled` becomes the best point."""
         simulated = self.model.simulate(self.residuals.scaling.unscale(scaled[None]))[0]
         for i, (rows, output) in enumerate(zip(self.model.slices, self.model.outputs, strict=True)):
             chosen = self.model.used[rows]

@@ -96,7 +96,7 @@ def _arrow_columns(name: str, column: Any) -> Iterator[tuple[str, Any, str | Non
 
 
 def _item_columns(name: str, column: Any) -> Iterator[tuple[str, Any, str | None]]:
-    """Yield a column for each item of a column of lists; shorter lists have NaN in the last ones."""
+    """Yield a column for each item of a column of lists, NaN where a list is shorter; a reason above `MAX_ITEMS`."""
     import pyarrow  # noqa: PLC0415
 
     rows = column.to_pylist()
@@ -145,7 +145,11 @@ def _read_damaged(read: Callable[[], T], path: Path, format_name: str) -> T:
 
 
 def read_netcdf(path: Path) -> FileContent:
-    """Read a NetCDF file: variables over time, those of joints as "angle.elbow"; raise InputError if it has none."""
+    """Read a NetCDF file: variables over time, those of joints as "angle.elbow".
+
+    Raises:
+        InputError: the file is damaged, of the kind CDF-5, or has no variable of time.
+    """
     with path.open("rb") as file:
         magic = file.read(4)
     if magic == CDF5_MAGIC:
@@ -220,7 +224,7 @@ def _exclusion_reason(name: str, variable: "xarray.Variable", data: "xarray.Data
 
 
 def _mask_unwritten(variable: "xarray.Variable") -> Array:
-    """Return the values of a variable with NaN for NetCDF's default fill value: xarray leaves it."""
+    """Return the values of a variable with NaN for NetCDF's default fill value, which xarray leaves."""
     values = np.asarray(variable.values, dtype=np.float64)
     encoding = variable.encoding
     fill = DEFAULT_FILL_VALUES.get(np.dtype(encoding.get("dtype", variable.dtype)).str[1:])

@@ -64,7 +64,7 @@ def read_sqlite_bag(path: Path) -> FileContent:
 def _sqlite_messages(path: Path) -> Iterator[tuple[int, str, str, str, tuple[str, str] | None, int, bytes]]:
     """Yield of each message, by log time: topic's number, name, type, encoding, definition; log time (ns), bytes.
 
-    A definition is its encoding and text, None where the file has none.
+    A definition is its encoding and text, None where the file has none. Raises InputError if the file is no such bag.
     """
     uri = f"{path.resolve().as_uri()}?mode=ro"
     if not path.with_name(f"{path.name}-wal").exists():

@@ -107,6 +107,7 @@ def unwrap_counter(stamps: Array) -> tuple[Array, list[int]]:
     """Return the stamps of a counter without its wraps, and the sample numbers, from 1, that follow a wrap.
 
     Counters of 16, 24 and 32 bits and of a day are known. A signed one wraps from half of its size to minus that.
+    Stamps that fall otherwise are returned as they are, with no numbers.
     """
     finite = np.flatnonzero(np.isfinite(stamps))
     values = stamps[finite]
@@ -131,7 +132,8 @@ def choose_clock(table: LogTable) -> ClockChoice:
     A column whose unit is not one of time, or whose name says something else, is never chosen.
 
     Raises:
-        InputError: no column can be the clock, or it counts ticks of unknown length.
+        InputError: no column can be the clock, it counts ticks of unknown length, or rows share its stamps and
+            `describe_stamps` refuses them.
     """
     if table.clock is not None:
         return _choose_stamped_clock(table, table.clock)
@@ -307,7 +309,7 @@ def _clock_unit(column: LogColumn) -> tuple[str, str]:
 
 
 def _explain_no_clock(table: LogTable) -> tuple[str, str]:
-    """Return why a column that is named like a clock is none, and the advice."""
+    """Return why a column that is named like a clock is none, "" if nothing tells, and the advice."""
     for name, why in table.words.items():
         if "clock" in word_roles(split_words(name)):
             return f": column {name!r} {why}", CLOCK_ADVICE

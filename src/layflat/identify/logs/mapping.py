@@ -154,7 +154,7 @@ def parse_mapping(plain: Mapping[str, Any], where: str = "mapping") -> LogMappin
 
 
 def _check_conflicts(mapping: LogMapping, where: str) -> None:
-    """Raise InputError if two entries are one channel, or one column has two meanings."""
+    """Raise InputError if two entries, not both optional, are one channel, or one column has two meanings."""
     entry_by_channel: dict[str, MappedColumn] = {}
     meaning_by_column: dict[str, str] = (
         {} if mapping.time is None or mapping.time.column is None else {mapping.time.column: "time"}

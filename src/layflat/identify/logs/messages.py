@@ -117,6 +117,7 @@ class TopicNames(dict[str, str]):
     """Names of topics without their slash, by topic, with a number where two would be equal."""
 
     def __missing__(self, topic: str) -> str:
+        """Return a name for a new topic, and keep it."""
         plain, used = topic.lstrip("/"), set(self.values())
         name = next(name for i in range(len(used) + 1) if (name := f"{plain}_{i + 1}" if i else plain) not in used)
         self[topic] = name
@@ -129,6 +130,7 @@ def decompress_messages(decode: Decode | str) -> Decode | str:
         return decode
 
     def unpacked(data: bytes) -> Any:
+        """Return the decoded message, decompressed first if it is compressed by zstd."""
         if data[:4] != ZSTD:
             return decode(data)
         import zstandard  # noqa: PLC0415

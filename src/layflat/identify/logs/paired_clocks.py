@@ -169,7 +169,10 @@ def _bare_header(header: Header, clock: bool, pairs: ClockPairs) -> Header:
 
 
 def _pair_by_suffix(names: list[str], columns: Mapping[str, LogColumn]) -> ClockPairs:
-    """Return pairs of clock and column whose names differ only in their last word, "X" and "Y"."""
+    """Return pairs of clock and column whose names differ only in their last word, "X" and "Y".
+
+    There are none unless all columns are such pairs, two or more.
+    """
     if len(names) < 4 or len(names) % 2:
         return {}
     pairs: ClockPairs = {}

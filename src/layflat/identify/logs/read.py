@@ -160,6 +160,9 @@ def _select_clock(table: LogTable, mapping: LogMapping, where: str) -> tuple[flo
     """Return the unit of the stamps, s, the stamps shared by all columns, and the name of a clock in the messages.
 
     Stamps are empty where each column has its own; the name is None unless the mapping selects such a clock.
+
+    Raises:
+        InputError: the mapping names no clock, one that the file lacks, or one in messages with another unit than s.
     """
     time = mapping.time
     if table.clock is not None:
@@ -304,7 +307,10 @@ def _build_dataset(table: LogTable, series: list[SignalSeries], grid: TimeGrid) 
 
 
 def _mean_on_grid(series: list[SignalSeries], grid: TimeGrid) -> Array:
-    """Return the mean of columns of one channel on the grid; NaN where one has no value, and for no columns."""
+    """Return the mean of columns of one channel on the grid; NaN where one has no value, and for no columns.
+
+    On a grid of recorded stamps, a measured signal is NaN but at its own stamps.
+    """
     if not series:
         return np.full(grid.stamps.size, np.nan)
     mean: Array = np.mean([resample(column, grid) for column in series], axis=0)
@@ -315,7 +321,10 @@ def _mean_on_grid(series: list[SignalSeries], grid: TimeGrid) -> Array:
 
 
 def _channel_attributes(series: list[SignalSeries], grid: TimeGrid) -> dict[str, Any]:
-    """Return the attributes of a channel's columns: source, count of samples, and gaps of the grid, s."""
+    """Return the attributes of a channel: those of its first column's source, and its samples and gaps.
+
+    Keys besides the source's: column (all names), samples, missing, gaps (count), longest_gap (ends, s of the grid).
+    """
     first = series[0]
     open_gaps = [[since - grid.start, until - grid.start] for since, until in find_gaps(first)]
     return {
@@ -329,7 +338,7 @@ def _channel_attributes(series: list[SignalSeries], grid: TimeGrid) -> dict[str,
 
 
 def _clock_attributes(series: list[SignalSeries], grid: TimeGrid) -> list[dict[str, Any]]:
-    """Return the attributes of each clock: the channels that go by it, and its faults."""
+    """Return the attributes of each clock: channels, samples, and fields of `SampleClock`, stamps in s of the grid."""
     fields = ("period", "jitter", "duplicates", "undated", "first_undated", "reset_at")
     return [
         {"channels": list(dict.fromkeys(item.channel for item in series if item.clock is clock))}

@@ -123,7 +123,10 @@ def _parse_bracketed(name: str) -> Header | None:
 
 
 def _unit_among_words(text: str) -> tuple[str, bool | None] | None:
-    """Return unit and zero among words in brackets, as in "kPa man.", or behind a range, as in "0-10 bar"."""
+    """Return unit and zero among words in brackets, as in "kPa man.", or behind a range, as in "0-10 bar".
+
+    None unless there is exactly one unit, and no number beside it.
+    """
     words = _SENSOR_RANGE.sub("", text).split()
     stripped = [word.strip(".,;:") for word in words]
     units = [parsed for word in stripped if (parsed := parse_unit(word, listed=True)) is not None]
@@ -225,7 +228,10 @@ def _is_unit_word(tail: list[str], parts: list[str], end: int) -> bool:
 
 
 def _find_pressure_zero(rest: list[str], first: int) -> tuple[bool | None, list[str]]:
-    """Return the zero that a word beside a unit states, True for gauge, and the other words; "a" may be a hose's."""
+    """Return the zero that a word of `rest` states, True for gauge, None for no such word, and the other words.
+
+    A single letter counts only at index `first`, next to the unit; "a" there only beside a hose's letter.
+    """
     has_hose = any({"a", "b"} & word_roles(split_words(part)) for i, part in enumerate(rest) if i != first)
     for i, word in enumerate(rest):
         if word.lower() in GAUGE_WORDS and (len(word) > 1 or (i == first and (has_hose or word.lower() != "a"))):

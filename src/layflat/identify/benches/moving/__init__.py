@@ -59,7 +59,8 @@ MAX_CONFIGURATIONS = 200  # of a log, over which the least inertia of joints is 
 class ArmModel(Model):
     """Model of angles and pressures of every joint, from the voltages in the logs; built as `BenchKind` says.
 
-    Logs are uniform in time at the machine's control cycle, from rest.
+    Logs are uniform in time at the machine's control cycle, from rest; they are used up to the first impact on a stop.
+    InputError also: the machine has no valve, or no pressure sensor for the block `sensors`.
     """
 
     def __init__(self, machine: Machine, logs: Logs, validation: Logs | None = None, *, blocks: Sequence[str]) -> None:
@@ -88,7 +89,9 @@ class ArmModel(Model):
         self.outputs = tuple(output for log in self.logs for output in log.outputs)
 
     def continuations(self) -> Sequence[Sequence[Model]]:
-        """Return the same model with feedback of the measured angles, less and less of it.
+        """Return continuations: stages of the same model with less and less feedback of the measured angles.
+
+        An arm in space has one, if all logs have differential pressures; others have one per rate in `FEEDBACK_RATES`.
 
         A joint integrates the flow of its valve: over a whole log, a small error of a parameter becomes a large one of
         the angle, and one more of stick and slip with it. With feedback at 0.5/s errors decay in two seconds, which is
@@ -102,7 +105,7 @@ class ArmModel(Model):
         return [[self._with_stage(stage) for stage in (first, *FINAL_STAGES)] for first in starts]
 
     def mirrored_values(self, values: Array) -> Array:
-        """Return values with one pair of elements of a joint's losses mirrored, a row a pair: see `mirrored_losses`."""
+        """Return values with one pair of elements of losses mirrored, (pairs, unknowns): see `mirrored_losses`."""
         columns = self.columns(values)
         pairs = mirrored_losses(self.machine, columns)
         rows = [[float((columns | pair)[unknown.path]) for unknown in self.unknowns] for pair in pairs]
@@ -133,7 +136,11 @@ class ArmModel(Model):
         return of_bodies if of_bodies.bodies else of_bodies.plain
 
     def project(self, scaled: Array, triangle: Array) -> Array:
-        """Return scaled values with feasible links: the simulated ones, or the nearest where the stage allows any."""
+        """Return scaled values with feasible links; see `Model.project`.
+
+        A stage with `bodies` replaces infeasible links as `simulate` does; others use the nearest by the norm of
+        `triangle`. Values of a machine whose links are not searched are returned as they are.
+        """
         if not isinstance(self.scaling, BodyScaling):
             return scaled
         if not self.stage.bodies:
@@ -146,13 +153,13 @@ class ArmModel(Model):
         return self.scaling.scale(np.array([columns[unknown.path][0] for unknown in self.unknowns]))
 
     def described_values(self, values: Array) -> dict[str, float]:
-        """Return the description's values (SI) by path from those of the unknowns; links are feasible."""
+        """Return the description's values (SI) by path, without nuisances; links are made feasible."""
         columns = feasible_columns(self.machine, self.columns(values[None]))
         nuisances = {unknown.path for unknown in self.unknowns if unknown.nuisance}
         return {path: float(column[0]) for path, column in columns.items() if path not in nuisances}
 
     def simulate(self, values: Array) -> Array:
-        """Simulate all logs from their starts: see `Model.simulate`."""
+        """Simulate all logs from their starts, with the injection of the present stage: see `Model.simulate`."""
         columns = self.columns(values)
         if self.stage.bodies:
             columns = feasible_columns(self.machine, columns)

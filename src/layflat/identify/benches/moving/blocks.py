@@ -39,7 +39,7 @@ from layflat.physics.valves.switching import SwitchingValvesPart
 
 
 def mirrored_losses(machine: Machine, columns: dict[str, Array]) -> Iterator[dict[str, Array]]:
-    """Yield values of each pair of a joint's elements that act nearly as the present ones.
+    """Yield other deflections of each pair of a joint's elasto-slip elements that act nearly as the present ones.
 
     Args:
         machine: machine as described; its weights are held.
@@ -119,7 +119,7 @@ def _shift_centres(machine: Machine) -> Machine:
 
 
 def _changes_torques(machine: Machine, path: str, torques: Array) -> bool:
-    """Return whether a parameter changes the torques of any test motion."""
+    """Return whether a parameter changes any of the `torques`, those of `sample_torques` of the unchanged machine."""
     changed = replace_value(machine, path.split("."), 1.5 * value_at(machine, path) + 1e-3)
     return bool(np.max(np.abs(sample_torques(changed) - torques)) > MIN_TORQUE_CHANGE * np.max(np.abs(torques)))
 
@@ -206,7 +206,11 @@ MACHINE_BLOCKS = ("valve", *PARAMETERS_BY_JOINT, "line", "payload", "sensors")  
 
 
 def machine_unknowns(machine: Machine, blocks: Sequence[str]) -> list[Unknown]:
-    """Return the unknowns of a machine in these blocks; raise InputError if one does not exist here."""
+    """Return the unknowns of a machine in these blocks, in their order.
+
+    Raises:
+        InputError: there is no block, one is unknown, or it is `line` and the machine has no line.
+    """
     if not blocks:
         raise InputError("names no block", where="blocks", right=f"choose from {', '.join(MACHINE_BLOCKS)}")
     of_kind = SWITCHING_PARAMETERS if isinstance(machine.valve, SwitchingValvesPart) else SPOOL_PARAMETERS

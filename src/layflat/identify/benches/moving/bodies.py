@@ -50,7 +50,7 @@ def feasible_columns(machine: Machine, columns: Mapping[str, Array]) -> dict[str
     """Return values of candidates by path, with feasible inertias in place of infeasible ones.
 
     A negative second moment of a body's mass along a principal direction is replaced by a small positive one. Items of
-    an inertia that act on no joint change first, and are then among the values.
+    an inertia that act on no joint change first, and are then among the values. An arm without `own_links` stays.
 
     Args:
         machine: machine as described.
@@ -73,9 +73,9 @@ def feasible_columns(machine: Machine, columns: Mapping[str, Array]) -> dict[str
 def _nearest_feasible(inertia: Array, sought: Flags, described: Array) -> Array:
     """Return feasible inertias near infeasible ones, (candidates, 6): xx, yy, zz, xy, xz, yz, kg m2.
 
-    The least second moment of mass is raised to `MIN_THICKNESS` of the greatest, or to that of the described body if it
-    is thinner. Projections onto feasible bodies and onto the present `sought` items alternate, at most
-    `MAX_PROJECTIONS` times.
+    A second moment of mass below `MIN_THICKNESS` of the greatest, or below the least of the described body if that is
+    thinner, is raised to twice this limit; feasible candidates stay. Projections onto feasible bodies and onto the
+    present `sought` items alternate, at most `MAX_PROJECTIONS` times; the last one changes sought items too.
 
     Args:
         inertia: present values, (candidates, 6).
@@ -195,7 +195,14 @@ class LinkBody(NamedTuple):
         return np.asarray(body[self.sought])
 
     def free_bounds(self, low: Array, high: Array) -> Array:
-        """Return the bounds of the free coordinates, (2, sought), from those of the unknowns' values."""
+        """Return the bounds of the free coordinates, (2, sought), infinite but for mass and single moments of inertia.
+
+        The mass has that of the unknowns; moments, where not all of I is sought, `MAX_MOMENT_RATIO` either way.
+
+        Args:
+            low: lower bounds of all unknowns.
+            high: upper ones.
+        """
         bounds = np.repeat([[-np.inf], [np.inf]], len(LINK_PARAMETERS), axis=1)
         bounds[:, 0] = [np.log(self.all_parameters(bound)[0]) for bound in (low, high)]
         if not self.whole_inertia:
@@ -266,6 +273,7 @@ class BodyScaling(Scaling):
         ends = np.cumsum([len(others), *(len(body.places) for body in self.bodies)])[:-1]
 
         def to_scaled(free: Array) -> Array:
+            """Return all scaled unknowns from free coordinates: those of the others, then body by body."""
             first, *parts = np.split(free, ends)
             point = np.empty(len(scaled))
             point[others] = first
@@ -277,6 +285,7 @@ class BodyScaling(Scaling):
             return np.asarray(triangle @ (to_scaled(free) - scaled))
 
         def jacobian(free: Array) -> Array:
+            """Return the derivatives of the residuals by the free coordinates, of bodies by central differences."""
             first, *parts = np.split(free, ends)
             slopes = np.zeros((len(scaled), len(free)))
             slopes[others, : len(first)] = np.eye(len(first))

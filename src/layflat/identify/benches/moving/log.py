@@ -73,6 +73,8 @@ class OutputInjectionGains(NamedTuple):
     def varied_paths(self, joints: Sequence[str], stage: ContinuationStage, count: int) -> dict[str, Array]:
         """Return the injection of a stage as values that an ensemble varies, by path.
 
+        Paths are `scenario.KEY.JOINT` with the keys lead, pressure_lead, spring and damper.
+
         Args:
             joints: names, in the order of the gains.
             stage: stage with the rates.
@@ -102,7 +104,7 @@ def cut_at_impacts(machine: Machine, logs: Logs) -> tuple[dict[str, Dataset], tu
         logs: logs by name, with the angle of every joint; those without impacts stay as they are.
 
     Raises:
-        InputError: too little is left of a log.
+        InputError: less than `MIN_DURATION` is left of a log.
     """
     used, remarks = dict(logs), []
     for name, log in logs.items():
@@ -138,7 +140,7 @@ def _noise_deviation(sensor: AngleSensor | PressureSensor) -> float:
 
 
 def _initial_mean(values: Array) -> Array:
-    """Return the mean of the numbers among the first `INITIAL_SAMPLES`, (joints,); NaN where there are none."""
+    """Return the mean of the numbers in the first `INITIAL_SAMPLES` of (samples, joints), (joints,); NaN for none."""
     finite = np.isfinite(values[:INITIAL_SAMPLES])
     counts = finite.sum(axis=0)
     sums = np.where(finite, values[:INITIAL_SAMPLES], 0.0).sum(axis=0)
@@ -168,7 +170,9 @@ class MachineLog:
         self.outputs = self._outputs()
 
     def build_scenario(self, samples: int, pressure_gains: Array) -> Scenario:
-        """Return the first samples of the inputs of the machine, and the signals that the injection follows.
+        """Return a scenario of the first samples: logged inputs that are not sought, and what the injection follows.
+
+        Where differential pressures were measured, the gains times these are added to the voltages.
 
         Args:
             samples: number of control cycles.
@@ -210,14 +214,20 @@ class MachineLog:
 
     @cached_property
     def difference(self) -> Array | None:
-        """Return differential pressures likewise, sensor's offset included; None where a joint's were not measured."""
+        """Return smoothed pressures of hose A less B, Pa, (samples, joints); None if any joint's were not measured.
+
+        They include the sensor's offset where it measured them; otherwise they are from the pressures of both hoses.
+        """
         values = self.measured.get("measured_pressure")
         if values is None and "pressure_a" in self.measured and "pressure_b" in self.measured:
             values = self.measured["pressure_a"] - self.measured["pressure_b"]
         return self._smooth(values) if values is not None and np.isfinite(values).any(axis=0).all() else None
 
     def _smooth(self, values: Array, derivative: int = 0) -> Array:
-        """Return values (samples, joints) or their derivative, smoothed by Savitzky and Golay; gaps interpolated."""
+        """Return values (samples, joints) or their derivative, smoothed by Savitzky and Golay; gaps interpolated.
+
+        Fewer than 5 samples are not smoothed, and their derivative is 0.
+        """
         from scipy.signal import savgol_filter  # noqa: PLC0415  # scipy.signal takes long to import
 
         finite = np.isfinite(values)
@@ -229,7 +239,7 @@ class MachineLog:
         return np.ascontiguousarray(smooth.T)
 
     def _first_pressures(self, first: Mapping[str, Array]) -> tuple[list[float], list[float]]:
-        """Return the first absolute pressures of hoses A and B, by joint.
+        """Return the first absolute pressures of hoses A and B, Pa, in the order of joints.
 
         Without both measured they lie about `REST_PRESSURE_RATIO` of the supply, apart by any measured difference.
         """
@@ -307,7 +317,10 @@ class MachineLog:
 
     @cached_property
     def limits(self) -> dict[str, float]:
-        """Return the limit of every measured signal's readings, either way: a joint at its stop may exceed it."""
+        """Return the limit of each measured signal either way: half the sensor's range, or the greatest reading.
+
+        Pressures of single hoses have none (inf).
+        """
         _, angle, pressure = parameters.valve_and_sensors(self.machine)
         halves = {"angle": 0.5 * angle.range, "measured_pressure": 0.5 * pressure.range}
         return {

@@ -56,7 +56,8 @@ class RegulatedModel(Model):
     """Model of angle, rotation and both pressures of every log; built as `BenchKind` says.
 
     Logs have `SIGNALS` in SI, from rest. `fitted_share` of the time of each is fitted, from its start; the rest is for
-    validation. Default: all, or two thirds where there is no other log for validation.
+    validation. Default: all, or two thirds where there is no other log for validation. A stop is an unknown only where
+    a fitted log reaches that end of the reading.
     """
 
     cross_validated = True
@@ -88,12 +89,12 @@ class RegulatedModel(Model):
         )
 
     def continuations(self) -> Sequence[Sequence[Model]]:
-        """Return the model with imposed motion, imposed pressures (both only with unknowns to fit), and neither."""
+        """Return one continuation: motion imposed (to fit valve or gas), pressures imposed (to fit motion), neither."""
         easier = ((laws.MOTION_IMPOSED, {"valve", "gas"}), (laws.PRESSURES_IMPOSED, {"motion"}))
         return [[*(self._with_imposed(imposed) for imposed, fitted in easier if fitted & self.blocks), self]]
 
     def simpler_models(self) -> Mapping[str, Model]:
-        """Return models with Coulomb, and with Coulomb and static friction, by name, of one level over the angle.
+        """Return models "Coulomb friction" and "static friction" (Coulomb and static) of one level over the angle.
 
         Empty where the motion is not identified.
         """
@@ -118,7 +119,7 @@ class RegulatedModel(Model):
         return super().described_values(values) | level | static
 
     def simulate(self, values: Array) -> Array:
-        """Simulate all logs: see `Model.simulate`."""
+        """Simulate all logs: of each angle, clipped to the reading, rotation, and pressures; see `Model.simulate`."""
         bench, half = insert_columns(self.bench, self.columns(values)), 0.5 * self.bench.stroke.reading
         cases = [(parameters(bench, log), log.signals, self.imposed, laws.MAX_STEP_TIME) for log in self.logs]
         runs = simulate_candidates(
@@ -161,13 +162,13 @@ def parameters(bench: RegulatedJointBench, log: RegulatedLog) -> laws.RegulatedS
 
 
 def _rotation(time: Array, angle: Array) -> Array:
-    """Return the rotation in the last `ROTATION_TIME` seconds, along the last axis; NaN in the first ones."""
+    """Return the rotation in the last `ROTATION_TIME` seconds, along the last axis; NaN in the first of them."""
     earlier = np.searchsorted(time, time - ROTATION_TIME + 1e-9, side="right") - 1
     return np.asarray(np.where(earlier >= 0, angle - angle[..., np.maximum(earlier, 0)], np.nan))
 
 
 def _drop_joint(name: str, log: Dataset) -> Dataset:
-    """Return a log without the dimension `joint`; raise InputError if it has several joints."""
+    """Return a log without the dimension `joint`; raise InputError unless it has one joint, or no dimension."""
     if "joint" not in log.dims:
         return log
     if log.sizes["joint"] != 1:
@@ -176,7 +177,12 @@ def _drop_joint(name: str, log: Dataset) -> Dataset:
 
 
 def _read_regulated_log(bench: RegulatedJointBench, name: str, data: Dataset) -> RegulatedLog:
-    """Return the signals of a log, gaps in measured ones interpolated; raise InputError for unusable ones."""
+    """Return the signals of a log, gaps in measured ones interpolated.
+
+    Raises:
+        InputError: a signal is missing or begins with a gap, a set-point has gaps, time does not rise or has fewer than
+            3 samples, or the first angle is outside the reading.
+    """
     for signal in SIGNALS:
         if signal not in data:
             raise InputError(f"has no {signal}", where=name, right=f"a regulated joint needs {', '.join(SIGNALS)}")

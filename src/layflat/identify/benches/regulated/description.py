@@ -132,7 +132,10 @@ def _max_load_torque(bench: RegulatedJointBench) -> float:
 
 
 def _volume_range(bench: RegulatedJointBench, volume: float) -> tuple[float, float, bool]:
-    """Return the range of the volume, which leaves some air in a chamber wherever the stops are searched."""
+    """Return lower and upper bound of the volume, m3, and that it is searched logarithmically.
+
+    The lower one leaves air in a chamber wherever the stops are searched, unless less volume is described.
+    """
     reach = (0.5 + MAX_STOP_MARGIN) * bench.stroke.reading
     lower = max(min_volume(bench), bench.chamber.torque_per_pressure * reach)
     low, high, log = WIDE_RANGE(bench, volume)
@@ -140,13 +143,13 @@ def _volume_range(bench: RegulatedJointBench, volume: float) -> tuple[float, flo
 
 
 def _angle_range(bench: RegulatedJointBench, angle: float) -> tuple[float, float, bool]:
-    """Return the range of an angle: that of the sensor, extended to the described angle."""
+    """Return the range of an angle, searched linearly: that of the sensor, extended to the described angle."""
     half = 0.5 * bench.stroke.reading
     return min(-half, angle), max(half, angle), False
 
 
 def _stop_range(bench: RegulatedJointBench, stop: float) -> tuple[float, float, bool]:
-    """Return the range of a stop: from the end of the sensor's range outwards, extended to the described stop."""
+    """Return the range of a stop, searched linearly: from the end of the reading out, past the described stop."""
     half = 0.5 * bench.stroke.reading
     far = half + 2.0 * MAX_STOP_MARGIN * half
     return (min(-far, stop), -half, False) if stop < 0.0 else (half, max(far, stop), False)

@@ -79,7 +79,7 @@ class RodScales:
 
 
 def rod_unknowns(bench: RodBench, scales: RodScales, logs: Sequence[str]) -> dict[str, list[Unknown]]:
-    """Return the unknowns of a bench by block.
+    """Return the unknowns of a bench by block: those of `ROD_BLOCKS`, and `logs`.
 
     Args:
         bench: bench as described; its values are the guesses.
@@ -184,7 +184,10 @@ PROFILE_ENDS = ("friction.profile_from", "friction.profile_to")
 
 
 class RodModel(CurveModel[RodBench]):
-    """Model of the forces in the logs of a friction test bench; built as `BenchKind` says."""
+    """Model of the forces in the logs of a friction test bench; built as `BenchKind` says.
+
+    Terms that the fitted logs do not show are left out, see `select_terms`; `remarks` says so.
+    """
 
     losses = "friction"
 
@@ -220,7 +223,10 @@ class RodModel(CurveModel[RodBench]):
         return np.concatenate(simulate_candidates(rod_force, len(values), cases, shapes), axis=1)
 
     def starts(self) -> Array:
-        """Return starts by linear least squares, the best first: only deflections and the film are far from linear."""
+        """Return starts by linear least squares, (starts, unknowns), the best first.
+
+        Only deflections and the film are far from linear: there is a start per value in `FILM_STARTS` if it is fitted.
+        """
         guess = np.array([one.guess for one in self.unknowns])
         film = [i for i, one in enumerate(self.unknowns) if one.path == "friction.film_fraction"]
         starts = []

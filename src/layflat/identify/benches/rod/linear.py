@@ -84,7 +84,7 @@ DIFFERENCE_WIDTH = 1e-5
 
 
 def prior_moments(unknown: Unknown) -> tuple[float, float]:
-    """Return mean and standard deviation of an unknown's prior, or its guess and the range between its bounds."""
+    """Return mean and standard deviation of an unknown's prior; without one, its guess and upper less lower bound."""
     return unknown.prior or (unknown.guess, unknown.high - unknown.low)
 
 

@@ -264,6 +264,7 @@ def _read_vessel_log(name: str, log: Dataset, added_volume: float) -> VesselLog:
     time = np.asarray(log["time"].values, dtype=np.float64)
 
     def read_input(key: str, default: float) -> Array:
+        """Return an input by sample, the default without it; raise InputError for gaps."""
         if key not in log:
             return np.full(len(time), default)
         values = np.asarray(log[key].values, dtype=np.float64)
@@ -283,7 +284,7 @@ def _read_vessel_log(name: str, log: Dataset, added_volume: float) -> VesselLog:
 
 
 def _model_output(log: VesselLog, data: Dataset, signal: str, fitted_share: float, fitted: bool) -> ModelOutput:
-    """Return a measured signal as a model output; samples after `fitted_share` of the log's time are for validation."""
+    """Return the samples of a signal as a model output; fitted are those in the first `fitted_share`, if `fitted`."""
     rows, (unit, ratio) = log.samples[signal], SIGNALS[signal]
     time, measured = log.inputs.time, np.asarray(data[signal].values, dtype=np.float64)[rows]
     early = time[rows] <= time[0] + fitted_share * (time[-1] - time[0])
@@ -293,7 +294,7 @@ def _model_output(log: VesselLog, data: Dataset, signal: str, fitted_share: floa
 
 
 def _outside_unknowns(bench: VesselBench, pressures: list[ModelOutput]) -> list[Unknown]:
-    """Return the pressure outside as the only unknown, if a log without it ends near it; else none."""
+    """Return the pressure outside as the only unknown, if the fitted part of any of these outputs ends near it."""
     described = bench.outside.pressure
     lasts = [output.measured[output.fitted][-1] for output in pressures if output.fitted.any()]
     if not any(abs(last - described) < OUTSIDE_MARGIN * described for last in lasts):

@@ -69,7 +69,7 @@ def hyddown_tables(path: str | Path) -> dict[str, Any]:
 
 
 def _read_tables(path: Path) -> dict[str, Any]:
-    """Return the tables of a HydDown input file; raise InputError if it is none."""
+    """Return the tables of a HydDown input file; raise InputError if it is none, or YAML's package is missing."""
     extras.require("hyddown", "yaml", where=str(path))
     import yaml  # noqa: PLC0415
 
@@ -100,7 +100,11 @@ def _number(tables: dict[str, Any], where: str, path: str, default: float | None
 
 
 def _vessel_sizes(vessel: dict[str, Any], number: Number, where: str) -> tuple[dict[str, str], dict[str, str], float]:
-    """Return tables of the space and of the wall's heat capacity, if it can be computed, and the outer area (m2)."""
+    """Return the table `space`, one with `heat_capacity` (empty without its data), and the outer area (m2).
+
+    Raises:
+        InputError: the type of the heads is unknown, or a size is missing.
+    """
     D, L, t = number("vessel.diameter"), number("vessel.length"), number("vessel.thickness", 0.0)
     kind = str(vessel.get("type", "flat-end")).lower()
     if kind not in HEAD_SHAPES:
@@ -124,7 +128,11 @@ def _vessel_sizes(vessel: dict[str, Any], number: Number, where: str) -> tuple[d
 
 
 def _read_valve(valve: dict[str, Any], number: Number, where: str) -> dict[str, Any]:
-    """Return conductance and critical ratio of a HydDown valve; raise InputError for a kind without conductance."""
+    """Return the table `path` of a HydDown valve: conductance, critical_ratio and, of a nozzle, hole.
+
+    Raises:
+        InputError: its kind has no conductance.
+    """
     kind = valve.get("type", "orifice")
     if kind in {"orifice", "psv"}:
         d = number("valve.diameter")

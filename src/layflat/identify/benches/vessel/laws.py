@@ -218,7 +218,10 @@ def count_steps(vessel, state, flows, time, refined):
 
 @composition
 def advance_sample(gas, vessel, default, state, inputs, k, refined):
-    """Return the state at sample k + 1 from that at k, and whether it was reached, by the longest allowed steps."""
+    """Return the state at sample k + 1 from that at k, and whether it was reached.
+
+    Steps are the longest allowed ones, `refined` times finer; the outside is `default` where the log has no supply.
+    """
     opening, time = inputs.opening[k], inputs.time[k + 1] - inputs.time[k]
     first, rise = inputs.supply[k], inputs.supply[k + 1] - inputs.supply[k]
     done = 0.0

@@ -42,7 +42,7 @@ NEEDED_SIGNALS: tuple[tuple[str, Severity, tuple[str, ...], str], ...] = (
 
 
 def missing_issues(log: CheckedLog) -> Iterator[Issue]:
-    """Yield notes on the reading, and issues of joints without signals, channels without samples, and a short log."""
+    """Yield notes on the reading, issues of lacking signals, measurements and samples, and of a short log."""
     for note in log.notes:
         yield Issue("note", "log", note)
     yield from _joint_issues(log)
@@ -73,7 +73,10 @@ def _joint_issues(log: CheckedLog) -> Iterator[Issue]:
 
 
 def _sample_issues(channel: Channel, log: CheckedLog) -> Iterator[Issue]:
-    """Yield an issue if instants of a channel lack samples; how severe it is depends on their fraction."""
+    """Yield an issue if instants of a channel lack samples; how severe it is depends on their fraction.
+
+    There is none where the file has all samples and less than half of the instants are missing: see `clock_issues`.
+    """
     missing = ~np.isfinite(channel.values)
     count = int(missing.sum())
     if not count or (channel.source.get("missing") == 0 and count < MAX_MISSING_FRACTION * missing.size):
@@ -146,7 +149,7 @@ def _clock_faults(clock: dict[str, Any]) -> Iterator[Issue]:
 
 
 def _gap_issue(channel: Channel) -> Issue:
-    """Return a warning for a channel's gaps, or a note if its command is held there."""
+    """Return a warning for a channel's gaps, or a note if the channel is a command, which is held there."""
     since, until = channel.source["longest_gap"]
     count = channel.source["gaps"]
     text = f"{count} gap{'s' if count > 1 else ''}, the longest of {until - since:.3g} s from {since:.3f} s"
@@ -176,7 +179,10 @@ def constant_issues(log: CheckedLog) -> Iterator[Issue]:
 
 
 def _constant_issue(channel: Channel, log: CheckedLog) -> Issue:
-    """Return the issue of a constant channel: an error if another of its joint moves, a note for a loop's pressure."""
+    """Return the issue of a constant channel: a warning, but an error if another channel of its joint moves.
+
+    A pressure beside a moving torque or force, without commands, gets a note: it may be held.
+    """
     others = [other for other in log.filled if other.joint == channel.joint and other is not channel]
     moving = [
         channel_beside

@@ -67,7 +67,10 @@ def _stays_at_level(channel: Channel, level: float, period: float) -> bool:
 
 
 def _supply_level_issue(channel: Channel, supply: float | None, span: str, period: float) -> Issue | None:
-    """Return the issue of an absolute pressure that lasts at the supply's gauge pressure; else None."""
+    """Return the issue of an absolute pressure that lasts at the supply's gauge pressure `supply`, Pa; else None.
+
+    Set-points, and the channel of the supply itself, have none.
+    """
     if supply is None or channel.signal.held or channel.name == "supply":
         return None
     if abs(channel.high - supply) > 0.02 * supply or not _stays_at_level(channel, channel.high, period):
@@ -131,7 +134,10 @@ def _fits_between(value: float, lowest: float, highest: float) -> Callable[[floa
 
 
 def _angle_issues(channel: Channel, log: CheckedLog) -> Iterator[Issue]:
-    """Yield an issue if an angle lies beyond the stroke (or 2.1 pi if unknown), or is too small for its pressures."""
+    """Yield an issue if an angle lies beyond the stroke (or 2.1 pi if unknown), or is too small for its pressures.
+
+    One that is too small is an issue only where another unit would fit.
+    """
     low, high = channel.low, channel.high
     span, greatest = high - low, max(-low, high)
     joint = log.machine.joints.get(str(channel.joint)) if log.machine is not None else None
@@ -158,7 +164,10 @@ def _angle_issues(channel: Channel, log: CheckedLog) -> Iterator[Issue]:
 
 
 def _is_loaded(channel: Channel, log: CheckedLog) -> bool:
-    """Return whether the pressure difference of a joint varies by more than `MIN_SUPPLY_RATIO` of the supply."""
+    """Return whether the pressure difference of a joint varies by more than `MIN_SUPPLY_RATIO` of the supply.
+
+    False where either is not known.
+    """
     difference, supply = log.difference(channel.joint), log.supply_gauge
     if difference is None or supply is None:
         return False
@@ -166,7 +175,11 @@ def _is_loaded(channel: Channel, log: CheckedLog) -> bool:
 
 
 def _pressure_issues(channel: Channel, log: CheckedLog) -> Iterator[Issue]:
-    """Yield an issue if a pressure lies below vacuum or ambient, above the supply, or is too small."""
+    """Yield an issue if a pressure lies below vacuum or ambient, above the supply, or is too small.
+
+    There is none for a pressure with a `zero_issue`, nor for a small one unless another unit would fit; differential
+    ones have `_difference_issues`.
+    """
     if not channel.signal.absolute:
         yield from _difference_issues(channel, log)
         return
@@ -177,6 +190,7 @@ def _pressure_issues(channel: Channel, log: CheckedLog) -> Iterator[Issue]:
     ambient, gauge, hose = log.ambient, bool(channel.source.get("gauge", False)), channel.signal.by_joint
 
     def is_possible(factor: float) -> bool:
+        """Return whether the range times a factor lies above ambient pressure, and its end near the supply."""
         lowest, highest = (factor * end if gauge else factor * (end + ambient) - ambient for end in (low, high))
         min_highest, max_highest = (
             (0.3 * supply, MAX_SUPPLY_RATIO * supply) if supply is not None else USUAL_MAX_PRESSURES
@@ -200,7 +214,10 @@ def _pressure_issues(channel: Channel, log: CheckedLog) -> Iterator[Issue]:
 
 
 def _difference_issues(channel: Channel, log: CheckedLog) -> Iterator[Issue]:
-    """Yield an issue if a differential pressure exceeds the supply's gauge pressure by 10 %, or is below 1 % of it."""
+    """Yield an issue if a differential pressure exceeds the supply's gauge pressure by 10 %, or is below 1 % of it.
+
+    There is none for an unknown supply, nor below 1 % unless another unit would fit.
+    """
     supply, greatest = log.supply_gauge, max(-channel.low, channel.high)
     if supply is None:
         return
@@ -215,7 +232,10 @@ def _difference_issues(channel: Channel, log: CheckedLog) -> Iterator[Issue]:
 
 
 def _voltage_issues(channel: Channel, log: CheckedLog) -> Iterator[Issue]:
-    """Yield an issue if a voltage goes beyond twice the valve's range, or its median is far from the valve's centre."""
+    """Yield an issue if a voltage goes beyond twice the valve's range, or its median is far from the centre.
+
+    There is none without a machine that has a valve.
+    """
     if log.machine is None or log.machine.valve is None:
         return
     centre, full = log.machine.valve.centre_voltage, log.machine.valve.volts_to_full

@@ -151,7 +151,10 @@ class LabViewHeading:
     segments: tuple[tuple[float, int], ...] = ()  # first time, s, and number of samples of each
 
     def complete(self, columns: dict[str, Array | list[str]], units: dict[str, str]) -> None:
-        """Add units, and the clock of a file without times; drop its column where the segments have other rows."""
+        """Add units and the clock of a file without times to `columns` and `units`, in place.
+
+        The column of times is dropped where the segments have another number of rows.
+        """
         if self.timed:
             units.update(dict.fromkeys([name for name in columns if name.startswith(X_COLUMN)], "s"))
             stated_clock = columns.get(X_COLUMN)

@@ -172,6 +172,7 @@ def _read_heading(
     numeric = [_is_numeric([row[i] for row in samples]) for i in range(width)]  # columns
 
     def is_sample(row: Sequence[CellKind]) -> bool:
+        """Return whether a row is one of samples: as wide as the table, its numeric columns without words."""
         numeric_cells = [kind for kind, number in zip(row, numeric, strict=False) if number]
         if row[:1] == ["text"] and not filled[0]:  # a label
             return False
