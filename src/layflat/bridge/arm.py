@@ -31,7 +31,10 @@ DEFAULT_GRAVITY_RANGE = (9.7, 9.9)  # m/s2 against z: default of tools where a f
 
 
 def import_mujoco(extra: str = "cell") -> Any:
-    """Import the package `mujoco`.
+    """Import the package `mujoco`, and return it.
+
+    Args:
+        extra: extra of layflat that a message advises to install.
 
     Raises:
         MissingExtraError: it is not installed, or can't be imported; the message has the command that helps.
@@ -55,7 +58,7 @@ def import_mujoco(extra: str = "cell") -> Any:
 
 
 def _import_without_gl(extra: str) -> Any:
-    """Return the module mujoco, imported without OpenGL if `MUJOCO_GL` names a missing library; pictures need it."""
+    """Return the module mujoco, imported without OpenGL only if `MUJOCO_GL` names a missing library."""
     try:
         return extras.import_extra(extra, "mujoco")
     except (AttributeError, RuntimeError):
@@ -91,8 +94,9 @@ def arm_spec(machine: Machine, *, passive: bool = False) -> Any:
 
     Args:
         machine: the machine.
-        passive: whether to add elements that `PneumaticJoints` models otherwise: stops as limits, bearings as damping,
-            brakes as friction loss (which creeps); and colours and bodies of the joints.
+        passive: whether to add elements that `PneumaticJoints` models otherwise: stops as limits, torque limits at
+            supply pressure, bearings as damping, brakes as friction loss (which creeps), and springs, except those of
+            constant torque; and colours and bodies of the joints.
 
     Raises:
         InputError: MuJoCo is not installed, the arm is of a kind without bodies, or a mesh is not there.
@@ -103,10 +107,11 @@ def arm_spec(machine: Machine, *, passive: bool = False) -> Any:
 
 
 def save_arm(machine: str | Path | Machine, path: str | Path) -> list[Path]:
-    """Write the arm to a file, .xml (MJCF) or .urdf, and its meshes to a folder beside it; return the written paths.
+    """Write the arm as .xml (MJCF) or .urdf, and meshes to a folder beside it; return the paths, that of the arm first.
 
     Raises:
-        InputError: another suffix, the arm is of a kind without bodies, or a mesh is not there.
+        InputError: another suffix, the arm is of a kind without bodies, or a mesh is not there or can't be read.
+        MissingExtraError: a mesh has to be converted, and the extra is not installed.
         OutputError: it can't be written there.
     """
     machine = load(machine)
@@ -131,7 +136,7 @@ def save_arm(machine: str | Path | Machine, path: str | Path) -> list[Path]:
 
 
 def conversion_losses(machine: Machine, suffix: str) -> list[str]:
-    """Return a line on each property of a machine's arm that a file format can't represent.
+    """Return a line on each property of a machine's arm that a file format can't represent or changes.
 
     Args:
         machine: the machine.
@@ -184,5 +189,5 @@ def _is_default_gravity(gravity: Array) -> bool:
 
 
 def _inertia_change(inertia: Array) -> float:
-    """Return the largest change of an inertia by `nearest_inertia`, over its largest item."""
+    """Return the relative change by `nearest_inertia`: the largest change of an item over the largest item."""
     return float(np.abs(nearest_inertia(inertia) - inertia).max() / np.abs(inertia).max())

@@ -30,8 +30,8 @@ MAX_CONTACT_ROUNDS, IMPULSE_TOLERANCE = 30, 1e-7
 def solve_brakes(like, A, u, v, B, S, J, after):  # type: ignore[no-untyped-def]
     """Solve for J of friction that slides at B and holds up to S, and write it and the velocities after it.
 
-    Args: two tuples with an item a joint, and an item for each in the upper triangle of a matrix; arrays (n, n), and
-    (n,) each, the last two to be written. Velocities of held joints are 0.0.
+    Args: `like` of `like_tuples`, A (n, n), and arrays (n,), of which J and `after` (rad/s) are written. Velocities of
+    held joints are exactly 0.0.
     """
     items, upper = like
     n, at = len(v), 0
@@ -56,20 +56,20 @@ def like_tuples(n: int) -> tuple[tuple[float, ...], tuple[float, ...]]:
 
 @kernel
 def prepare_brakes(values, entries, damping, tree, at, h, B, applied, W, J, others):  # type: ignore[no-untyped-def]
-    """Write W and the other torques on the braked joints, and apply J limited to the brakes' maximum.
+    """Write W and `others`, limit J to the brakes' maximum in place, and add its torques to `applied`.
 
     Args:
         values: values of MuJoCo's sparse mass matrix.
         entries: row and column in W, and place in `values`, of each item, (items, 3).
-        damping: damping to be added to the diagonal, (m,).
+        damping: damping times timestep, added to the diagonal, kg m2, (m,).
         tree: degrees of freedom of the braked trees of bodies, (m,).
         at: indices of the braked joints among them, (n,).
         h: timestep, s.
-        B: greatest impulses, moving or not, (n,).
-        applied: torques on all degrees of freedom, N m.
-        W: (m, m).
-        J: (n,).
-        others: (n,), N m.
+        B: greatest impulses, moving or not, N m s, (n,).
+        applied: torques on all degrees of freedom, N m, changed.
+        W: (m, m), written.
+        J: impulses of the last step, (n,), limited.
+        others: torques in `applied` on the braked joints before, N m, (n,), written.
     """
     M = np.diag(damping)
     for i, j, k in entries:
@@ -87,10 +87,10 @@ def prepare_brakes(values, entries, damping, tree, at, h, B, applied, W, J, othe
 def apply_brakes(like, W, tree, at, h, limits, qvel, smooth, constraint, applied, rows):  # type: ignore[no-untyped-def]
     """Apply the brakes' impulses for the forces on all degrees of freedom, which were computed with the old impulses J.
 
-    The new J are applied, and the velocities after them written. Return whether they are close to the old ones.
+    The new J replace the old ones in `applied` and `rows`. Return whether they differ by `IMPULSE_TOLERANCE` at most.
 
-    Args: `like` of `solve_brakes`; B and S are the rows of `limits` (2, n); J, the velocities after it and the other
-    torques (N m) are the rows of `rows` (3, n).
+    Args: W, `tree`, `at`, h and `applied` of `prepare_brakes`; B and S are the rows of `limits` (2, n); velocities and
+    forces (N m) of all degrees of freedom; J, the velocities after it and `others` are the rows of `rows` (3, n).
     """
     J, after, others = rows[0], rows[1], rows[2]
     n, before = len(at), J.copy()
@@ -112,7 +112,7 @@ class Brakes:
     """Brakes on some degrees of freedom of a model.
 
     Contacts and other constraints that touch the braked trees of bodies interact with the brakes: both are solved
-    alternately.
+    alternately, in up to `MAX_CONTACT_ROUNDS` rounds, of which the last one counts even if it has not converged.
 
     Args:
         model: an MjModel.
@@ -168,7 +168,7 @@ class Brakes:
         self._own[0] = 0.0
 
     def _is_constrained(self, data: Any) -> bool:
-        """Return whether a constraint touches the trees, by MuJoCo's islands."""
+        """Return whether a constraint touches the trees; without MuJoCo's islands, whether there is any constraint."""
         if data.nisland == 0:
             return bool(data.nefc > 0)
         return bool(data.dof_island[self._tree].max() >= 0)

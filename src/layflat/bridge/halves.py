@@ -90,7 +90,10 @@ def _advance_to_kick(joint, kept, around, span, q, v):
 
 @composition
 def _advance_step(joint, kept, around, span, q, v, after, impulse, load):
-    """Return a joint's unpacked state after a whole step, with the velocity `after` (rad/s) from the kick on."""
+    """Return a joint's unpacked state after a whole step, with the velocity `after` (rad/s) from the kick on.
+
+    Args: as `_advance_to_kick`; `impulse` of the brake (N m s) and outer `load` (N m), which are booked.
+    """
     running, wave, mid = _advance_to_kick(joint, kept, around, span, q, v)
     running = finish_step(joint, running, mid, after, impulse, load, span.step)
     # The change of the velocity is extrapolated in the damping of the next step.
@@ -102,7 +105,7 @@ def _advance_step(joint, kept, around, span, q, v, after, impulse, load):
 
 @composition
 def _leak_hoses(joint, state, hole_a, hole_b, p_a):
-    """Return a joint's state after its hoses have lost fractions hole_a and hole_b of their gauge pressure."""
+    """Return a joint's state after its hoses lost fractions hole_a, hole_b of their gauge pressure; ambient p_a, Pa."""
     a = leak_through_hole(joint.hose_a, state.hose_a, hole_a, p_a) if hole_a > 0.0 else state.hose_a
     b = leak_through_hole(joint.hose_b, state.hose_b, hole_b, p_a) if hole_b > 0.0 else state.hose_b
     return JointState(state.motion, state.valve, a, b, state.ledger)

@@ -32,8 +32,8 @@ class PneumaticJoints(DrivenJoints):
     Args:
         model: an MjModel.
         machine: the machine.
-        joints: name of the machine's joint that drives a hinge, by name of the hinge; several hinges may be driven by
-            joints of the same kind. Default: all joints of the machine, on hinges of their names.
+        joints: name of the machine's joint that drives a hinge, by name of the hinge; several hinges may name
+            one joint, of which each is a copy. Default: all joints of the machine, on hinges of their names.
         pressures: absolute pressures in hoses A and B at the start, Pa; default: at equal leakage.
 
     Attributes:
@@ -105,6 +105,8 @@ class PneumaticJoints(DrivenJoints):
     def step(self, data: Any) -> None:
         """Advance an MjData by a timestep of the model, as `mj_step` does, with these joints.
 
+        `data.qfrc_applied` acts as well, and is the same afterwards.
+
         Raises:
             DivergedError: model or joints diverged.
         """
@@ -151,7 +153,7 @@ class PneumaticJoints(DrivenJoints):
         self._laws[:] = [list(leaves(joint)) for joint in self._joints_now()]
 
     def _command_valves(self, time: float) -> None:
-        """Command the valves with the voltages, at most once a control cycle; without calls the last voltages hold."""
+        """Command the valves after a call of `drive`, else once a control cycle with the last voltages; time in s."""
         if self._new or time >= self._due:
             self._due = time + (1.5 if self._new else 1.0) * self._cycle - 0.5 * self._model.opt.timestep
             self._new = False
@@ -206,7 +208,11 @@ def _hinge_index(mj: Any, model: Any, name: str) -> int:
 
 
 def _step_span(mj: Any, model: Any, cycle: float) -> Array:
-    """Return the numbers of a `StepSpan` for a model; raise InputError for its timestep or integrator."""
+    """Return the numbers of a `StepSpan` for a model and control cycle (s), its time zero.
+
+    Raises:
+        InputError: the timestep is below `MIN_TIMESTEP` or above the cycle, or the integrator is RK4.
+    """
     H = model.opt.timestep
     if not MIN_TIMESTEP <= H <= cycle:
         raise InputError(

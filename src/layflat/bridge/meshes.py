@@ -43,11 +43,11 @@ class Meshes:
         return bool(self._names)
 
     def name(self, file: Path) -> str:
-        """Return the name of a file."""
+        """Return the unique path, relative to the model, of the mesh file of a piece."""
         return self._names[file]
 
     def scale(self, piece: Piece) -> tuple[float, float, float]:
-        """Return the scale of a piece's mesh as it is written, whose unit is the metre."""
+        """Return the scale of a piece's mesh as written: its own, times the unit of a DAE that is not converted."""
         if self._engine or piece.file is None:
             return piece.scale  # converted meshes are in metres already
         x, y, z = piece.scale
@@ -128,13 +128,13 @@ def _obj(triangles: Array) -> bytes:
 
 
 def is_binary_stl(content: bytes) -> bool:
-    """Return whether bytes are a binary STL, by their number: headers of both STL formats may look alike."""
+    """Return whether bytes are a binary STL with a triangle, by their count: headers of both formats may look alike."""
     triangles = int.from_bytes(content[STL_HEAD - 4 : STL_HEAD], "little")
     return len(content) == STL_HEAD + STL_TRIANGLE.itemsize * triangles and triangles > 0
 
 
 def mesh_unit(file: Path) -> float:
-    """Return the unit of a mesh, m: 1 unless a DAE declares it (trimesh, Pinocchio and yourdfpy ignore it).
+    """Return the unit of a mesh, m: 1 unless a DAE that exists declares one (trimesh, Pinocchio, yourdfpy ignore it).
 
     Raises:
         InputError: the declared unit is no length.
@@ -152,12 +152,17 @@ def mesh_unit(file: Path) -> float:
 
 
 def declare_metres(content: bytes) -> bytes:
-    """Return a DAE with metres as declared unit; its true unit is then applied as a scale."""
+    """Return a DAE with metres in place of a declared unit, for callers that apply that unit as a scale."""
     return UNIT.sub(rb"\g<1>1\g<3>", content, count=1)
 
 
 def load_mesh(file: Path) -> Any:
-    """Return a mesh in the frame of its file, m, as `trimesh` has it; raise InputError if it can't be read."""
+    """Return a mesh in the frame of its file, m, as `trimesh` has it.
+
+    Raises:
+        InputError: it can't be read, has no area, or declares a unit that is no length.
+        MissingExtraError: the extra `view` is not installed.
+    """
     trimesh = extras.import_extra("view", "trimesh")
     if file.suffix.lower() == ".dae":
         extras.require("view", "collada")

@@ -39,7 +39,7 @@ def realizable_inertia(inertia: Array) -> Array | None:
     """Return the nearest possible inertia (3, 3) of a body to one that violates the triangle inequality by rounding.
 
     A thin plate's maximum moment is the sum of both others; rounded, it is as often above as below. A possible inertia
-    is returned unchanged, and None for one that is off by more than `TRIANGLE_INEQUALITY_TOLERANCE`.
+    is returned unchanged, and None for one that is off by more than `TRIANGLE_INEQUALITY_TOLERANCE` or negative.
     """
     moments, axes = np.linalg.eigh(inertia)
     excess = moments[2] - (moments[0] + moments[1]) * (1.0 - INERTIA_MARGIN)
@@ -123,12 +123,14 @@ def arm_tree(machine: Machine, *, passive: bool, folder: str = "") -> tuple[Elem
 def add_geom(parent: Element, piece: Piece, assets: Element, meshes: Meshes, name: str, *, painted: bool) -> None:
     """Add a piece as a geom that does not collide and has no mass, and its mesh to the assets.
 
+    Bodies of joints are drawn larger by `JOINT_BODY_SCALE`.
+
     Args:
         parent: body of the geom.
         piece: the piece, in the frame of the body.
         assets: element of the meshes.
         meshes: names of the meshes.
-        name: name of the geom.
+        name: name of the geom, and of its mesh.
         painted: whether it has a colour.
     """
     larger = JOINT_BODY_SCALE if piece.of == "joint" else 1.0
@@ -180,7 +182,7 @@ def _add_link(parent: Element, name: str, link: RigidLink) -> Element:
 
 
 def _make_passive(hinge: Element, machine: Machine, name: str) -> None:
-    """Give a hinge the joint's stroke, torque limit, friction and spring, in place of actuators."""
+    """Give a hinge the joint's stroke, torque limit and friction, and its spring unless of constant torque."""
     joint = machine.joints[name]
     half, torque = joint.stops.mechanical_stroke / 2, max_supply_torque(machine, name)
     hinge.set("range", format_numbers([-half, half]))

@@ -49,7 +49,7 @@ def rigid_arm(machine: Machine) -> RigidArm:
 
 
 def link_pieces(machine: Machine) -> list[list[Piece]]:
-    """Return the pieces of each link: its shapes, or a rod from its joint to the next one, or to the tip."""
+    """Return the pieces of each link: its shapes, or a rod to the next joint or the tip; none if that is too short."""
     arm, pieces = rigid_arm(machine), []
     ends = [link.place for link in arm.links[1:]] + [arm.tool]
     for name, link, end in zip(machine.joints, arm.links, ends, strict=True):

@@ -23,9 +23,10 @@ class MujocoPlant(PneumaticJoints, MachinePlant):
         machine: the machine.
         model: an MjModel that contains its arm; default: the arm alone.
         data: MjData of that model, at whose angles it begins; default: a new one.
-        joints: name of the machine's joint by name of its hinge, where they differ.
-        start: initial angles of the joints, one for all or one a joint; default: those of `data`.
-        pressures: initial absolute pressures of the hoses A and B; default: at equal leakage.
+        joints: names of all the machine's joints by those of their hinges; default: hinges have the joints' names.
+        start: initial angles of the joints (rad, or text with a unit), one for all or one a joint; default: those of
+            `data`.
+        pressures: initial absolute pressures of the hoses A and B (Pa, or text with a unit); default: at equal leakage.
         seed: seed of the sensors' noise; None: no noise.
         step: performs a timestep; it gets a function that advances an MjData by one with the joints, and may act before
             and after.
@@ -35,7 +36,8 @@ class MujocoPlant(PneumaticJoints, MachinePlant):
         data: the MjData; to read bodies, call `mj_kinematics` or `mj_forward` first, as after any `mj_step`.
 
     Raises:
-        InputError: as `PneumaticJoints`, or the hinges are not those of all the machine's joints.
+        InputError: as `PneumaticJoints`; the hinges are not those of all the machine's joints; `start` or `pressures`
+            are wrong.
     """
 
     def __init__(
@@ -102,7 +104,7 @@ class MujocoPlant(PneumaticJoints, MachinePlant):
         """Return angles (rad) and differential pressures (Pa) as the converters report them now, (joints,).
 
         Args:
-            noise: as in `PneumaticJoints.sense`; default: that of the seed.
+            noise: as in `PneumaticJoints.sense`; default: the next samples of the seed.
         """
         return super().sense(next(self._noise) if noise is None else noise)
 

@@ -27,8 +27,8 @@ def to_urdf(machine: str | Path | Machine, folder: str = "") -> str:
     """Return the arm as URDF: bodies as in `arm_spec`, drawn whole, with limits, friction and damping of the joints.
 
     Limits are the stops; the working stroke is in `safety_controller`. `effort` is the maximum torque at supply
-    pressure, `velocity` that of `max_filling_velocity`. The link "tool" is at the tip, and carries "payload". Gravity,
-    which URDF lacks, is in an element that MuJoCo reads.
+    pressure, `velocity` that of `max_filling_velocity`. At the tip are the link "tool" and, if it has mass,
+    "payload". Gravity, which URDF lacks, is in an element that MuJoCo reads.
 
     Args:
         machine: the machine.

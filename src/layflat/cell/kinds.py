@@ -48,7 +48,7 @@ class SkinRegion:
 
     @classmethod
     def from_skin(cls, skin: Skin) -> Self:
-        """Return the region of colours within `REGION_SIGMAS` standard deviations of a skin's."""
+        """Return the region of colours within `REGION_SIGMAS` standard deviations of a skin's, with margins."""
         hue, saturation, value = rgb_to_hsv(skin.rgb)
         directions = np.array([direction for direction in product((-1.0, 0.0, 1.0), repeat=3) if any(direction)])
         directions *= REGION_SIGMAS * skin.std / 2.0 / np.linalg.norm(directions, axis=1, keepdims=True)
@@ -73,7 +73,7 @@ class SkinRegion:
         return hypot((hue - self.midpoint[0]) / self.reach[0], (saturation - self.midpoint[1]) / self.reach[1])
 
     def colours(self, backgrounds: Sequence[tuple[float, ...]]) -> list[Colour]:
-        """Return the regions of HSV, without those that could be a grey background of the given RGB colours."""
+        """Return the regions of HSV, less those of grey ones among the background's RGB colours (0 to 1)."""
         greys = [colour for colour in map(rgb_to_hsv, backgrounds) if colour[1] < GREY]
         brightest = MIN_BRIGHTNESS_RATIO * max((value for _, _, value in greys), default=0.0)
         regions = []
@@ -149,7 +149,7 @@ def _subtract_rectangle(whole: Rectangle, hole: Rectangle) -> list[Rectangle]:
 
 
 def rgb_to_hsv(rgb: tuple[float, ...]) -> tuple[float, float, float]:
-    """Return hue in degree, saturation and value of an RGB colour."""
+    """Return hue in degree, saturation and value of an RGB colour, all others 0 to 1."""
     hue, saturation, value = colorsys.rgb_to_hsv(*rgb)
     return 360.0 * hue, saturation, value
 
@@ -171,7 +171,7 @@ def make_detector(cell: Cell) -> ColourDetector | OnnxDetector:
 
 
 def produce_kinds(cell: Cell) -> tuple[ProduceKind, ...]:
-    """Return the kinds of produce that vision knows, with disjoint regions of colours."""
+    """Return the kinds of produce that vision knows; no colour is in the regions of two kinds."""
     known_kinds = {name: kind for name, kind in cell.produce.items() if kind.recognised}
     regions = [
         (name, SkinRegion.from_skin(skin)) for name, kind in known_kinds.items() for skin in kind.colour.values()

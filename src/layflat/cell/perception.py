@@ -104,7 +104,11 @@ class Perception(Protocol):
     position: Array  # of the camera, (3,) m
 
     def observe(self, time: float) -> Observation:
-        """Return an observation of the table now; raise PictureError if the picture can't be used."""
+        """Return an observation of the table now, with `time` (s) as its time.
+
+        Raises:
+            PictureError: the picture can't be used.
+        """
         ...
 
 
@@ -139,7 +143,7 @@ class ScenePerception:
         self.position = np.array(scene.cell.camera.position)
 
     def observe(self, time: float) -> Observation:
-        """Return all fruit in the camera's view that is not held."""
+        """Return all fruit in the cell and the camera's view that is not held, with noise."""
         fruits = []
         for fruit in self._scene.truth().fruits.values():
             x, y = fruit.position[:2] + self._rng.normal(0.0, self.POSITION_DEVIATION, 2)

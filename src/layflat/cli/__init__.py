@@ -77,7 +77,7 @@ def main() -> None:
 
 
 def _take_verbose(words: list[str]) -> list[str]:
-    """Return a command line without --verbose, which may be anywhere in it and holds for all processes of a command."""
+    """Return a command line without --verbose, and set `VERBOSE_VARIABLE` for it, so that all processes know."""
     rest = [word for word in words if word != VERBOSE_OPTION]
     if len(rest) < len(words):
         os.environ[VERBOSE_VARIABLE] = "1"

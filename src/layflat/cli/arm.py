@@ -139,7 +139,7 @@ def _parse_stroke(text: str) -> tuple[str, tuple[float, float]]:
 
 
 def _parse_package(text: str) -> tuple[str, Path]:
-    """Return name and folder of an option such as "my_robot=/opt/my_robot"."""
+    """Return name and folder of an option such as "my_robot=/opt/my_robot"; raise InputError if there is none."""
     name, _, folder = text.partition("=")
     if not name.strip() or not folder.strip():
         right = "give NAME=FOLDER, such as my_robot=../my_robot"
@@ -161,7 +161,10 @@ def _unique_values(pairs: list[tuple[str, Value]], option: str) -> dict[str, Val
 
 
 def _parse_gravity(text: str) -> list[float]:
-    """Return the three components (m/s2) of an option such as "0, 0, -9.81 m/s^2"; zeros need no unit."""
+    """Return the three components (m/s2) of an option such as "0, 0, -9.81 m/s^2"; zeros need no unit.
+
+    Raise InputError for another number of values, or a value that is no acceleration.
+    """
     from layflat.description import units as u  # noqa: PLC0415
 
     parts = [one.strip() for one in text.split(",")]

@@ -136,7 +136,10 @@ def _write_drawings(design: "JointDesign", out: Path) -> None:
 def _read_measured(
     machine: "Machine", chosen: list[str], table: Path | None, pressure: str | None
 ) -> "Characteristic | None":
-    """Return the characteristic in --table, measured on one joint at --pressure; None without --table."""
+    """Return the characteristic in --table, measured on one joint at --pressure; None without --table.
+
+    Raise InputError for --pressure alone, or a table of several joints.
+    """
     from layflat.description import units as u  # noqa: PLC0415
     from layflat.design import read_characteristic  # noqa: PLC0415
 

@@ -78,7 +78,7 @@ class LazyTyper(typer.Typer):
         return _first_sentence(str(command.help or getattr(command.callback, "__doc__", "")))
 
     def build_command(self, name: str) -> Any:
-        """Import the module of a command and build the command."""
+        """Import a command's module and return the command, with --force where it writes; or return a group."""
         place = self.places[name]
         if isinstance(place, LazyTyper):
             return _with_short_help(get_command(place))
@@ -97,7 +97,7 @@ class CheckedCommand(TyperCommand):
     """
 
     def invoke(self, ctx: Any) -> Any:
-        """Run the command; what was imported until then is exempt from the collection of garbage."""
+        """Enable the collection of garbage, from which what was imported until now is exempt, and run the command."""
         gc.freeze()
         gc.enable()
         return super().invoke(ctx)

@@ -108,7 +108,7 @@ def learn_motion(
 
 
 def _simulated(learnt: "LearntCorrections", options: Learning) -> "tuple[LearntCorrections, list[Array], str]":
-    """Return the corrections of simulated repeats, true angles of each, and the progress where Ctrl-C ended them."""
+    """Return the corrections of simulated repeats, true angles of each (rad), and the progress if Ctrl-C ended them."""
     from layflat.machine import load  # noqa: PLC0415
     from layflat.sim.repeats import simulated_repeats  # noqa: PLC0415
     from layflat.sim.run import controlling_machine  # noqa: PLC0415

@@ -25,7 +25,7 @@ Steps = list[tuple[float, Values]]
 def parse_steps(
     texts: Sequence[str], names: Sequence[str], where: str, *, bare: bool = False, of: str = "joint"
 ) -> Steps:
-    """Return steps (s, values by name) from texts such as "40 deg, 20 deg" and "large=40 deg @ 2 s", in their order.
+    """Return steps (s, values by name) from texts such as "40 deg, 20 deg" and "large=40 deg @ 2 s", by time.
 
     A step names only what its texts mention; see `motion.signal_rows` for what the others do. A single value is meant
     for all names, unless they are axes.

@@ -163,7 +163,10 @@ def _check_page(watch: bool, study: bool, page: PageOptions) -> None:
 
 
 def _run_study(cell: Cell, calibration: Path | None, seeds: range, picks: int, out: Path, machines: list[str]) -> None:
-    """Run and report all seeds; runs before an error or Ctrl-C are kept and marked as partial."""
+    """Run and report all seeds; runs before an error or Ctrl-C are kept and marked as partial.
+
+    Then raise that error, the first of a run, or that no pick succeeded, as `raise_error`.
+    """
     from layflat.cell.work.run import run_seeds  # noqa: PLC0415
 
     camera_calibration, results = calibration_of(cell, calibration, out), out / RESULTS_FILE

@@ -239,7 +239,7 @@ def run_with_page(request: PackRequest, calibration: Path | None, page: PageOpti
 
 
 def _run_and_report(request: PackRequest, calibration: Path | None, link: "PageLink") -> LayflatError | None:
-    """Pack once, show the run on its page and write the results; return the error that ended it early, or None."""
+    """Pack once, show the run on its page and write the results; return its error as `error_of`."""
     from layflat.cell.work.results import summary_lines  # noqa: PLC0415
     from layflat.pages.cell.watcher import Watcher  # noqa: PLC0415
 

@@ -158,7 +158,7 @@ class VirtualBench:
         """Send it a command line, such as "fail e-stop", and return its answer.
 
         Raises:
-            LayflatError: the line is no command, or the rig is gone.
+            LayflatError: the line is no command, or the rig is gone or not started yet.
         """
         from layflat.rig.device.failures import execute_line  # noqa: PLC0415
 

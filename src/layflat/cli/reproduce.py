@@ -80,7 +80,8 @@ def reproduce_paper(
 def _reproduce_cloud(machine: str, nominal: "Reproduction", out: Path) -> None:
     """Repeat the experiments with every member of a cloud, and write `cloud.json` to `out`.
 
-    Print the 5 to 95 % range of each quantity beside its value of `nominal`. After Ctrl-C report the members so far.
+    Print the 5 to 95 % range of each quantity beside its value of `nominal`. After Ctrl-C report the members so far,
+    and raise StoppedError.
     """
     from layflat.experiments.spread import evaluate_machines, quantity_ranges, range_rows, write_ranges  # noqa: PLC0415
     from layflat.machine.exchanged import member_names  # noqa: PLC0415

@@ -42,7 +42,7 @@ def driver_at(address: str, machine: "Machine") -> "tuple[Callable[[], Driver], 
     """Return a function that makes the driver of an address, and the name of the rig behind it.
 
     Raises:
-        InputError: it is not an address, or a package is missing.
+        InputError: it is not an address, a package is missing, or a law in plain Python is to run a real rig.
         MachineError: the machine can't be driven.
     """
     from layflat.machine import parameters  # noqa: PLC0415

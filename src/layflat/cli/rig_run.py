@@ -96,7 +96,7 @@ def _is_file(text: str) -> bool:
 
 
 def _plans(machine: Machine, demand: list[str], duration: str | None) -> Callable[[list[float]], DemandPlan]:
-    """Return a function that makes the plan from the angles of the joints; all of it is checked now.
+    """Return a function that makes the plan from the angles at which joints are held (rad); all of it is checked now.
 
     Raises:
         InputError: a demand makes no sense, or lies outside the stroke.

@@ -110,7 +110,10 @@ def faults(
 def _run_trials(
     machine: Machine, protocols: list[str], instants: int, seed: int, hours: float
 ) -> tuple[dict[str, list[TrialOutcome]], SoakResult | None]:
-    """Run the trials of each protocol and the quiet time in processes of their own; return outcomes and soak result."""
+    """Run the trials of each protocol and the quiet time in other processes; return outcomes by protocol, and soak.
+
+    `hours` is the quiet time, simulated; for 0 the soak is None.
+    """
     from concurrent.futures import FIRST_COMPLETED, wait  # noqa: PLC0415
     from multiprocessing import get_context  # noqa: PLC0415
 

@@ -165,6 +165,8 @@ def _print_rounded_step(run: xarray.Dataset, requested: str) -> None:
 def _scenario_from_file(machine: Machine, demand: Path) -> dict[str, Any]:
     """Return the scenario's fields from a file of demands: it begins at the first row and ends with the last.
 
+    They are the demand with its velocities and accelerations, disturbances by name, `start` (None) and `duration`.
+
     Raise InputError if the machine has no controller, or the file is no file of demands.
     """
     from layflat.motion.demand_file import read_acting  # noqa: PLC0415
@@ -178,7 +180,10 @@ def _scenario_from_file(machine: Machine, demand: Path) -> dict[str, Any]:
 
 
 def _print_metrics(machine: Machine, run: xarray.Dataset, scenario: Scenario, demand: Path | None) -> None:
-    """Print the moves of a run or its deviations from a demand file, air, and the tip's peak acceleration."""
+    """Print the moves of a run (none in open loop) or its deviations from a demand file, air, and peak acceleration.
+
+    A controller that gave up is reported, too.
+    """
     from layflat.sim.metrics import air_used, measure_moves, peak_tip_acceleration  # noqa: PLC0415
 
     if demand is not None:

@@ -72,7 +72,10 @@ class TaskOptions:
         return {f"{place}: {TASK_KEYS.get(name, name)}": f"--{name}" for name in given}
 
     def task_values(self) -> dict[str, Any]:
-        """Return the values of the options by the keys of a task's file; None where an option is not given."""
+        """Return the values of the options by the keys of a task's file; None where an option is not given.
+
+        Raise InputError for a volume without two corners.
+        """
         values = asdict(self) | {"points": None, "configurations": None}
         for option, key in TASK_KEYS.items():
             rows = values.pop(option)

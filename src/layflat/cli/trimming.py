@@ -27,7 +27,10 @@ def hide_packages(*names: str) -> Iterator[None]:
 
 
 def trim_imports() -> None:
-    """Import xarray and matplotlib without that; for the process of a command, before anything else imports them."""
+    """Import xarray without `ARRAY_PACKAGES` and matplotlib without documentation, and search for garbage less often.
+
+    It is for the process of a command, before anything else imports them.
+    """
     gc.set_threshold(GC_THRESHOLD)  # else a sixth of the time is spent on objects that stay
     with hide_packages(*ARRAY_PACKAGES):
         from xarray.namedarray.pycompat import array_type  # noqa: PLC0415

@@ -48,7 +48,10 @@ def view_arm(
 
 
 def _write_picture(machine: "Machine", angles: list[float], png: Path, motion: "PlayedMotion | None") -> None:
-    """Write the picture of an arm at angles (rad), with the tip's path of a motion, and print its path."""
+    """Write the picture of an arm at angles (rad), with the tip's path of a motion, and print the file's path.
+
+    Raise InputError unless it ends in .png.
+    """
     from layflat.bridge.view.picture import save_picture  # noqa: PLC0415
     from layflat.files import check_file  # noqa: PLC0415
 

@@ -30,7 +30,7 @@ GRAVITY_SAMPLES = 200  # number of random configurations in which torques of gra
 
 
 def with_key_names(chain: SerialChain) -> tuple[SerialChain, dict[str, str]]:
-    """Return a chain whose joints have names that are valid keys, and the new names by the robot's names."""
+    """Return a chain whose joints have unique valid keys as names, with a note, and new names by replaced ones."""
     stages, renamed, taken = [], dict[str, str](), set[str]()
     for stage in chain.stages:
         name = stage.joint.name
@@ -59,7 +59,7 @@ def translate_names(values: Mapping[str, Value], renamed: Mapping[str, str]) -> 
 
 
 def machine_name(robot: Robot) -> tuple[str, tuple[str, ...]]:
-    """Return a valid machine name from the robot's name, or its file's, and a note if it differs."""
+    """Return a valid name from the robot's name, else its file's, else "arm", and a note, if it differs."""
     for name in (robot.name, robot.file.stem):
         tidy = "".join(one if one.isalnum() or one in "-_+" else "-" for one in name).strip("-_+")
         if tidy and not problem(tidy):
@@ -115,7 +115,7 @@ class ImportedArm:
         return notes
 
     def save(self, folder: Path) -> list[Path]:
-        """Write NAME.toml and the meshes beside it; return the written paths.
+        """Write NAME.toml and the meshes beside it; return the written paths, NAME.toml first.
 
         Raises:
             OutputError: it can't be written there.
@@ -216,7 +216,7 @@ def _limits(stroke: object) -> dict[str, tuple[float, float]]:
 
 
 def _max_gravity_torques(machine: Machine) -> Array:
-    """Return the maximum torques of gravity, N m, (joints,), over random configurations within the working strokes."""
+    """Return the maximum magnitudes of gravity torques, with payload, over random configurations, N m, (joints,)."""
     half = np.array([joint.stops.working_stroke / 2 for joint in machine.joints.values()])
     configurations = np.random.default_rng(0).uniform(-half, half, (GRAVITY_SAMPLES, len(half)))
     arm, payload = parameters.arm(machine), machine.arm.payload

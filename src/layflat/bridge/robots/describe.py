@@ -132,7 +132,7 @@ class _Meshes:
         self.folder, self.contents = folder, contents
 
     def name(self, look: VisualShape) -> str:
-        """Return the path of a shape's mesh beside the description; files of the same content share a name.
+        """Return the path of a shape's mesh beside the description; one file, or equal `content`, has one name.
 
         The file is added to `contents`.
         """

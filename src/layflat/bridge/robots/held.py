@@ -63,7 +63,7 @@ class HeldJoints:
         return notes
 
     def _position(self, link: RobotLink, followed: tuple[str, ...] = ()) -> float:
-        """Return a joint's position while the chain's joints are at zero: its zero, or that of the joint it mimics."""
+        """Return a joint's position: its zero, or by the joint it mimics, which counts as 0 if moving or unknown."""
         if link.mimic is None:
             return link.zero
         leader = self._joints.get(link.mimic.joint)

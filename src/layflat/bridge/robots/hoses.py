@@ -41,7 +41,7 @@ def read_template(text: str) -> HoseJointTemplate:
     """Return the joint that a text names as MACHINE:JOINT, MACHINE being a built-in name or a file.
 
     Raises:
-        InputError: there is no such joint.
+        InputError: there is no such joint, or its machine has no valve or sensors.
         MachineError: the machine's description is wrong.
     """
     machine, colon, joint = text.rpartition(":")
@@ -160,7 +160,7 @@ def _limits(chain: SerialChain, joint: RobotLink, max_stroke: float) -> tuple[fl
 
 
 def _soft_limits(joint: RobotLink, limits: tuple[float, float]) -> tuple[float, float] | None:
-    """Return the part of a joint's soft limits within its limits; None if there is none."""
+    """Return the part of a joint's soft limits within its limits, rad; None if it is not above `MIN_STROKE`."""
     if joint.soft_limits is None:
         return None
     lower, upper = max(joint.soft_limits[0], limits[0]), min(joint.soft_limits[1], limits[1])

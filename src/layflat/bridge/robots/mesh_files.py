@@ -84,7 +84,7 @@ def _relative_paths(path: str, robot: Robot) -> list[Path]:
 
 
 def _package_paths(path: str, robot: Robot, packages: Mapping[str, Path]) -> list[Path]:
-    """Return possible paths of a mesh whose name begins with a package, a folder above the robot's file."""
+    """Return possible paths of a mesh whose name begins with a package: in `packages`, else above the robot's file."""
     name, inside = (Path(path).parts or ("",))[0], Path(*Path(path).parts[1:])
     if name in packages:
         return [packages[name] / inside]
@@ -98,7 +98,7 @@ MAX_CORNERS = 300  # upper limit of compared corners
 
 
 def mesh_look(spec: Any, model: Any, file: Path, geom: Pose, mesh: int, inner: Pose) -> VisualShape:
-    """Return the mesh of a geom in the frame of its file, with its scale, where the file has it so; else as it is.
+    """Return the mesh of a geom as its file with a scale, if that has the same corners; else as a binary STL of them.
 
     A default, a frame with a scale, a reference pose or another file of the name may stand between a file and what
     MuJoCo draws. So the corners of both are compared.
@@ -140,7 +140,7 @@ def _corners(path: Path) -> Array | None:
 
 
 def _are_among(corners: Array, others: Array) -> bool:
-    """Return whether corners (n, 3) coincide with some of others, and both have the same bounding box."""
+    """Return whether corners (n, 3), of many a sample, coincide with some of others, and both bounding boxes agree."""
     from scipy.spatial import cKDTree  # noqa: PLC0415  # SciPy takes long to import
 
     tolerance = CORNER_TOLERANCE * float(np.ptp(others, axis=0).max())

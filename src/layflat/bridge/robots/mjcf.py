@@ -73,7 +73,10 @@ def compile_mjcf(mj: Any, file: Path, text: str, *, meshes: bool) -> tuple[Any, 
 
 
 def _read_spec(mj: Any, file: Path, text: str) -> Any:
-    """Return MuJoCo's specification of a file, or of its decoded `text` if it is not in UTF-8."""
+    """Return MuJoCo's specification of a file, or of its decoded `text` if it is not in UTF-8.
+
+    Raise InputError if that text includes other files.
+    """
     if not text:
         return mj.MjSpec.from_file(str(file))
     if "<include" in text:
@@ -127,7 +130,8 @@ def read_mjcf(file: Path, text: str = "", *, meshes: bool = True) -> Robot:
         meshes: whether to import meshes for drawing.
 
     Raises:
-        InputError: MuJoCo refuses the file, or it is not installed.
+        InputError: MuJoCo refuses the file or is not installed, or the file has numbers that are not finite, or names
+            that are not UTF-8.
     """
     mj = import_mujoco("view")
     spec, model, notes = compile_mjcf(mj, file, text, meshes=meshes)
@@ -210,7 +214,7 @@ class _Model:
         return Inertial(float(model.body_mass[i]), model.body_ipos[i].copy(), inertia)
 
     def _link(self, i: int) -> RobotLink:
-        """Return body i's connection to its parent: fixed, hinge, slide, or MuJoCo's name of another type."""
+        """Return body i's connection to its parent; its kind is fixed, hinge or slide, else words for a refusal."""
         model, name, parent = self.model, self.names[i], self.names[self.model.body_parentid[i]]
         pose = Pose(self._axes(model.body_quat[i]), model.body_pos[i].copy())
         count, j = int(model.body_jntnum[i]), int(model.body_jntadr[i])
@@ -246,7 +250,10 @@ class _Model:
         return middle - 0.5 * strokes[0], middle + 0.5 * strokes[0]
 
     def _looks(self, i: int) -> list[VisualShape]:
-        """Return the shapes that a body is drawn by: geoms that do not collide, if any, else all visible ones."""
+        """Return the shapes that a body is drawn by: visible geoms that do not collide, or all visible ones.
+
+        Bodies of joints, by their name, are omitted.
+        """
         model = self.model
         geoms = np.arange(model.body_geomadr[i], model.body_geomadr[i] + model.body_geomnum[i])
         shown = [int(k) for k in geoms if model.geom_group[k] < FIRST_HIDDEN_GROUP]

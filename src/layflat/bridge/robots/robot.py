@@ -104,7 +104,10 @@ class RobotLink:
     mimic: Mimic | None = None
 
     def displaced(self, displacement: float) -> Pose:
-        """Return the pose of the child's frame in the parent's after a displacement from `zero`, rad or m."""
+        """Return the pose of the child's frame in the parent's after a displacement from `zero`, rad or m.
+
+        It is `pose` for joints without axis, and of other kinds than hinge and slide.
+        """
         if (
             displacement == 0.0
             or self.axis is None
@@ -152,7 +155,7 @@ class Robot:
             yield from self.subtree(link.child)
 
     def links_to(self, body: str) -> list[RobotLink]:
-        """Return the links from the base to a body."""
+        """Return the links from the base to a body, in this order."""
         by_child = {link.child: link for link in self.links}
         links: list[RobotLink] = []
         while body in by_child:

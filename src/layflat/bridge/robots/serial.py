@@ -46,7 +46,7 @@ def merge_members(robot: Robot, joint: RobotLink, members: Mapping[str, Pose]) -
         members: poses of the bodies in its frame, by name.
 
     Raises:
-        InputError: a body has no mass, or an impossible one.
+        InputError: they have no mass together, or a body or their sum has an impossible mass or inertia.
     """
     bodies = {name: robot.bodies[name] for name in members}
     for body in bodies.values():
@@ -114,7 +114,7 @@ def extract_chain(robot: Robot, *, to: str = "", tool: str = "") -> SerialChain:
     Args:
         robot: as read from a file.
         to: name of the body that the chain ends at; default: the end of the only chain.
-        tool: name of the body or frame of the payload; default: one of `TOOL_NAMES`, or the chain's end.
+        tool: name of the body or frame of the payload; default: `to`, else one of `TOOL_NAMES`, or the chain's end.
 
     Raises:
         InputError: it is no open chain of up to seven hinges, a body has no mass or an impossible one, or a name is
@@ -133,7 +133,7 @@ class _ChainExtractor:
     def extract(self, to: str, tool: str) -> SerialChain:
         """Return the serial chain that ends at a body and a tool frame.
 
-        Bodies up to the next joint of the chain are merged; other joints are held in their zero position.
+        Bodies up to the next joint of the chain are merged; other joints are held as by `HeldJoints`.
 
         Args:
             to: last body of the chain, "" for the only one possible.
@@ -183,7 +183,7 @@ class _ChainExtractor:
         return robot.links_to(to)
 
     def _only_path(self) -> list[RobotLink]:
-        """Return the links of the only chain of joints; raise InputError if there are several."""
+        """Return the links up to the last moving joint of the only chain; raise InputError if there are several."""
         robot, body = self.robot, self.robot.base
         path: list[RobotLink] = []
         while True:

@@ -162,7 +162,7 @@ class _Reader:
         return Inertial(kilograms, pose.position, pose.axes @ inertia_matrix(six) @ pose.axes.T)
 
     def _link(self, element: Element, bodies: Iterable[str]) -> RobotLink:
-        """Return a joint as the connection of two known links; unsupported types keep their name."""
+        """Return a joint as the connection of two links; unknown types are refused, floating and planar kept."""
         name = element.get("name") or ""
         where, kind = f"joint {name!r}", element.get("type") or ""
         if not name:
@@ -203,7 +203,7 @@ class _Reader:
         return lower, upper
 
     def _soft_limits(self, element: Element, where: str) -> tuple[float, float] | None:
-        """Return soft limits; without any, or with equal ones, as where they are left out, a joint has none."""
+        """Return soft limits, rad or m; None without any, or where they are equal or, with a note, reversed."""
         limits = self._limits(element, "safety_controller", ("soft_lower_limit", "soft_upper_limit"), where)
         if limits is not None and limits[0] > limits[1]:
             self._note(where, f"soft limits from {limits[0]:g} to {limits[1]:g}, the wrong way round: left out")
@@ -265,7 +265,10 @@ class _Reader:
         return self._numbers(shape, "scale", 3, where, (1.0, 1.0, 1.0))
 
     def _origin(self, element: Element, where: str) -> Pose:
-        """Return the pose of an element, the identity without origin; note angles that are probably in degrees."""
+        """Return the pose of an element, the identity without origin; note angles that are probably in degrees.
+
+        An orientation as `quat_xyzw` is refused.
+        """
         origin = element.find("origin")
         if origin is None:
             return translation_pose((0.0, 0.0, 0.0))

@@ -85,7 +85,7 @@ class Viewer:
             before = now
 
     def advance(self, seconds: float) -> None:
-        """Advance a motion that is played by seconds x its speed; after its end it starts again."""
+        """Advance the motion, unless it is paused, by seconds x its speed; after its end it starts again."""
         if self._motion is None or not self.playing.value:
             return
         begin, end = self._motion.times[[0, -1]]
@@ -227,7 +227,7 @@ def _free_port(port: int) -> int:
 
 
 def _add_piece(scene: Any, name: str, piece: Piece) -> Any:
-    """Add a piece to a frame of the scene, and return its handle."""
+    """Add a piece to the scene, by its path below the path of its frame, and return its handle."""
     larger = JOINT_BODY_SCALE if piece.of == "joint" else 1.0
     put: dict[str, Any] = {"wxyz": quaternion(piece.axes), "position": piece.position}
     put["color"] = tuple(round(255 * part) for part in COLOURS[piece.of][:3])
@@ -242,7 +242,7 @@ def _add_piece(scene: Any, name: str, piece: Piece) -> Any:
 
 
 def _piece_mesh(piece: Piece) -> tuple[Array, Array]:
-    """Return vertices (m) and faces of a mesh or a capsule, centred, in the frame of the piece."""
+    """Return vertices (m) and faces of a mesh, or of a capsule about its middle, in the frame of the piece."""
     if piece.file is not None:
         from layflat.bridge.meshes import load_mesh  # noqa: PLC0415
 

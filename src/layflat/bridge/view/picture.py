@@ -32,6 +32,8 @@ GL_INSTALL_ADVICE = "install one: apt-get install libegl1 libgl1-mesa-dri (or li
 def gl_context(width: int, height: int) -> Any:
     """Return a current OpenGL context off screen, by the backend of MUJOCO_GL or the first available one.
 
+    The caller frees it. Its size is in px.
+
     Raises:
         NoDrawingError: there is none.
     """
@@ -86,7 +88,7 @@ def save_picture(
 
 
 def render_picture(shown: Scenery, angles: Sequence[float], *, motion: Sequence[Array] | Array = ()) -> Picture:
-    """Return the picture of an arm, (height, width, 3).
+    """Return the picture of an arm, RGB in uint8, (HEIGHT, WIDTH, 3), top row first.
 
     Args:
         shown: the arm and its floor.

@@ -48,6 +48,8 @@ class Scenery:
 def scenery(machine: Machine, angles: Sequence[float]) -> Scenery:
     """Return the scene of a machine's arm, with a floor below it at some angles (rad).
 
+    The floor is at the height of the base, or below the arm where that is lower; then a post carries the first joint.
+
     Raises:
         InputError: the arm is of a kind without bodies, or a mesh is not there.
     """

@@ -57,7 +57,7 @@ def _check_sources(cell: Cell) -> None:
 
 
 def _check_kinds(cell: Cell) -> None:
-    """Raise ValueError if a kind or grade that a part names is unknown, or the detector's network file is missing."""
+    """Raise ValueError for unknown kinds or grades, a container's kind that vision doesn't know, or no network file."""
     known_kinds = sorted(cell.produce)
     for key, source in cell.sources.items():
         if unknown := [kind for kind in source.produce if kind not in cell.produce]:

@@ -41,7 +41,7 @@ def build_cell(plain: Plain, sources: Sources, where: str) -> Cell:
     """Validate plain tables into a cell, and return it; raise as `load`.
 
     Args:
-        plain: tables; the machine and layouts may be names, or files relative to `where`.
+        plain: tables; the machine and layouts may be names, or files relative to `where`, as the network's file.
         sources: sources of the values.
         where: path of the file, or name of the built-in cell.
     """

@@ -82,7 +82,7 @@ class Packing:
         return [place for place in self.places if place.key not in self.contents]
 
     def best_place(self, fruit: Fruit) -> ContainerPlace | None:
-        """Return the free place with the lowest limit of diameter that accepts a fruit (first of equals), or None."""
+        """Return the free place with the lowest upper limit of diameter that accepts a fruit (first of equals)."""
         candidates = [place for place in self.free if place.accepts(fruit)]
         return min(candidates, key=lambda place: place.largest, default=None)
 
@@ -110,7 +110,7 @@ class Packing:
 
 
 def empty_packing(cell: Cell) -> Packing:
-    """Return the empty places of all containers of a cell; rows of places lie along a container's y axis."""
+    """Return the empty places of all containers of a cell; rows follow each other along its y axis."""
     places = []
     for name, container in cell.container.items():
         grade, layout = cell.produce[container.kind].grade[container.grade], container.layout
@@ -165,7 +165,7 @@ def choose_pick(
     fruits: Sequence[Fruit], packing: Packing, reach: PlanarReach, here: Angles, cup: float, travel_time: TravelTime,
     *, least_confidence: float = 0.5, given_up: frozenset[Fruit] = frozenset(),
 ) -> PickSelection:  # fmt: skip
-    """Choose the fruit to pick next: by confidence in steps of 0.1, then by travel time.
+    """Choose the fruit to pick next: by the highest confidence in steps of 0.1, then by the shortest travel.
 
     Args:
         fruits: all detected fruit; those that are not picked are obstacles.
@@ -173,7 +173,7 @@ def choose_pick(
         reach: inverse kinematics of the arm.
         here: joint angles of the arm, rad.
         cup: radius of the cup, m.
-        travel_time: between two configurations, s.
+        travel_time: between two configurations, s, or another measure, which is then that of `PickChoice.travel`.
         least_confidence: below which a fruit is not picked.
         given_up: fruit that is not tried again.
     """

@@ -216,7 +216,7 @@ def _follow(rules: PickRules, state: PickState, measured: CellReadings) -> Phase
 
 
 def _lower(rules: PickRules, state: PickState, measured: CellReadings) -> PhaseResult:
-    """Wait for CONTACT of the lowered cup: with the fruit, or of the fruit with its place or its old position.
+    """Wait for CONTACT of the lowered cup, or of its fruit with the place or old position: by stop, height or vacuum.
 
     DROPPED where the vacuum is lost in PLACE, STUCK after `lower_time`.
     """
@@ -230,7 +230,7 @@ def _lower(rules: PickRules, state: PickState, measured: CellReadings) -> PhaseR
 
 
 def _await_seal(rules: PickRules, state: PickState, measured: CellReadings) -> PhaseResult:
-    """Wait in phase SEAL until the vacuum is valid; NO_SEAL after `seal_time`, with the reason."""
+    """Wait in phase SEAL until the vacuum is `sound`, which sets the task's heights; NO_SEAL after `seal_time`."""
     if measured.vacuum >= rules.sound:
         return PickEvent.SEALED, replace(state, task=state.task.seated(measured.height))
     if measured.time - state.since < rules.seal_time:
@@ -241,7 +241,10 @@ def _await_seal(rules: PickRules, state: PickState, measured: CellReadings) -> P
 
 
 def _await_lift(rules: PickRules, state: PickState, measured: CellReadings) -> PhaseResult:
-    """Wait in phase LIFT until the fruit is raised; DROPPED on loss of vacuum, HEAVY or STUCK after `heavy_time`."""
+    """Wait in phase LIFT until the fruit is raised; DROPPED on loss of vacuum, after `heavy_time` HEAVY.
+
+    With a disturbed arm it is STUCK in place of HEAVY.
+    """
     if measured.vacuum < rules.lost_vacuum:
         return PickEvent.DROPPED, replace(state, trouble=state.trouble or "it slipped off the cup")
     if _is_raised(rules, state, measured):
@@ -255,7 +258,10 @@ def _await_lift(rules: PickRules, state: PickState, measured: CellReadings) -> P
 
 
 def _await_arrival(rules: PickRules, state: PickState, measured: CellReadings) -> PhaseResult:
-    """Wait in phase CARRY until the arm has settled over the place; STUCK after `tries` disturbances, or lost fruit."""
+    """Wait in phase CARRY until the arm has settled over the place; DROPPED on loss of vacuum.
+
+    STUCK after `tries` disturbances, or as `_settle`.
+    """
     if measured.vacuum < rules.lost_vacuum:
         return _lose_fruit(state)
     if state.shaken >= rules.tries:
@@ -271,7 +277,7 @@ def _lose_fruit(state: PickState) -> PhaseResult:
 
 
 def _await_release(rules: PickRules, state: PickState, measured: CellReadings) -> PhaseResult:
-    """Wait until the vacuum has decayed; RELEASED, with outcome PLACED if the fruit was at its place."""
+    """Wait until the vacuum has decayed; RELEASED, with outcome PLACED in RELEASE; STUCK after `release_time`."""
     if measured.vacuum < rules.empty:
         return PickEvent.RELEASED, replace(
             state, outcome=PickOutcome.PLACED if state.phase is PickPhase.RELEASE else None
@@ -280,7 +286,7 @@ def _await_release(rules: PickRules, state: PickState, measured: CellReadings) -
 
 
 def _await_raised(rules: PickRules, state: PickState, measured: CellReadings) -> PhaseResult:
-    """Wait until the empty cup is raised; then try a fruit that lies still again, or end the pick."""
+    """Wait until the empty cup is raised: RAISED to try again, if `tries` and a fruit at rest allow it, else ENDED."""
     if not _is_raised(rules, state, measured):
         return _wait(state, measured, rules.raise_time)
     # A moving fruit is not tried again in this pick: it is chosen again at its new position.

@@ -73,6 +73,7 @@ class BeltDrive:
         speed: speed of the belt now, m/s.
         speed_override: demanded speed in place of the description's, m/s; None: the description's.
         here: True for each fruit that is in the cell, (fruit,).
+        gone: True for each fruit that the belt has carried away, (fruit,).
     """
 
     def __init__(self, model: Any, data: Any, belt: Conveyor, fruits: list[SceneFruit]) -> None:
@@ -130,7 +131,7 @@ class BeltDrive:
         self.here[number] = True
 
     def _has_passed(self, number: int) -> bool:
-        """Return whether a fruit over the belt is at its end, or at its begin while the belt runs backwards."""
+        """Return whether a fruit over the belt is at the belt's end, or at its begin while it runs backwards."""
         x, y = self._data.qpos[self._places[number]][:2]
         along, across = self._belt.from_centre(float(x), float(y))
         if abs(across) > self._belt.size[1] / 2:  # it was taken elsewhere

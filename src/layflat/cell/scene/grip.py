@@ -118,7 +118,10 @@ class Grip:
         self._step: float = model.opt.timestep
 
     def update(self) -> None:
-        """Advance vacuum and seal after a timestep, and release a fruit that is no longer held."""
+        """Advance the vacuum after a timestep; release a fruit that the cup can't hold, or hold one.
+
+        With suction on, it holds the only fruit that touches the lip, if its skin is within the cup's tilt.
+        """
         step, touched = self._step, self._touched()
         self._measure_forces(touched, step)
         if self.held is None and self.cup.on and len(touched) == 1:

@@ -66,7 +66,7 @@ def _add_top(spec: Any, body: Any, fruit: SceneFruit) -> None:
 
 
 def _star_mesh(radius: float, thick: float) -> dict[str, list[float] | list[int]]:
-    """Return points and faces of a flat star: the mesh of a calyx."""
+    """Return a flat star, the mesh of a calyx (m): arguments `uservert` and `userface` of MuJoCo's `add_mesh`."""
     corner = np.arange(2 * SEPAL_COUNT)
     turn, far = pi * corner / SEPAL_COUNT, radius * np.where(corner % 2, 0.25, 1.0)
     rim = np.stack([far * np.cos(turn), far * np.sin(turn), 0.0 * far], axis=1)

@@ -187,7 +187,10 @@ def add_clutter(spec: Any, cell: Cell, fruits: list[SceneFruit], rng: np.random.
 
 
 def _draw_spot(cell: Cell, taken: dict[str, Array], reach: float, rng: np.random.Generator) -> tuple[Array, float]:
-    """Draw a position on the floor of a tray, or on the table among the parts; and its height, m."""
+    """Draw a position (m) on the floor of a tray, or on the table, maybe on a part; return it and its height, m.
+
+    `reach` is the longest side of the piece, m: in a tray, it touches no wall.
+    """
     names = list(cell.tray)
     if names and rng.random() < 0.5:
         tray = cell.tray[names[int(rng.integers(len(names)))]]

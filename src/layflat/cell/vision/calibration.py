@@ -215,7 +215,10 @@ def _fit_lens(views: list[PointPairs], size: tuple[int, int]) -> tuple[Array, Ar
 
 
 def _detect_markers(picture: Picture, markers: Base, size: tuple[int, int], where: str) -> PointPairs:
-    """Return places and pixels of the base markers in a picture; raise CameraError if none is detected."""
+    """Return places and pixels of the base markers in a picture.
+
+    Raise CameraError if none is detected, PictureError if the picture can't be used; both name it `where`.
+    """
     if (seen := markers.detect(_grey(picture, size, where))) is None:
         problem = f"no base marker ({markers.description}) is in the image"
         raise CameraError(problem, where=where, right="uncover it, point the camera at it")

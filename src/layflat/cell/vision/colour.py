@@ -85,7 +85,10 @@ class ColourDetector:
         return select_detections(names, measured, sure, good)
 
     def _candidates(self, hsv: Any, scale: float) -> list[_Candidates]:
-        """Return candidates by each kind's colours, and at last by the absence of all colours."""
+        """Return candidates by each kind's colours, and at last, given a background, by the absence of all colours.
+
+        Kinds without any are left out. `scale`: px of the halved picture a metre.
+        """
         cv2 = opencv()
         background = regions.colour_mask(hsv, self.background)
         taken = background.copy()
@@ -111,7 +114,7 @@ def _rough_outlines(guess: _Candidates, scale: float) -> tuple[Array, Array]:
 
 
 def _sample_masks(guesses: Sequence[_Candidates], outlines: Array) -> Array:
-    """Return the presence of a kind's colour within outlines, 0 to 1 at each point of `inner_points`."""
+    """Return the presence of a kind's colour within outlines, in the order of all discs: 0 to 1 by `inner_points`."""
     parts = np.split(outlines, np.cumsum([len(guess.discs) for guess in guesses])[:-1])
     shares = [
         edges.sample_picture(guess.mask, inner_points(part)) / 255.0 for guess, part in zip(guesses, parts, strict=True)

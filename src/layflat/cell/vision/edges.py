@@ -53,7 +53,8 @@ def find_picture_edges(picture: Any, outlines: Array) -> tuple[Array, Array]:
     """Detect the edges near outlines: where the colour is halfway between inside and outside.
 
     The outside is the colour that differs most from the inside, so that a narrow gap between two things is detected.
-    The outlines (B, RAY_COUNT, 2), px, go anticlockwise in the RGB picture. Return as `find_mask_edges`.
+    The outlines (B, RAY_COUNT, 2), px, go anticlockwise in the RGB picture. Return as `find_mask_edges`;
+    points that are no edges stay on the outlines.
     """
     along = np.roll(outlines, -1, axis=1) - np.roll(outlines, 1, axis=1)
     outwards = np.stack([-along[..., 1], along[..., 0]], axis=-1)

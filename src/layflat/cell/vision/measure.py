@@ -210,7 +210,7 @@ def select_detections(names: Sequence[str | None], measured: Measurements, sure:
 
 
 def inner_points(outlines: Array) -> Array:
-    """Return points distributed evenly within outlines, px of the halved picture, (B, 8, RAY_COUNT / 4, 2)."""
+    """Return points spread evenly within outlines (px), in px of the halved picture, (B, 8, RAY_COUNT / 4, 2)."""
     shares = np.sqrt(np.linspace(0.04, 0.75, 8))
     middle = outlines.mean(axis=1)[:, None, None]
     return np.asarray((middle + shares[:, None, None] * (outlines[:, None, ::4] - middle) - 0.5) / 2.0)
@@ -239,7 +239,7 @@ def radial_relief(even: Any, outlines: Array, presence: Array) -> Array:
 
 
 def _sample_skins(even: Any, outlines: Array) -> tuple[Array, Array, Array, Array]:
-    """Return points within outlines, their brightness, flags of the skin's (median) chromaticity, and RGB values."""
+    """Return `inner_points`, their brightness and flags of the skin's (median) chromaticity, (B, points), and RGB."""
     places = inner_points(outlines)
     values = edges.sample_picture(even, places).reshape(len(outlines), -1, 3)
     level = values.mean(axis=2)

@@ -95,7 +95,7 @@ class BeltPacker(Packer):
         return True
 
     def _estimated_motion(self, track: FruitTrack) -> MovingTarget | None:
-        """Return the estimated motion of a fruit; None where no part of it is within the arm's reach."""
+        """Return the estimated motion of a fruit from now on; None where its line misses the arm's reach."""
         lane, now = self._lane(track.across), self._station.time
         if lane.path is None:
             return None
@@ -186,7 +186,8 @@ class BeltPacker(Packer):
     def _picked_fruit_motion(self) -> MovingFruit | None:
         """Return the estimate of the picked fruit's motion now, with the reason why it can't be followed, if any.
 
-        Return None where no fruit is being picked. Before it is within reach the arm is held, after that at the end.
+        Return None where no fruit is being picked. Before it is within reach the arm is held; with a reason it goes to
+        the end of the reach.
         """
         track, course, now = self._track, self._course, self._station.time
         if track is None or course is None:

@@ -23,7 +23,7 @@ class Evaluator(Observer):
         self._picks: list[tuple[str, float]] = []
 
     def on_phase_change(self, choice: PickChoice, before: PickState, after: PickState) -> None:
-        """Record the carried fruit and its position on release.
+        """Record the carried fruit, and on its release its distance from the middle of its place.
 
         Args:
             choice: fruit and place of the pick.

@@ -79,6 +79,7 @@ def centre_fruit(task: PickTask, fruit: Fruit, place: ContainerPlace, at: Angles
     """Return the task with the fruit's middle, not the cup's, over the middle of its place.
 
     The cup sits off the fruit's middle by the arm's position error; that offset rotates with the last link.
+    Where the arm can't reach, the task is unchanged.
 
     Args:
         task: task of the pick.
@@ -152,7 +153,7 @@ class Packer:
     def _choose(self, only: Fruit | None = None) -> PickChoice | None:
         """Return the next pick of all fruit in trays, or of one of it; None if there is none.
 
-        For all fruit, set `not_picked` with the reasons against the rest.
+        For all fruit, set `not_picked` with the reasons against the rest. Travel is the largest turn of a joint, rad.
         """
         fruits = self._world.in_trays
         tried = {fruit for fruit in fruits if any(is_same_fruit(fruit, other) for other in self._given_up)}
@@ -234,6 +235,7 @@ class Packer:
     def _observe_from_home(self) -> None:
         """Take an image with the arm out of view, and enter fruit in places in `packing`.
 
+        An arm that does not get there in time counts as hiding fruit.
         Raise PictureError if none of `MAX_IMAGES` can be used.
         """
         arm = None if self._try_move_home() else self._station.arm.angles
@@ -252,7 +254,7 @@ class Packer:
                 self.packing = self.packing.filled(place, fruit)
 
     def _try_move_home(self) -> bool:
-        """Move the empty arm out of the camera's view; return whether it arrived in time."""
+        """Move the empty arm, suction off, out of the camera's view; return whether it arrived in `settle_time`."""
         rules, station = self._rules, self._station
         deadline = station.time + rules.settle_time
         while station.time < deadline:

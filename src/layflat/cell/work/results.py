@@ -53,6 +53,10 @@ class PackingSummary:
 def record_runs(cell: Cell, runs: Sequence[PackingRun], *, partial: bool = False) -> dict[str, Any]:
     """Return the results of runs for JSON: numbers and texts, in SI units unless a key names another.
 
+    Keys: `partial`, `cell`, `machine`, `limits`, `summary` (attributes of `PackingSummary`), and `runs`, a list with
+    `seed`, `perception` ("scene" or "camera"), `error` and `deliveries`. None stands for numbers that are not finite; air is in
+    normal litres.
+
     Args:
         cell: description.
         runs: results.
@@ -82,7 +86,7 @@ def save_results(content: dict[str, Any], path: Path) -> Path:
 
 
 def _delivery_record(delivery: Delivery) -> dict[str, Any]:
-    """Return a delivery as a mapping for JSON."""
+    """Return a delivery for JSON: seed, time (s), error, overlooked, picks, not_picked and collisions."""
     return {
         "seed": delivery.seed,
         "time": delivery.time,
@@ -98,7 +102,7 @@ def _delivery_record(delivery: Delivery) -> dict[str, Any]:
 
 
 def _pick_record(pick: Pick, verdict: Verdict) -> dict[str, Any]:
-    """Return a pick with its verdict as a mapping for JSON."""
+    """Return a pick for JSON: its fruit as `seen`, place, outcome and records, and its verdict as `truth`."""
     fruit, place = pick.choice.fruit, pick.choice.place
     return {
         "number": pick.number,

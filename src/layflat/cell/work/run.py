@@ -52,7 +52,8 @@ def calibrate_cell(cell: Cell, progress: Callable[[float], object] = lambda _: N
 def run_packing(cell: Cell, seed: int, picks: int, calibration: Calibration | None, observer: Observer) -> PackingRun:
     """Simulate deliveries until a number of picks, or until one ends early; reproducible.
 
-    The run ends where a delivery has no fruit that can be picked, or with an error of any delivery but the first.
+    The run ends where a delivery has no fruit that can be picked, or with an error or
+    Ctrl-C after the first pick, which is then its `error`.
 
     Args:
         cell: description.
@@ -62,9 +63,10 @@ def run_packing(cell: Cell, seed: int, picks: int, calibration: Calibration | No
         observer: notified of each event.
 
     Raises:
-        PictureError: the camera gives no usable image in the first delivery.
+        PictureError: the camera gives no usable image before the first pick.
         CameraError: the camera has moved, which is checked first.
         CellError: the scene can't be built.
+        RigStoppedError, DivergedError: the arm stopped, or the simulation diverged, before the first pick.
     """
     deliveries: list[Delivery] = []
     error, done = None, 0

@@ -103,7 +103,7 @@ class CellArm:
             raise RigStoppedError(f"the rig stopped: {supervisor.ledger.worst.title}")
 
     def request(self, now: int) -> HostRequest:
-        """Return the demand of the present motion in this cycle."""
+        """Return the demand of the present motion in this cycle, which begins at `now`, ns."""
         self._now, row = now / NS_PER_SECOND, self._at
         last = len(self._course.angles) - 1
         if row > last and self._passing is not None and self._now < self._passing.braking_time:
@@ -122,7 +122,7 @@ class CellArm:
 
 
 class CellStation:
-    """Arm, lift and cup of a scene as seen by a control loop of 5 ms: sensor readings and commands.
+    """Arm, lift and cup of a scene as seen by the machine's control loop: sensor readings and commands.
 
     Args:
         scene: physical scene.

@@ -44,7 +44,7 @@ def encode_jpeg(picture: Picture) -> bytes:
 
 
 def draw_observation(observation: Observation, chosen: Fruit | None) -> Picture:
-    """Return a copy of an observation's picture with its detections, and a ring around the chosen fruit if detected."""
+    """Return a copy of an observation's picture (it must have one) with detections, and a ring around the chosen."""
     assert observation.picture is not None
     picture = draw_detections(observation.picture, observation.detections)
     detection = None if chosen is None else detection_of(observation, chosen)

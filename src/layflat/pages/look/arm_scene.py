@@ -149,7 +149,7 @@ class ArmScene:
 
 
 def _draw_piece(scene: ui.scene, piece: Piece, ghost: str | None) -> None:
-    """Draw the solids of a piece at its pose; with `ghost`, a colour, translucent and slightly enlarged."""
+    """Draw the solids of a piece at its pose; with `ghost`, a colour, translucent and scaled by `GHOST_SCALE`."""
     for solid_object, axes, along in _solids(scene, piece):
         place = piece.position + piece.axes @ np.array([0.0, 0.0, along])
         solid_object.material(ghost or COLOURS[piece.of], 0.35 if ghost else 1.0)

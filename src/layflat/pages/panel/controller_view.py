@@ -85,7 +85,7 @@ class ControllerView:
         return field, entry
 
     async def _change_controller(self) -> None:
-        """Change the rig's controller by the entered values after a question, which makes the rig connect anew."""
+        """Change the rig's controller by the entered values, after a question; then the rig connects anew."""
         base = self._base()
         with theme.show_errors_on(self.status):
             values = {path: text for path, (field, entry) in self._numbers.items()
@@ -106,7 +106,7 @@ def describe_path(path: str) -> str:
 
 
 def _changed_value(field: Field, value: Any, before: float) -> Any:
-    """Return an entered number as a description holds it; None where it shows the SI value `before`.
+    """Return an entered number as a description holds it, with its unit; None where it shows the SI value `before`.
 
     Raises:
         LayflatError: the entry holds no finite number.

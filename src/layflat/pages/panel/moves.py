@@ -30,7 +30,7 @@ MAX_PAUSE, MAX_STEPS = 3600.0, 500  # of a step, s, and of a sequence
 
 
 class ArmMotion(Protocol):
-    """Motion of an arm, which `ask` advances; `is_over` once it has ended."""
+    """Motion of an arm, which `send_demand` advances; `is_over` once it has ended."""
 
     is_over: bool
 

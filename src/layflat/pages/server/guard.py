@@ -89,7 +89,10 @@ def header_values(scope: "Scope", name: str) -> list[str]:
 
 
 def _is_plain(path: bytes) -> bool:
-    """Return whether a path begins with "/", and has no "..", backslash or null, decoded up to three times."""
+    """Return whether a path begins with "/", and has no "..", backslash or null, decoded up to three times.
+
+    One that is encoded more often is not plain.
+    """
     if not path.startswith(b"/"):
         return False
     for _ in range(4):

@@ -147,6 +147,8 @@ def step_scenario(machine: Machine, step: JointStep) -> Scenario:
 def vary_parameters(machine: Machine, tolerances: Tolerances, runs: int) -> dict[str, Array]:
     """Return the varied values by path, SI, (runs,) each; the first run is nominal, the others are Sobol points.
 
+    Paths are those of the machine and of `scenario`; `seed` has other sensor noise for each run.
+
     Args:
         machine: nominal machine.
         tolerances: ranges of the values.

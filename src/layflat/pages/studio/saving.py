@@ -62,7 +62,7 @@ def save(design: Design, path: Path) -> Path:
     """Write a design as a description, replacing an existing file, and return its path.
 
     The description extends the opened one and holds only the differences. Over its own file it holds that file's values
-    with the changes. If the opened description has changed on disk, the file is complete instead.
+    with the changes. If the opened description has changed on disk or was saved over, another file is complete instead.
 
     Raises:
         InputError: it would overwrite a file that it extends, or the file read again is not the design.
@@ -82,7 +82,7 @@ def save(design: Design, path: Path) -> Path:
 
 
 def list_stale(design: Design) -> list[Finding]:
-    """Return the findings of `layflat machine check` about values that belong to other sizes than the design has.
+    """Return the findings of `layflat machine check` about values of other sizes, and tubes that are counted twice.
 
     They are those of the description that `save` would write; none for a design without changes.
     """

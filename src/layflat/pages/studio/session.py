@@ -194,7 +194,10 @@ class StudioSession:
         return await self.worker.perform(work, *arguments, what="the design of a joint")
 
     async def _update_cloud(self, number: int) -> None:
-        """Simulate the cloud of the design, then of A if it has none of this step; change nothing if overtaken."""
+        """Simulate the cloud of the design, then of A if it has none of this step.
+
+        An overtaken cloud of the design changes nothing, and the wait goes on; one of A leaves A without.
+        """
         self.waiting_since = time.monotonic()
         cloud = await self._cloud(self.design.machine)
         if cloud is None:
