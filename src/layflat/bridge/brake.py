@@ -120,6 +120,7 @@ class Brakes:
     """
 
     def __init__(self, model: Any, dofs: NDArray[np.int64]) -> None:
+        """Find the trees of bodies in which the brakes act, and compile the kernels."""
         from layflat.bridge.arm import import_mujoco  # noqa: PLC0415  # the kernels of this module do not depend on it
 
         self._mj, self._model = import_mujoco(), model

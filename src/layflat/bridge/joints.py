@@ -54,6 +54,7 @@ class PneumaticJoints(DrivenJoints):
         *,
         pressures: tuple[float, float] | None = None,
     ) -> None:
+        """Check names, timestep and integrator, and compile; the first step sets the joints to rest, see `reset`."""
         self._mj, self._model = import_mujoco(), model
         self._cycle = machine.cycle
         laws = dict(zip(machine.joints, parameters.joints(machine), strict=True))

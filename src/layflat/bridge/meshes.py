@@ -33,6 +33,7 @@ class Meshes:
     """
 
     def __init__(self, pieces: Iterable[Piece], folder: str, *, engine: bool) -> None:
+        """Name the meshes of the pieces, each file once; nothing is read yet."""
         self._engine, self._folder, self._names = engine, folder, dict[Path, str]()
         for piece in pieces:
             if piece.file is not None and piece.file not in self._names:

@@ -52,6 +52,7 @@ class MujocoPlant(PneumaticJoints, MachinePlant):
         seed: int | None = 0,
         step: Callable[[Advance], object] | None = None,
     ) -> None:
+        """Make what is not given, write the initial angles into the data, and set the joints to rest there."""
         self.model = arm_spec(machine).compile() if model is None else model
         self.data = import_mujoco().MjData(self.model) if data is None else data
         filled = None if pressures is None else _read_pressures(pressures)

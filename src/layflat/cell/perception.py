@@ -40,7 +40,7 @@ def calibrate_scene(
 ) -> Calibration:
     """Calibrate with the cell's board in nine poses before the camera, then with the markers on the table.
 
-    The arm of the scene has to be out of the camera's view.
+    The arm of the scene has to be out of the camera's view. The board is removed after its pictures.
 
     Args:
         scene: scene whose board and markers are used.
@@ -49,7 +49,7 @@ def calibrate_scene(
 
     Raises:
         PictureError: a picture is dark or blurred.
-        CameraError: board or markers are not detected.
+        CameraError: as `calibrate`, such as for a board or markers that are not detected.
     """
     poses, pictures = board_poses(scene.cell), []
     for number, (position, orientation) in enumerate(poses, start=1):

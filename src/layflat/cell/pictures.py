@@ -73,6 +73,7 @@ class ContactSheet:
     """
 
     def __init__(self, title: str, columns: int = 5) -> None:
+        """Begin a sheet without tiles; raise InputError for less than 2 columns."""
         if columns < OVERVIEW_COLUMNS:
             raise InputError(
                 f"{columns} is too few", where="columns of a sheet", right=f"give {OVERVIEW_COLUMNS} or more"
@@ -192,6 +193,7 @@ class Film:
     """
 
     def __init__(self, path: Path, fps: float = 20.0) -> None:
+        """Check path, encoder and rate; the `with` block opens the file."""
         self._av, self._path, self._gif = (
             extras.import_extra("cell", "av"),
             path,

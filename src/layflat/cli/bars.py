@@ -78,6 +78,7 @@ def in_background(
     failures: list[BaseException] = []
 
     def run() -> None:
+        """Store the result of the work, or its error."""
         try:
             results.append(work())
         except BaseException as error:  # handed over to the thread that waits

@@ -47,7 +47,10 @@ def expanded(command: Callable[..., Any]) -> Callable[..., Any]:
 
     @wraps(command)
     def called(**arguments: Any) -> Any:
+        """Call the command with its groups of options built from single ones."""
+
         def pop_values(option_field: Field[Any]) -> Any:
+            """Take the value of a field from the arguments, or those of its table of options by name."""
             return (
                 {each: arguments.pop(each) for each in option_field.metadata}
                 if option_field.metadata
@@ -58,6 +61,7 @@ def expanded(command: Callable[..., Any]) -> Callable[..., Any]:
         return command(**arguments, **options)
 
     def options_of(group: Any) -> Iterator[Parameter]:
+        """Yield the parameters that typer sees for the fields of a group."""
         shown_parameters = signature(group, eval_str=True).parameters
         for one in fields(group):
             for each, note in one.metadata.items():
@@ -66,6 +70,7 @@ def expanded(command: Callable[..., Any]) -> Callable[..., Any]:
                 yield shown_parameters[one.name].replace(kind=Parameter.KEYWORD_ONLY)
 
     def parts(key: str) -> Iterator[Parameter]:
+        """Yield the parameters of a group of options, or the single parameter of this name."""
         if key in groups:
             yield from options_of(groups[key])
         else:
@@ -158,6 +163,7 @@ def _name_arguments(text: str, options: Mapping[str, str]) -> str:
     """Return a message with options in place of arguments in backquotes."""
 
     def option_of(match: re.Match[str]) -> str:
+        """Return the option of a matched argument with its value, or the match itself if it is no argument."""
         name, value = match.groups()
         if match[0].strip("`") in options:
             return options[match[0].strip("`")]

@@ -39,6 +39,7 @@ def complete_name(*nouns: str, files: bool = True) -> Completer:
     """
 
     def complete(incomplete: str) -> list[str]:
+        """Return the names and files that begin with a text."""
         folders = [PACKAGE_FOLDER / BUILTIN_FOLDERS[noun] for noun in nouns]
         names = [name for folder in folders for name in sorted(path.stem for path in folder.glob("*.toml"))]
         here = sorted(path.name for path in Path().glob("*.toml")) if files else []

@@ -29,6 +29,7 @@ class LazyTyper(typer.Typer):
     """
 
     def __init__(self, name: str, text: str, sections: Mapping[str, Mapping[str, "str | LazyTyper"]]) -> None:
+        """Make the application with its help; modules are imported once their commands are used."""
         owner = self
 
         class LazyGroup(TyperGroup):
@@ -40,6 +41,7 @@ class LazyTyper(typer.Typer):
                 return owner.build_command(cmd_name) if cmd_name in owner.places else None
 
             def format_commands(self, ctx: Any, formatter: Any) -> None:  # noqa: ARG002
+                """Write the short help of all commands and groups, below their headings."""
                 width = max(map(len, owner.places))
                 for heading, names in sections.items():
                     with formatter.section(heading):
@@ -69,7 +71,7 @@ class LazyTyper(typer.Typer):
         return self.command(name, cls=CheckedCommand, epilog="\n".join(examples))
 
     def short_help(self, name: str) -> str:
-        """Return the line about a command in the help; its options are not built, which takes most of the time."""
+        """Return the help line of a command, whose module is imported, or group; its slow options are not built."""
         place = self.places[name]
         if isinstance(place, LazyTyper):
             return _first_sentence(str(place.info.help))
@@ -108,6 +110,7 @@ class CheckedCommand(TyperCommand):
         parse = parser.parse_args
 
         def parse_checked(args: list[str]) -> Any:
+            """Parse arguments; raise BadParameter for an option that is given twice or empty."""
             result = parse(args=args)
             seen: set[str] = set()
             for parameter in result[2]:

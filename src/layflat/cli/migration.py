@@ -134,6 +134,8 @@ def _noun_of_json(content: Plain, where: str) -> str:
 def _base_tables(plain: Plain, path: Path, depth: int = 0) -> tuple[str, Plain]:
     """Return noun and tables of the description that a file extends; the noun is empty if none of them is built in.
 
+    Both are empty for a file that extends none, or one that does not exist.
+
     Args:
         plain: tables of the file.
         path: of the file.

@@ -124,6 +124,7 @@ def _plans(machine: Machine, demand: list[str], duration: str | None) -> Callabl
         steps = [(0.0, {}), *steps]
 
     def plan(held: list[float]) -> DemandPlan:
+        """Return the plan from the angles at which joints are held, rad."""
         if followed is not None:
             return followed
         times, rows = read_steps(steps, SignalKind(where, u.ANGLE, names), np.array(held))
@@ -161,6 +162,7 @@ def _status(rig: RecordedSession) -> Iterator[None]:
     from rich.text import Text  # noqa: PLC0415
 
     def line() -> Text:
+        """Return the line of the loop's last cycle, red in a fault, with a warning if nothing is recorded."""
         try:
             shot = rig.session.snapshot()
         except ValueError:  # the memory was closed meanwhile

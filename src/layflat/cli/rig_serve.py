@@ -78,7 +78,7 @@ def _answer(device: "DeviceProcess", stopped: Callable[[], bool]) -> None:
 
 
 def _lines(device: "DeviceProcess", stopped: Callable[[], bool]) -> Iterator[list[str]]:
-    """Yield the words of each line of stdin, until the device ends or `stopped` returns True."""
+    """Yield the words of each line of stdin; return once the device ends or `stopped` is true, not at its end."""
     source = [sys.stdin.fileno()] if sys.stdin is not None and not sys.stdin.closed else []
     rest = b""
     while not stopped():

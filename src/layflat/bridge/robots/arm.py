@@ -191,7 +191,7 @@ def import_arm(
 
 
 def _check_types(file: object, joints: object, names: Mapping[str, object]) -> None:
-    """Raise InputError if an argument has a wrong type."""
+    """Raise InputError unless `file` is a path, `joints` are texts, and each value of `names` is a text."""
     if not isinstance(file, (str, Path)):
         raise InputError(f"{shown(file)} is no path", where="file", right="give that of a URDF or an MJCF")
     texts = isinstance(joints, (list, tuple)) and all(isinstance(joint, str) for joint in joints)

@@ -37,7 +37,7 @@ class ArmDescription:
 def describe_arm(
     chain: SerialChain, name: str, hoses: Mapping[str, HoseJointTemplate], turning: list[JointRange]
 ) -> ArmDescription:
-    """Return the description of an arm.
+    """Return the description of an arm, with the tracking control law; joint angles are 0 in the middle of their range.
 
     Args:
         chain: joints and bodies of a robot.

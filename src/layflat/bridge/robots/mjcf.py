@@ -281,7 +281,7 @@ class _Model:
         return mesh_look(self.spec, model, self.file, pose, mesh, inner)
 
     def _loops(self) -> list[tuple[str, set[str]]]:
-        """Return the active constraints by name, and the bodies that each connects."""
+        """Return the active equality constraints of joints, tendons and bodies: names, and the bodies they tie."""
         model, loops = self.model, []
         for k in np.flatnonzero(model.eq_active0):
             kind = self.mj.mjtEq(int(model.eq_type[k])).name.removeprefix("mjEQ_").lower()
@@ -310,7 +310,7 @@ class _Model:
         return [int(model.wrap_objid[w]) for w in wraps if model.wrap_type[w] == self.mj.mjtWrap.mjWRAP_JOINT]
 
     def _omitted_elements(self) -> list[str]:
-        """Return the names of the elements of the model that a description of an arm can't hold."""
+        """Return, in words, the sorts of elements of the model that a description of an arm can't hold."""
         model = self.model
         touching = bool(np.any(model.geom_contype) or np.any(model.geom_conaffinity))
         counts = {

@@ -93,7 +93,7 @@ class _Reader:
         return None if option is None else np.array(self._numbers(option, "gravity", 3, "mujoco/option", None))
 
     def _omitted_elements(self, root: Element) -> list[str]:
-        """Return the names of the elements of the file that a description of an arm can't hold."""
+        """Return, in words, the sorts of elements of the file that a description of an arm can't hold."""
         joints = root.findall("joint/dynamics")
         elements = {
             "transmissions": root.find("transmission") is not None,
@@ -151,7 +151,7 @@ class _Reader:
         )
 
     def _inertial(self, element: Element, where: str) -> Inertial:
-        """Return the inertial of a link, rotated into the link's frame: kg, m, kg m2; neither may be missing."""
+        """Return the inertial of a link, in the link's frame (kg, m, kg m2); refuse one without mass or inertia."""
         mass, inertia = element.find("mass"), element.find("inertia")
         if mass is None or inertia is None:
             lacking = "mass" if mass is None else "inertia"
@@ -210,7 +210,7 @@ class _Reader:
         return limits if limits is not None and limits[0] < limits[1] else None
 
     def _armature(self, dynamics: Element, where: str) -> float:
-        """Return the armature, an attribute of layflat's exports that URDF lacks, kg m2."""
+        """Return the armature, an attribute of layflat's exports that URDF lacks, kg m2; refuse one below 0."""
         (armature,) = self._numbers(dynamics, "armature", 1, f"{where}: dynamics", (0.0,))
         if armature < 0.0:
             self._refuse(f"{where}: dynamics", f"has the armature {armature:g} kg m2", "give one of 0 or more")
@@ -226,7 +226,7 @@ class _Reader:
         return Mimic(mimic.get("joint") or "another", multiplier, offset)
 
     def _visual_shape(self, element: Element, body: str) -> VisualShape | None:
-        """Return a visual as a shape, m; None for a mesh that is left out, or a shape with a size of zero."""
+        """Return a visual as a shape, m; None for a mesh that is left out, or a size of zero; refuse others."""
         where = f"link {body!r}"
         geometry = element.find("geometry")
         shape = None if geometry is None or not len(geometry) else geometry[0]

@@ -61,6 +61,7 @@ class Viewer:
     def __init__(
         self, machine: Machine, angles: Sequence[float], *, motion: PlayedMotion | None = None, port: int = 8080
     ) -> None:
+        """Start the server, and build scene and controls; the server is stopped if that fails."""
         viser = extras.import_extra("view", "viser")
         self._shown = scenery(machine, angles)
         self._motion, self._angles = motion, np.array(angles, float)

@@ -120,7 +120,7 @@ def _dash(axis: Array, arm: Array, angle: float) -> Array:
 
 
 def _upright_axes(gravity: Array) -> Array:
-    """Return the axes in which gravity is along -z; without gravity the identity."""
+    """Return the base's axes (columns) in a room where gravity (m/s2) is along -z; without gravity the identity."""
     strength = float(np.linalg.norm(gravity))
     up = -gravity / strength if strength > 0.0 else np.array([0.0, 0.0, 1.0])
     across = np.cross(up, [0.0, 0.0, 1.0])

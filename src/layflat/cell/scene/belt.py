@@ -77,6 +77,7 @@ class BeltDrive:
     """
 
     def __init__(self, model: Any, data: Any, belt: Conveyor, fruits: list[SceneFruit]) -> None:
+        """Begin with the belt at rest, and all fruit at its present pose on the shelf."""
         self._data, self._belt, self._step = data, belt, float(model.opt.timestep)
         joint = model.joint("belt")
         self._place, self._dof = int(joint.qposadr[0]), int(joint.dofadr[0])

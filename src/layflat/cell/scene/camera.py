@@ -25,6 +25,7 @@ class SimulatedCamera:
     """
 
     def __init__(self, scene: Scene) -> None:
+        """Make an OpenGL context off screen, and the generator of the noise."""
         self._mj, self._scene = mujoco(), scene
         self._optics = camera_optics(scene.cell.camera)
         self._rng = np.random.default_rng([scene.seed, 0xCA3E6A])

@@ -27,6 +27,7 @@ class Optics:
     """
 
     def __init__(self, camera: Camera) -> None:
+        """Compute matrix, ideal picture and the lens's map of pixels from a camera's description."""
         f = camera.focal_pixels
         c_x = (camera.width - 1) / 2 + camera.principal_offset[0]
         c_y = (camera.height - 1) / 2 + camera.principal_offset[1]

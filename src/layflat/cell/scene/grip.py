@@ -24,6 +24,7 @@ class LiftDrive:
     """
 
     def __init__(self, described: Lift, step: float) -> None:
+        """Begin with the piston up and at rest, and the damping critical."""
         self._lift, self._step = described, step
         self._damping = 2.0 * sqrt(STIFFNESS * described.mass)  # critical
         density = (described.pressure + AMBIENT) / (GAS_CONSTANT * REFERENCE_TEMPERATURE)
@@ -40,7 +41,7 @@ class LiftDrive:
         self._demand = min(max(stroke, 0.0), self._lift.stroke)
 
     def force(self, stroke: float, speed: float) -> float:
-        """Advance by a timestep, and return the downward force on the piston, N, at a stroke (m) and speed (m/s)."""
+        """Advance a timestep; return the limited downward force on the piston, N, at a stroke (m) and speed (m/s)."""
         # The reference of a blocked piston stays within the greatest force, so that it does not jump when freed.
         max_lag = self._lift.force / STIFFNESS
         if abs(self._at - stroke) > max_lag:
@@ -104,6 +105,7 @@ class Grip:
     """Contact between cup and fruit: seal, holding force and release."""
 
     def __init__(self, model: Any, data: Any, cell: Cell, fruits: list[SceneFruit]) -> None:
+        """Begin with an empty cup, suction off."""
         self._mj, self._model, self._data, self._most_tilt = mujoco(), model, data, cell.cup.tilt
         self.cup = SuctionCup(cell.cup)
         self.held: int | None = None  # number of the fruit that it holds

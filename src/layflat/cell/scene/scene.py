@@ -40,6 +40,7 @@ class Scene:
     """
 
     def __init__(self, cell: Cell, seed: int, *, step: float = 1e-3) -> None:
+        """Draw scenes, `MAX_ATTEMPTS` at most, until all fruit has come to rest, and begin with the arm at home."""
         self._mj = mujoco()
         self.cell, self.seed, self.board_held = cell, seed, False
         for attempt in range(MAX_ATTEMPTS):

@@ -48,6 +48,7 @@ class TruthRecorder:
     """Recorder of a scene's timesteps: accelerations and places of fruit, and collisions."""
 
     def __init__(self, model: Any, data: Any, cell: Cell, fruits: list[SceneFruit]) -> None:
+        """Begin at the present velocities, without collisions."""
         self._model, self._data, self._cell, self._fruits = model, data, cell, fruits
         starts = [int(model.joint(fruit.name).dofadr[0]) for fruit in fruits]
         self._dofs = np.array([[start, start + 1, start + 2] for start in starts], int).reshape(-1, 3)

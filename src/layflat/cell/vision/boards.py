@@ -57,6 +57,7 @@ class BaseMarkers:
     dictionary: str = DICTIONARY
 
     def __post_init__(self) -> None:
+        """Raise CameraError without markers, or if two have one number."""
         numbers = [marker.number for marker in self.markers]
         if not numbers or len(set(numbers)) < len(numbers):
             right = "give at least one, each with its own number"

@@ -49,6 +49,7 @@ class ColourDetector:
         self, kinds: Sequence[ProduceKind], table: tuple[float, float, float], background: Sequence[Colour] = (),
         plane: float = 0.0,
     ) -> None:  # fmt: skip
+        """Store the kinds, and a further one for unknown things, 20 % smaller to 20 % larger than all of them."""
         names = [kind.name for kind in kinds]
         if not names or len(set(names)) < len(names):
             raise InputError(f"has the kinds {names}", where="detector", right="give kinds, each with its own name")

@@ -39,6 +39,7 @@ class ProduceKind:
     roundness: float = 0.05  # greatest deviation of its outline from a circle, fraction of its radius
 
     def __post_init__(self) -> None:
+        """Raise InputError unless 0 < least < greatest diameter, and both ratios of height are above 0."""
         if not 0.0 < self.diameter[0] < self.diameter[1]:
             right = "give the least, then the greatest, both over 0 m"
             raise InputError(f"has the diameters {self.diameter}", where=self.name, right=right)

@@ -36,6 +36,7 @@ class OnnxDetector:
         self, path: Path, kinds: Sequence[ProduceKind], table: tuple[float, float, float],
         size: tuple[int, int] = (640, 640), plane: float = 0.0,
     ) -> None:  # fmt: skip
+        """Load the network; raise InputError if the file is missing, or OpenCV can't read it."""
         cv2 = opencv()
         self.path, self.kinds, self.table, self.size, self.plane = path, tuple(kinds), table, size, plane
         if not path.is_file():

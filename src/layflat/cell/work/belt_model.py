@@ -54,6 +54,7 @@ class BeltModel:
     """Kalman filter of the belt's motion, and tracks of its fruit, updated by images."""
 
     def __init__(self, cell: Cell, belt: Conveyor) -> None:
+        """Begin at time 0 without tracks, the speed unknown."""
         self._cell, self._belt = cell, belt
         self._state, self._covariance = np.zeros(2), np.diag([0.0, INITIAL_SPEED_ERROR**2])
         self._time = 0.0

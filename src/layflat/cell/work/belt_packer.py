@@ -36,6 +36,7 @@ class BeltPacker(Packer):
     def __init__(
         self, cell: Cell, belt: Conveyor, station: CellStation, perception: Perception, observer: Observer
     ) -> None:
+        """Begin without tracks, and compute where an idle arm waits."""
         super().__init__(cell, station, perception, observer)
         self._belt, self._perception = belt, perception
         self.model = BeltModel(cell, belt)

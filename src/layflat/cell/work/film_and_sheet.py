@@ -20,6 +20,7 @@ class FilmAndSheet(Observer):
     """Observer that makes a film, if one is open, and a contact sheet."""
 
     def __init__(self, film: Film | None, sheet: ContactSheet, calibration: Calibration) -> None:
+        """Store film (None: no film), sheet and calibration; pictures begin with a delivery."""
         self._film, self.sheet, self._calibration = film, sheet, calibration
         self._camera: SimulatedCamera | None = None
         self._next = 0.0

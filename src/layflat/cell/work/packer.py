@@ -53,7 +53,7 @@ def passing_height(cell: Cell) -> float:
 
 
 def plan_task(cell: Cell, choice: PickChoice) -> PickTask:
-    """Return the task of a chosen pick."""
+    """Return the task of a chosen pick: heights follow from the flattening of its kind, as far as the lift reaches."""
     flattening, passing = cell.produce[choice.fruit.kind].flattening, passing_height(cell)
     height = flattening.mean * choice.fruit.diameter
     min_height, max_height = flattening.min * choice.fruit.diameter, flattening.max * choice.fruit.diameter
@@ -116,6 +116,7 @@ class Packer:
     """Packer of a cell with trays: decides by the station's sensors and the perception's images alone."""
 
     def __init__(self, cell: Cell, station: CellStation, perception: Perception, observer: Observer) -> None:
+        """Begin with empty containers, and without an image."""
         self._cell, self._station, self._observer = cell, station, observer
         self._reach = PlanarReach(cell.machine)
         self._world = WorldModel(cell, perception, self._reach, observer)
@@ -213,7 +214,10 @@ class Packer:
         self._station.advance(command)
 
     def _follow(self, choice: PickChoice, before: PickState, after: PickState) -> PickState:
-        """Update task and models on a new phase; return the state with which the pick continues."""
+        """Return the state after a change of phase: a sealed fruit corrects the task, a carried one is forgotten.
+
+        On release an image is taken, if it can be used.
+        """
         angles = self._station.arm.angles
         match before.phase, after.phase:
             case PickPhase.SEAL, PickPhase.LIFT:

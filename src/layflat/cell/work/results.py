@@ -23,6 +23,7 @@ class PackingSummary:
     """Figures of merit of the picks in any number of deliveries; nan where nothing was picked or detected."""
 
     def __init__(self, deliveries: Iterable[Delivery]) -> None:
+        """Compute the figures of all deliveries."""
         all_of = list(deliveries)
         picks = [pick for delivery in all_of for pick in delivery.picks]
         verdicts = [verdict for delivery in all_of for verdict in delivery.verdicts]
@@ -54,8 +55,8 @@ def record_runs(cell: Cell, runs: Sequence[PackingRun], *, partial: bool = False
     """Return the results of runs for JSON: numbers and texts, in SI units unless a key names another.
 
     Keys: `partial`, `cell`, `machine`, `limits`, `summary` (attributes of `PackingSummary`), and `runs`, a list with
-    `seed`, `perception` ("scene" or "camera"), `error` and `deliveries`. None stands for numbers that are not finite; air is in
-    normal litres.
+    `seed`, `perception` ("scene" or "camera"), `error` and `deliveries`. None stands for numbers
+    that are not finite; air is in normal litres.
 
     Args:
         cell: description.

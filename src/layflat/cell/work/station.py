@@ -44,6 +44,7 @@ class CellArm:
     ended = False
 
     def __init__(self, machine: Machine, driver: Driver, clock: LoopClock, *, load: float, tip_speed: float) -> None:
+        """Configure and activate the driver, and begin its control loop filled with air, at the present angles."""
         self._machine, self._load, self._tip_speed = machine, load, tip_speed
         self._layout = RowLayout.for_machine(machine)
         driver.configure()
@@ -131,6 +132,7 @@ class CellStation:
     """
 
     def __init__(self, scene: Scene, seed: int, each_cycle: Callable[[], object] = lambda: None) -> None:
+        """Make the scene's machine a virtual device, filled with air, behind a control loop on a virtual clock."""
         cell, self._scene, self._clock = scene.cell, scene, VirtualClock()
         self._plant = MujocoPlant(
             cell.machine, scene.model, scene.data, seed=seed, step=lambda advance: scene.step(1, advance)

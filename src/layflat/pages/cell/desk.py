@@ -25,6 +25,7 @@ class RunFeed:
     """
 
     def __init__(self, about: RunSubject, requests: RunRequests) -> None:
+        """Begin without images, with the snapshot of a run that has not begun."""
         self.about, self.requests, self.snapshot, self.is_over = about, requests, RunSnapshot(), False
         self.numbers = dict.fromkeys(IMAGE_NAMES, 0)
         self.rounds = Rounds()

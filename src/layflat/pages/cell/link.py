@@ -57,6 +57,7 @@ class PageLink(AbstractContextManager["PageLink"]):
     """
 
     def __init__(self, about: RunSubject, place: Endpoint) -> None:
+        """Start the page's process and wait until the page is served; the process is ended if that fails."""
         self.requests, self.snapshot = RunRequests.shared(), RunSnapshot()
         self._pipe, its = Pipe()
         self._newest: dict[str, object] = {}

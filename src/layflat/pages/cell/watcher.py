@@ -95,6 +95,7 @@ class RunImages:
     """Images of a run for its page: overviews of the cell, and its camera's; `now` is a clock of real time, s."""
 
     def __init__(self, display: RunDisplay, now: Callable[[], float]) -> None:
+        """Begin without a camera or an image."""
         self._display, self._now = display, now
         self._camera: SimulatedCamera | None = None
         self._frame_at = self._image_at = 0.0  # when the next overview and camera image are due, s
@@ -151,6 +152,7 @@ class Pace:
     """Pace of the cell's clock against real time; `now` (s) and `sleep` are those of a clock that tests may replace."""
 
     def __init__(self, now: Callable[[], float] = time.monotonic, sleep: Callable[[float], None] = time.sleep) -> None:
+        """Begin a delivery now: the cell's time is 0."""
         self.now, self._sleep = now, sleep
         self._offset = 0.0  # real time less cell time, s
         self._marks: deque[tuple[float, float]] = deque()
@@ -192,6 +194,7 @@ class Watcher(Observer):
     """Observer that shows a run on its page. It only draws and reads: the run is the same as without it."""
 
     def __init__(self, display: RunDisplay, pace: Pace | None = None) -> None:
+        """Begin before the first delivery; `pace` is that of real clocks by default."""
         self._display, self._pace = display, pace or Pace()
         self._frames = RunImages(display, self._pace.now)
         self._before = PickFigures()  # figures of the deliveries before this one

@@ -52,6 +52,7 @@ class ArmScene:
     """
 
     def __init__(self, machine: Machine, *, label: str, clicked: Callable[[Array], object] | None = None) -> None:
+        """Build the scene within the current element: floor, arm at mid-stroke, and neither target nor surface."""
         rest = [0.0] * len(machine.joints)
         self._shown, self._clicked = scenery(machine, rest), clicked
         self.scene = ui.scene(

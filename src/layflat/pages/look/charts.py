@@ -253,6 +253,7 @@ def _chart_options(across: Axis, up: Axis, series: list[dict[str, Any]], named: 
     """Return the ECharts options of a chart with two value axes; the named series are in its legend."""
 
     def axis(axis_of: Axis, gap: int) -> dict[str, Any]:
+        """Return the ECharts options of an axis, its name at a gap (px)."""
         return {
             "type": "value", "name": axis_of.title, "nameLocation": "middle", "nameGap": gap, "scale": True,
             "min": axis_of.lower, "max": axis_of.upper, "nameTextStyle": {"color": TEXT_COLOUR, "fontSize": 12},

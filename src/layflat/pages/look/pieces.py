@@ -98,6 +98,7 @@ class Rounds:
     """
 
     def __init__(self, drives: Callable[[str], bool] = lambda _: False) -> None:
+        """Begin without pages; the first one starts the rounds."""
         self._drives = drives
         self._pages: dict[str, Callable[[], object]] = {}  # the page refreshed longest ago first
         self._task: asyncio.Task[None] | None = None

@@ -63,6 +63,7 @@ class Desk(AbstractContextManager["Desk"]):
     """
 
     def __init__(self, machine: Machine, rig: PanelRig, folder: Path) -> None:
+        """Start worker process, link to the rig and pilot; the link connects by itself."""
         self.rig, self.folder, self.lease = rig, folder, HostLease()
         self.first = machine
         self.worker, self.painter = ProcessWorker("layflat-panel-worker"), ProcessWorker("layflat-panel-plots")

@@ -96,7 +96,7 @@ class JogView:
         return [speed * min(max(direction, -1.0), 1.0) for direction in directions]
 
     def refresh(self, shot: RigSnapshot | None, can_move: bool) -> None:
-        """Show the angles of the joints; `can_move`: whether this page may move them."""
+        """Show angles and targets of the joints; enable the buttons if `can_move`: this page may move them."""
         for j, label in enumerate(self._shown):
             text = "-"
             if shot is not None:

@@ -40,6 +40,7 @@ class RigLink:
     """
 
     def __init__(self, machine: Machine, connect: RigConnector, folder: Path, lease: HostLease) -> None:
+        """Start the thread that connects; logs are written to `folder`."""
         self.machine, self.state, self.trouble = machine, LinkState.CONNECTING, ""
         self.log_path = folder
         self._connect, self._folder, self._lease = connect, folder, lease

@@ -62,6 +62,7 @@ class JogMotion:
     """Motion of jogged joints at demanded velocities, with a limited acceleration and inside the working stroke."""
 
     def __init__(self, machine: Machine, start: Array) -> None:
+        """Begin at rest at the demand `start`, rad, (joints,)."""
         self.is_over = False
         self.demand_velocity: Array = np.zeros(len(start))  # velocities, rad/s
         self._at, self._half = start.copy(), half_strokes(machine)
@@ -122,7 +123,7 @@ class SequenceMotion:
     def send_demand(self, session: RigSession, shot: RigSnapshot, now: float) -> None:
         """Send the demand of the present motion; after it, wait for arrival, switch outputs, pause, and go on.
 
-        Without arrival within `ARRIVAL_TIMEOUT`, outputs stay as they are.
+        Without arrival within `ARRIVAL_TIMEOUT` it goes on, and outputs stay as they are.
 
         Args:
             session: session of the rig.

@@ -30,6 +30,7 @@ class Operators:
     """
 
     def __init__(self, lease: HostLease) -> None:
+        """Begin without pages; `lease` is that of the rig."""
         self._lease, self._guard = lease, threading.RLock()
         self._visitors: dict[str, Visitor] = {}
         self._operator: str | None = None
@@ -53,7 +54,7 @@ class Operators:
             return visitor
 
     def leave(self, key: str) -> None:
-        """Remove a page that was closed."""
+        """Remove a page that was closed, with its request for control; if it drove, no page drives."""
         with self._guard:
             self._visitors.pop(key, None)
             if self._operator == key:

@@ -114,6 +114,7 @@ class Pilot:
     """
 
     def __init__(self, link: RigLink, lease: HostLease) -> None:
+        """Start the pilot's thread, without a motion."""
         self.history, self.hold_reason = History(), ""
         self._link, self._lease = link, lease
         self._move: ArmMotion | None = None
@@ -211,7 +212,7 @@ class Pilot:
         return cached[1]
 
     def _note_reason(self, session: RigSession, shot: RigSnapshot) -> None:
-        """Set `hold_reason` once joints are held or vented without a command; clear it in the other states."""
+        """Set `hold_reason` once joints are held or vented without a command; clear it while off, starting, movable."""
         before, self._before = self._before, shot.state
         if shot.state in MOVABLE_STATES or shot.state in {RigState.OFF, RigState.STARTING}:
             self.hold_reason = ""

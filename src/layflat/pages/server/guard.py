@@ -127,6 +127,7 @@ def add_security_headers(send: "Send") -> "Send":
     names = {name for name, _ in SECURITY_HEADERS}
 
     async def protecting(message: "Message") -> None:
+        """Send a message, with the headers if it starts a response."""
         if message["type"] == "http.response.start":
             others = [(name, value) for name, value in message.get("headers", []) if name.lower() not in names]
             message = {**message, "headers": others + SECURITY_HEADERS}
@@ -214,6 +215,7 @@ class Guard:
         self, app: "ASGIApp", hosts: frozenset[str], *, cookie: str, secure: bool, admit: Callable[[Peer], object],
         judge: Judge,
     ) -> None:  # fmt: skip
+        """Draw a new token and a new secret for the cookie."""
         self.app, self.token = app, secrets.token_urlsafe(32)
         self._hosts, self._cookie, self._secure = hosts, cookie, secure
         self._admit, self._judge = admit, judge
@@ -299,6 +301,7 @@ async def _serve_limited(app: "ASGIApp", scope: "Scope", receive: "Receive", sen
     received, answered, ended = 0, False, False
 
     async def counted() -> "Message":
+        """Receive a message; refuse the request and report a disconnection once the body is too large."""
         nonlocal received, ended
         message = await receive()
         received += len(message.get("body", b""))
@@ -310,6 +313,7 @@ async def _serve_limited(app: "ASGIApp", scope: "Scope", receive: "Receive", sen
         return {"type": "http.disconnect"}
 
     async def answer(message: "Message") -> None:
+        """Send a message of the application, unless the request was refused."""
         nonlocal answered
         if not ended:
             answered = True

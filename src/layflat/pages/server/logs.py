@@ -110,6 +110,7 @@ class TurnMonitor(AbstractContextManager["TurnMonitor"]):
     """
 
     def __init__(self, report: Callable[[Turn], object], *, sampling: float = 0.5 * MAX_TURN_WORK) -> None:
+        """Start the thread that samples; the loop of this thread has to use `selector`."""
         self.reports = False
         self._report, self._sampling = report, sampling
         self._turn_start: float | None = None

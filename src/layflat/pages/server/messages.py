@@ -169,6 +169,7 @@ def filter_messages(receive: "Receive", judge: Judge) -> "Receive":
     malformed = count = 0
 
     async def receiving() -> "Message":
+        """Receive the next message that a page may send, or a disconnection."""
         nonlocal malformed, count
         while True:
             count += 1

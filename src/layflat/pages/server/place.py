@@ -113,6 +113,7 @@ class Endpoint:
     key: Path | None = None
 
     def __post_init__(self) -> None:
+        """Raise InputError for a host, certificate or key that can't be used, see the class."""
         if self.certificate is not None and self.key is not None:
             _check_pair(self.certificate, self.key)
         elif self.certificate is not None or self.key is not None:

@@ -89,6 +89,7 @@ def serve(
                 return asyncio.SelectorEventLoop(turns.selector)
 
             async def run() -> None:
+                """Serve the page in the event loop until `stopped` returns True."""
                 async with _serve_browsers(app, server, listener, started, ended):
                     _spare_collector()
                     ready(f"{place.address(port)}/?token={guard.token}")

@@ -132,6 +132,7 @@ async def save_as(
         wrong = ui.label().classes("st-wrong").props("role=alert")
 
         async def go() -> None:
+            """Write to the entered name and close the dialog; show an error in it instead."""
             try:
                 path = file_below(root, field.value or "", suffix)
                 if path.exists() and not await confirm(f"{path.name} is there already. Write in its place?", "Replace"):
@@ -222,6 +223,7 @@ class Commands:
         session = self._session
 
         async def write(path: Path) -> str:
+            """Render and write the report; return a message with its path."""
             text = await self._session.worker.perform(
                 render_report, ReportContent.from_session(session), what="the report"
             )
@@ -244,6 +246,7 @@ class Commands:
             missing = str(error)
 
         async def write(path: Path) -> str:
+            """Write the drawings to a folder; return a message, or raise DesignError without a design."""
             if design is None:
                 raise DesignError("can't be drawn", where=session.step.joint, right="the design rules say why")
             written = await self._session.worker.perform(write_drawings, design, path, what="the drawing")

@@ -16,6 +16,7 @@ class EditorSection:
     """Section of the editor with the values of one part; its rows are made when it is first opened."""
 
     def __init__(self, title: str, fields: list[Field], fill: Callable[[list[Field]], Awaitable[None]]) -> None:
+        """Make the closed section within the current element, without rows."""
         self.paths = {field.path for field in fields}
         self._fields, self._fill, self._filled = fields, fill, False
         self.box = ui.expansion(title, on_value_change=self._opened).classes("st-section")

@@ -42,6 +42,7 @@ class Tiles:
     """Tiles of the main quantities."""
 
     def __init__(self) -> None:
+        """Make the tiles, without values, within the current element."""
         self._values: dict[str, ui.label] = {}
         self._units: dict[str, ui.label] = {}
         self._more: dict[str, ui.label] = {}
@@ -76,6 +77,7 @@ class DesignFiguresView(ResultPanel):
     """Table of all quantities of the design, those of A, and the differences."""
 
     def __init__(self) -> None:
+        """Make the panel within the current element; `build` makes the rows."""
         super().__init__("Figures")
         with self.content:
             self._table = theme.LabelTable(("figure", "now", "A", "now less A"), MAX_FIGURE_ROWS)

@@ -48,6 +48,7 @@ class StudioSession:
     """Session of a tab; `follow` computes its results as long as the tab is open."""
 
     def __init__(self, design: Design, worker: StudioProcesses) -> None:
+        """Begin with the default step and tolerances; nothing is computed before `follow`."""
         self.design = design
         self.step = default_step(design.machine)
         self.tolerances = Tolerances()

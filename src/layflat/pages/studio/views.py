@@ -35,6 +35,7 @@ class ResultPanel:
     """Box with a heading; its content is grey while it is older than the newest edit."""
 
     def __init__(self, title: str) -> None:
+        """Make the box, grey, within the current element."""
         with theme.panel(title) as self.head:
             with self.head:
                 self._mark = ui.label("computing").classes("st-computing").props("aria-hidden=true")
@@ -51,6 +52,7 @@ class TorqueView(ResultPanel):
     """Torque of one hose over the joint's angle at the supply's pressure."""
 
     def __init__(self, session: StudioSession) -> None:
+        """Make the panel with an empty chart within the current element."""
         super().__init__("Torque of one hose")
         self._session = session
         lines = [
@@ -65,7 +67,7 @@ class TorqueView(ResultPanel):
             self._caption = ui.label().classes("lf-small")
 
     def show(self, figures: JointFigures, kept: JointFigures | None) -> None:
-        """Draw a design, and design A if it is kept."""
+        """Draw a design, and design A (`kept`) if it is not None; a design without torque has a caption alone."""
         session = self._session
         joint, supply = session.design.machine.joint[session.step.joint], session.design.machine.supply
         half = float(np.degrees(joint.stops.working_stroke) / 2)
@@ -86,6 +88,7 @@ class CamView(ResultPanel):
     """The cam, or the whole layout, as it is drawn for the workshop."""
 
     def __init__(self, session: StudioSession) -> None:
+        """Make the panel, without a drawing, within the current element."""
         super().__init__("Cam")
         self._session, self._newest = session, 0
         with self.head:
@@ -131,6 +134,7 @@ class StrapView(ResultPanel):
     """Stress of the strap at each place where it bends, against the yield stress."""
 
     def __init__(self) -> None:
+        """Make the panel, without bars, within the current element."""
         super().__init__("Strap stress")
         self._bars: list[StressBar] = []
         with self.content:
@@ -152,6 +156,7 @@ class StressBar:
     """Tension and bending of a strap at one place, side by side, and the yield stress."""
 
     def __init__(self) -> None:
+        """Make the bar, without a stress, within the current element."""
         with ui.element("div").classes("st-stress") as self._head:
             self._place, self._total = ui.label().classes("st-name"), ui.label().classes("lf-number")
         with ui.element("div").classes("st-bar").props("role=img") as self._bar:
@@ -190,6 +195,7 @@ class StepView(ResultPanel):
     """Angle over a step: the cloud as bands, some single runs, and the demand."""
 
     def __init__(self) -> None:
+        """Make the panel with an empty chart within the current element."""
         super().__init__("Step response")
         bands = [Band(ANGLE_BANDS[0], BLUE, 0.12), Band(ANGLE_BANDS[1], BLUE, 0.22)]
         lines = [
@@ -251,6 +257,7 @@ class PressureView(ResultPanel):
     """Pressures of both hoses over the step."""
 
     def __init__(self) -> None:
+        """Make the panel with an empty chart within the current element."""
         super().__init__("Pressures")
         bands = [Band("hose A, 5 to 95 %", BLUE, 0.15, quiet=True), Band("hose B, 5 to 95 %", GREEN, 0.15, quiet=True)]
         lines = [

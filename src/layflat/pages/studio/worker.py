@@ -79,6 +79,7 @@ class StudioProcesses:
     """Two processes, started with the first request and again if they end: one simulates, one does all else."""
 
     def __init__(self) -> None:
+        """Prepare both processes, which start with their first calls."""
         self.helper = ProcessWorker("layflat-studio")  # for work that is shorter than a cloud and must not wait for it
         self._newest: SynchronizedArray[int] = get_context("spawn").Array("Q", MAX_TABS)
         self._simulator = ProcessWorker("layflat-studio-runs", first=_set_newest, shared=(self._newest,))
