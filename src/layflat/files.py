@@ -69,7 +69,7 @@ def whole_file(path: Path, *, owned: bool = False) -> Iterator[Path]:
 
 
 def write_text(path: Path, text: str, *, owned: bool = False) -> Path:
-    """Write a text file atomically and return its path.
+    """Write a text file in UTF-8 atomically and return its path.
 
     Args:
         path: path of the file; its folder is made.
@@ -85,8 +85,9 @@ def write_text(path: Path, text: str, *, owned: bool = False) -> Path:
 
 
 def _write_error(error: Exception, path: Path, temporary: Path | None) -> OutputError | None:
-    """Return the OutputError that explains an error while writing a file; None if neither it nor the disk is the cause.
+    """Return the OutputError that explains an error while writing a file; None if the error has another cause.
 
+    Another cause is that of an OSError of another file, or of an error without a number while a trial write succeeds.
     Libraries raise errors of their own on a full disk, without its number: a trial write shows the cause.
     """
     cause = error if isinstance(error, OSError) and error.errno is not None else _try_write(temporary)
@@ -125,7 +126,7 @@ def check_file(path: Path, *, costly: bool = False) -> Path:
     Args:
         path: path of the file; its folder may be missing, and stays so.
         costly: whether an existing file may have taken minutes, or a person's work: then no command replaces it by a
-            result of other inputs.
+            result of other inputs, except with --force.
 
     Raises:
         OutputError: nothing can be written there, or the running command may not replace the existing file (see

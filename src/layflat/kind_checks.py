@@ -21,7 +21,7 @@ class MisfitError(Exception):
 
 
 def check_number(value: Any, what: str) -> None:
-    """Raise MisfitError if a value is no finite number."""
+    """Raise MisfitError if a value is no finite number of Python or NumPy; a bool is none."""
     is_number = isinstance(value, (int, float, np.integer, np.floating)) and not isinstance(value, bool)
     if not is_number:
         raise MisfitError(f"{what} is {described(value)}, not a number")
@@ -131,7 +131,7 @@ def naming_law(kind: str, entry: str, law: Callable[..., Any], when: str = "") -
         kind: thing and name of the kind, such as "valve 'spool'".
         entry: the law's name in the kind.
         law: the law.
-        when: the time of the run, for the message; empty outside a run.
+        when: text with the time of the run, such as " at 0.2 s", for the message; empty outside a run.
 
     Raises:
         KindError: it names the law's kind, and its file and line.
@@ -151,7 +151,7 @@ def naming_law(kind: str, entry: str, law: Callable[..., Any], when: str = "") -
 
 @contextmanager
 def tolerating_arithmetic(law: Callable[..., Any]) -> Iterator[None]:
-    """Ignore arithmetic errors that a law to be compiled raises as plain Python; other laws' errors pass.
+    """End the block at an arithmetic error that a law to be compiled raises as plain Python; all other errors pass.
 
     Compiled, 1/0 is infinite and raises nothing.
     """

@@ -52,7 +52,7 @@ class Kind:
     """Named tuple classes that `parameters` may return; no other kind may have them."""
 
     def __post_init__(self) -> None:
-        """Raise KindError if the kind is incomplete."""
+        """Raise KindError if an entry is missing or of a wrong type, or the description's `kind` is not the name."""
         missing = [entry.name for entry in fields(self) if getattr(self, entry.name) is REQUIRED_ENTRY]
         if missing:
             what = f"kind {self.name!r} lacks {', '.join(missing)}"
@@ -84,7 +84,7 @@ class Kind:
             )
 
     def try_laws(self, parameters: Any, *described: Any) -> None:  # noqa: ARG002
-        """Call the laws of a user's kind once, as plain Python, and check their results; here nothing.
+        """Call the laws of a user's kind once, as plain Python, and check their results; the base class does nothing.
 
         Args:
             parameters: of its laws, for one machine.
@@ -96,7 +96,7 @@ class Kind:
         return
 
     def guarded(self) -> "Kind":
-        """Return the kind with laws that return nan, which ends a run, in place of wrong values; here the kind itself.
+        """Return the kind with laws that return nan, which ends a run, in place of wrong values; by default itself.
 
         Only users' kinds are guarded, since the laws of the package are tested.
         """
@@ -254,7 +254,7 @@ class AnyKindOf:
     but: str = ""  # name of a kind that is excluded
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
-        """Validate a value by the kind that it names."""
+        """Return the schema that validates a value by the kind it names, a table without `kind` by the usual one."""
         kinds = [kind for kind in self.table if kind.name != self.but]
         choices = {kind.name: handler.generate_schema(kind.description) for kind in kinds}
         return core_schema.tagged_union_schema(choices, self._named)

@@ -234,6 +234,7 @@ def _structure_key(value: Any) -> Any:
 
 
 def _structure_text(value: Any) -> str:
+    """Return the classes of nested tuples as a text, with a dot for each leaf."""
     if not isinstance(value, tuple):
         return "."
     kind = "" if type(value) is tuple else f"{type(value).__module__}.{type(value).__qualname__}"
@@ -263,7 +264,7 @@ def leaves(value: Any) -> Iterator[Any]:
 
 
 def width(number: Any, block: Any = None) -> int:
-    """Return the number of lanes of a number, or of a block as it is read; known when a kernel is compiled."""
+    """Return the number of lanes of a number, or that `read_lanes` reads of a `block`; fixed in a compiled kernel."""
     if block is not None:
         return host_width(block.itemsize, number.max_bytes if isinstance(number, Like) else MAX_REGISTER_BYTES)
     return len(number) if isinstance(number, Lanes) else 1
@@ -287,7 +288,7 @@ def read_lanes(like: Any, block: Any, beside: Any = None) -> Any:
 
 
 def in_lanes(value: Any, like: Any) -> Any:
-    """Return a value with every number in it broadcast to as many lanes as `like` has."""
+    """Return a value with every number in it broadcast to as many lanes as `like` has; lanes in it stay."""
     if isinstance(value, Lanes):
         return value
     if isinstance(value, tuple):
@@ -302,7 +303,10 @@ def write_lanes(block: Any, values: Any) -> None:
 
 
 def lane_by_lane(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Return a scalar law that accepts lanes, by a call per lane."""
+    """Return a function that calls a scalar law once per lane and joins the results, numbers or tuples, into lanes.
+
+    Numbers among the arguments go to every call. Without lanes it calls the law once.
+    """
 
     @wraps(function)
     def called(*args: Any) -> Any:

@@ -19,6 +19,7 @@ def lazy_getattr(package: str, homes: Mapping[str, str]) -> Callable[[str], Any]
     """
 
     def find(name: str) -> Any:
+        """Return what a public name stands for; raise AttributeError for any other name."""
         if name in homes:
             module, _, attribute = homes[name].partition(":")
             with without_collection():

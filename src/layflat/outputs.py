@@ -75,7 +75,7 @@ _running: OutputCommand | None = None
 
 @contextmanager
 def run_command(command: OutputCommand) -> Iterator[None]:
-    """Run a command in this block: files that it did not write are not replaced, and its outputs are recorded."""
+    """Run a command in this block: only --force replaces files that it did not write, and its outputs are recorded."""
     global _running  # noqa: PLW0603  # a process runs one command; its threads write for it
     before, _running = _running, command
     try:
@@ -139,7 +139,7 @@ def replaced_record(path: Path) -> OutputRecord | None:
 def record_output(path: Path, replaced: OutputRecord | None = None) -> None:
     """Record a file that the running command has written, and report, once, the command line that wrote it before.
 
-    Without a running command, or where the record can't be written, it does nothing.
+    Without a running command it does nothing. A record that can't be written is left out.
     """
     command = _running
     if command is None:

@@ -25,7 +25,8 @@ FROM_TERMINAL = [getattr(signal, name) for name in ("SIGINT", "SIGHUP") if hasat
 def run_on_all_cores(work: Callable[[Job], None], jobs: Sequence[Job], threads: int | None = None) -> None:
     """Call a function with every job, in threads, and wait for all; a single job runs in this thread.
 
-    The first error, in the order of the jobs, is raised when all have ended.
+    The first error, in the order of the jobs, is raised once the running jobs have ended; jobs that have not begun when
+    it is noticed are dropped.
 
     Args:
         work: the function; it stores its results itself.
@@ -90,7 +91,7 @@ def process_pool(processes: int | None = None, first: Callable[[], object] | Non
     """Yield a function that submits work to processes that Ctrl-C does not reach.
 
     An error that ends the block, Ctrl-C and the end of a generator included, raises KeyboardInterrupt in running work
-    and cancels the rest.
+    and cancels the rest. Otherwise the end of the block waits for all submitted work.
 
     Args:
         processes: number of processes; default: one a processor.
@@ -120,7 +121,7 @@ class _Worker:
 
 
 def _initialize_worker(ending: Event, first: Callable[[], object] | None) -> None:
-    """Initialize a worker process: ignore Ctrl-C, interrupt its work once `ending` is set, and call `first`."""
+    """Initialize a worker process: ignore Ctrl-C, interrupt work at SIGTERM or once `ending` is set; call `first`."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, _interrupt)
     _Worker.ending = ending
@@ -144,7 +145,7 @@ def _interrupt(*_: object) -> None:
 
 
 def _run_unless_ending(work: Callable[..., Any], *arguments: Any) -> Any:
-    """Return the result of work in a worker; raise KeyboardInterrupt if it is to end."""
+    """Return the result of work in a worker; raise KeyboardInterrupt if the pool is ending."""
     if _Worker.ending.is_set():
         raise KeyboardInterrupt
     _Worker.at_work = True

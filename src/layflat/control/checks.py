@@ -120,7 +120,10 @@ def try_law(kind: Any, settings: Any, joints: int, cycle: float) -> None:
 
 
 def check_report(report: Any, signals: Any) -> None:
-    """Raise MisfitError if the report class of a kind and its signals, unit and meaning by name, do not agree."""
+    """Raise MisfitError for a report that is no named tuple class, or for signals that do not describe its fields.
+
+    Each signal (unit and meaning by name) must be a field of the report; fields without a signal are not looked for.
+    """
     if not hasattr(report, "_fields"):
         raise MisfitError("`report` is no named tuple class")
     if not isinstance(signals, dict):
@@ -185,7 +188,7 @@ class PlainStep:
             Memory, command and report.
 
         Raises:
-            KindError: it fails or returns an invalid value.
+            KindError: the function fails or returns an invalid value.
         """
         with naming_law(f"control law {self.kind!r}", "step", self.function, f" at {self.clock.time:.4g} s"):
             result = self.function(settings, memory, sensed, demand, elapsed)

@@ -77,7 +77,10 @@ class ControlKind(Kind):
     the arm; runs and rigs report it. None for a law that never does."""
 
     def __post_init__(self) -> None:
-        """Wrap laws in plain Python so that every cycle is checked; raise KindError if report and signals disagree."""
+        """Wrap `wake` and `step` in plain Python so that every cycle is checked.
+
+        Raise KindError if the kind is incomplete, or if `report`, `signals` and `gives_up` disagree.
+        """
         super().__post_init__()
         try:
             checks.check_report(self.report, self.signals)

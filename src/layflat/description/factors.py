@@ -81,7 +81,7 @@ def is_own(product: Product) -> bool:
 
 
 def roots(product: Product) -> Product:
-    """Return a product in base units, with zero exponents dropped; two units are compatible if these are equal."""
+    """Return a product in base units, without scales, pi and zero exponents; equal roots mean compatible units."""
     base_units: Product = {}
     for name, exponent in product.items():
         derived = definition(name)

@@ -121,7 +121,7 @@ class _Scanner:
 
 
 def names_in(text: str, *, json: bool = False) -> list[NameToken]:
-    """Return the keys and text values of a file, in their order."""
+    """Return the keys and text values of a TOML file, with `json` of a JSON file, in their order."""
     scanner = _Scanner(text)
     if json:
         scanner.skip("line")

@@ -60,7 +60,7 @@ class Library:
         return read_text(path, place, right, self.error)
 
     def _check_reference(self, where: object) -> str:
-        """Return a name or path as text; raise the library's error for anything else."""
+        """Return a name or path as text; raise the library's error for anything else, and for a blank text."""
         if not isinstance(where, (str, Path)) or not str(where).strip():
             raise self.error(f"{where!r} names no {self.noun}", right=f"give one, or a file: {self.listing_advice}")
         return str(where)

@@ -166,7 +166,10 @@ class Quantity:
         return float(registry().Quantity(number, _pint(source)).to(_pint(self._target)).magnitude)
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
-        """Validate text into an SI float, then check the bounds of the annotation."""
+        """Return the schema that validates text into an SI float, then checks the bounds of the annotation.
+
+        In the context `SI` it accepts numbers too; in JSON a value is text in the SI unit.
+        """
 
         def validate(value: object, info: ValidationInfo) -> float:
             try:

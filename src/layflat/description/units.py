@@ -142,7 +142,7 @@ Ratio = Annotated[float, Ge(1e-6), Le(1e6)]
 
 
 def quantity(value: str | float, kind: Quantity, where: str) -> float:
-    """Return the SI float of a text with a unit from a user, or of an SI number from code, which must be finite.
+    """Return the SI float of a user's text with a unit, in the plausible range, or of a finite SI number from code.
 
     Args:
         value: text or number.

@@ -32,7 +32,10 @@ __all__ = [
 
 
 def __getattr__(name: str) -> Any:
-    """Return a public name from the module that defines it, which is imported at first use."""
+    """Return a public name from the module that defines it, which is imported at first use.
+
+    Raise AttributeError for any other name.
+    """
     for module in iter_modules(__path__) if name in __all__ else ():
         home = import_module(f"{__name__}.{module.name}")
         if name in vars(home) and getattr(vars(home)[name], "__module__", home.__name__) == home.__name__:

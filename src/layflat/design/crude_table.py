@@ -46,7 +46,7 @@ class Table1:
 
     @property
     def mean_torque(self) -> float:
-        """Sum of the work done over the stroke, N m."""
+        """Total work of the stroke divided by the stroke, N m."""
         return float(self.columns["work_Nm_deg"].sum() / self.columns["b_deg"][-1])
 
 

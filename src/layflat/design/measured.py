@@ -40,7 +40,7 @@ class _Table(NamedTuple):
     lines: list[int]
 
     def one_of(self, factors: dict[str, float]) -> tuple[str, Array]:
-        """Return name and values (SI) of the one column named in `factors` (to SI); refuse none or several."""
+        """Return name and values (SI) of the one column in `factors` (to SI); raise InputError for none or several."""
         names = [name for name in factors if name in self.columns]
         if len(names) != 1:
             what = (

@@ -107,7 +107,10 @@ def _text(kind: u.Quantity | None, value: float) -> str:
 
 
 def hoses_and_cylinders(request: SizingRequest, c: float) -> Iterator[tuple[float, float]]:
-    """Yield widths of hose and the smallest (or requested) cylinder diameters that sweep enough, m, by width."""
+    """Yield pairs of hose width and the smallest (or requested) cylinder diameter that sweep enough, m, by width.
+
+    Diameter over width stays in `CHOSEN_RATIO`, in `GIVEN_RATIO` if one of them is requested; `c` is the peel ratio.
+    """
     needed = request.torque * (request.stroke + TRAVEL_RESERVE) / request.supply
     contact_end = CONTACT_SHARE * request.wrap
 

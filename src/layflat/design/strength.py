@@ -77,7 +77,7 @@ def choose_strap(request: SizingRequest, base: Strap, hose_width: float, tension
     """Return the narrowest steel strap that withstands tension and bending with the request's margin.
 
     Args:
-        request: margin, and width and thickness if they are set.
+        request: margin, and width and thickness, which the strap gets if they are set.
         base: strap whose material is used.
         hose_width: width of the flat hose, m.
         tension: max, N.

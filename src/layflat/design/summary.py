@@ -191,7 +191,11 @@ class JointDesign:
         return f"{self.machine.name}, {self.name} joint"
 
     def columns(self) -> dict[str, Array]:
-        """Return the columns of an exact Table 1 of the cam, (n,), units in names; raise DesignError without a cam."""
+        """Return the columns of an exact Table 1 of the cam by name, (n,) each; raise DesignError without a cam.
+
+        Names are `travel_mm`, `force_N`, `tension_N`, `lever_mm`, `cam_angle_deg`, `torque_Nm`, `normal_deg`, `x_mm`,
+        `y_mm` and `curvature_radius_mm`.
+        """
         cam = self.with_cam()
         return {
             "travel_mm": cam.travel * 1e3,

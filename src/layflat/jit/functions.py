@@ -123,7 +123,7 @@ class PortableKernel:
         """Return a function that calls it with these arrays, and with any numbers as its last arguments.
 
         Raises:
-            UnportableError: an argument is none of those above, or an array is not contiguous.
+            UnportableError: an argument is none of those of `PortableKernel`, or an array is not contiguous.
             KindError: a user's law can't be compiled.
         """
         if interpreted():
@@ -159,7 +159,10 @@ class PortableKernel:
         return Path(self.py_func.__code__.co_filename)
 
     def machine_code(self, args: tuple[Any, ...]) -> Callable[[int], None]:
-        """Return the loaded machine code for arguments of these types: a function of the address of their words."""
+        """Return the loaded machine code for arguments of these types: a function of the address of their words.
+
+        It is looked up, or else compiled, at the first call for these types.
+        """
         key = self.signature(args), included_sources()
         if key not in self._loaded:
             with self._lock:
@@ -168,6 +171,7 @@ class PortableKernel:
         return self._loaded[key]
 
     def _load(self, args: tuple[Any, ...]) -> Callable[[int], None]:
+        """Return stored machine code, or else compile it and keep it; stored code that does not load is remarked."""
         from layflat.jit import objects  # noqa: PLC0415  # it loads LLVM
 
         name, entry, processor = self.code_name(args), self.py_func.__name__, objects.host()
@@ -209,7 +213,7 @@ class BoundKernel:
         return BoundKernel, self._bound
 
     def __call__(self, *last: int) -> Any:
-        """Call it with integers in place of its last arguments; return its integers, a tuple if there are several."""
+        """Call it with integers for its last arguments, which stay for later calls; return its integer, or a tuple."""
         if last:
             self._words[-len(last) :] = last
         self._function(self._address)

@@ -122,6 +122,7 @@ def _checked(
 
 
 def _target_machine(processor: Processor) -> Any:
+    """Return LLVM's code generator for a processor, with all optimisation."""
     if processor != host():
         binding.initialize_all_targets()
         binding.initialize_all_asmprinters()
@@ -160,7 +161,10 @@ def _parsed(text: str, names: tuple[str, ...]) -> Any:
 
 
 def _optimized(text: str, names: tuple[str, ...], processor: Processor, machine: Any, ordered: bool) -> Any:
-    """Return the module, optimised for a processor, with all but its named functions internal."""
+    """Return the module, optimised for a processor, with all but its named functions internal.
+
+    Raise CompilerError if a processor of 32-bit addresses would keep one in memory.
+    """
     module = _parsed(text, names)
     if NARROW_ADDRESS in str(machine.target_data):
         _keep_addresses_in_registers(module)

@@ -73,8 +73,7 @@ def portable_code(name: str, kernel: Any, args: tuple[Any, ...], results: int) -
         args: arguments of the types that it is compiled for.
         results: number of integers that it returns; they are the first words, those of the arguments follow.
 
-    Raises:
-        CompilerError: the code needs a function from outside, such as one that allocates.
+    The text may declare functions from outside: `objects.machine_code` refuses those that it does not know.
     """
     source, names = _entry_source(kernel, args, results)
     exec(source, names)
@@ -93,7 +92,7 @@ def _entry_source(kernel: Any, args: tuple[Any, ...], results: int) -> tuple[str
 
 
 def _expression(arg: Any, words: Iterator[int], names: dict[str, Any]) -> str:
-    """Return the expression that reads an argument from words."""
+    """Return the expression that reads an argument from the next `words`; add types and constants to `names`."""
     name = f"constant{len(names)}"
     if isinstance(arg, np.ndarray):
         names[name] = arg.dtype.type
@@ -140,7 +139,10 @@ entry:
 
 
 def _self_contained(text: str) -> str:
-    """Return a module with bodies for what numba would call outside; raise CompilerError if more is needed."""
+    """Return a module with bodies for C's roots and for counts of references, which numba would call outside.
+
+    Other functions from outside stay declared: `objects.machine_code` refuses those that it does not know.
+    """
     for name in COUNTS_OF_REFERENCES:
         text = re.sub(
             rf"^declare void @{name}\(.*$|^define .*void @{name}\(.*\{{\n[\s\S]*?^\}}$",

@@ -20,12 +20,13 @@ def signature_text(args: tuple[Any, ...]) -> str:
     """Return the types of arguments as a text: equal texts mean the same machine code.
 
     Raises:
-        UnportableError: an argument has no words.
+        UnportableError: an argument has no words, or an array is not contiguous in C's order.
     """
     return ",".join(map(_type_text, args))
 
 
 def _type_text(arg: Any) -> str:
+    """Return the type of an argument as a text; raise UnportableError as `signature_text` does."""
     if isinstance(arg, np.ndarray):
         if not arg.flags.c_contiguous:
             raise UnportableError("an array's items are not in C's order")

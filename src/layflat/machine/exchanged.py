@@ -38,7 +38,10 @@ def with_losses(machine: Machine, kind: str, values: Mapping[str, Any], joints: 
 
 
 def with_tracking(machine: Machine) -> Machine | None:
-    """Return the machine with a tracking controller, without gains; unchanged if it has one, None if impossible."""
+    """Return the machine with a tracking controller, without gains; None if that law can't model its valves.
+
+    A machine that has such a controller is returned as it is.
+    """
     if isinstance(machine.controller, TrackingControllerPart):
         return machine
     gains = {f"joint.{name}.gains": None for name in machine.joint}

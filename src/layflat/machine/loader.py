@@ -106,7 +106,10 @@ def _with_mesh(shape: Any, folder: Path) -> Any:
 
 
 def _incompatible_paths(below: Plain, above: Plain, at: str, table: KindTable[Any]) -> list[str]:
-    """Return the dotted paths of the keys of a part below that the kind named above does not have."""
+    """Return the dotted paths of the keys of a part below that the kind named above does not have.
+
+    There are none where the kind stays the same or is unknown.
+    """
     old, new = _nested_part(below, at), _nested_part(above, at)
     if not (isinstance(old, dict) and isinstance(new, dict) and "kind" in new):
         return []
@@ -149,6 +152,7 @@ def load(machine: str | Path | Machine) -> Machine:
 
     Raises:
         MachineError: a file, key or value is wrong; the message names it and what would be right.
+        KindError: a file of kinds that the machine names can't be run.
 
     Example:
         >>> import layflat as lf

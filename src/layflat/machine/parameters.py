@@ -106,7 +106,7 @@ def sensor(described: AngleSensor | PressureSensor) -> Sensor:
 
 
 def valve_and_sensors(machine: Machine) -> tuple[ValvePart, AngleSensor, PressureSensor]:
-    """Return valve and sensors of a machine; raise MachineError if it has none, as rigs for torque-angle loops."""
+    """Return valve and sensors of a machine; raise MachineError if one of them is missing."""
     if machine.valve is None or machine.angle_sensor is None or machine.pressure_sensor is None:
         raise MachineError(
             "has no valve or sensors: it is a rig for torque-angle loops",
@@ -120,7 +120,7 @@ def joints(machine: Machine) -> tuple[JointParameters, ...]:
     """Return the parameters of every joint, from base to tip, all of one structure, as lanes need.
 
     Raises:
-        MachineError: the joints have friction, losses or tubes of different kinds, or of other numbers of elements.
+        MachineError: no valve or sensors, or friction, losses or tubes of different kinds or numbers of elements.
     """
     even = all(described.output.kind == "cam" for described in machine.joints.values())
     rubbing = frictions(machine)
@@ -223,7 +223,7 @@ def _stroke_limits(lower: float, stroke_time: float) -> FractionLimits:
 
 
 def stops(joint: parts.Joint) -> StopParameters:
-    """Return the parameters of the end stops; squeezing begins where the opposite hose is collapsed."""
+    """Return the parameters of the end stops; squeezing begins with the opposite hose collapsed, or at the stop."""
     limit = joint.stops.mechanical_stroke / 2
     squeeze = np.minimum(full_travel(joint) / 2, limit)
     return StopParameters(
@@ -295,10 +295,10 @@ def plant(machine: Machine) -> tuple[Any, Any, Any]:
 
 
 def control(machine: Machine, *, closed_loop: bool = True) -> Any:
-    """Return the settings of the machine's control law; for an open-loop run without gains, those of an idle one.
+    """Return the settings of the control law; in an open loop without controller or gains, those of an idle one.
 
     Raises:
-        MachineError: the machine has no valve, controller or gains.
+        MachineError: the machine has no valve or sensors, or, in closed loop, no controller or gains.
     """
     valve, _, _ = valve_and_sensors(machine)
     law = machine.control_law

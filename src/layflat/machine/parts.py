@@ -240,7 +240,7 @@ class Joint(Part):
 
     @model_validator(mode="after")
     def _check_sizes(self) -> Self:
-        """Raise ValueError if sizes of hose, cylinder and output do not fit each other."""
+        """Raise ValueError if sizes of hose, cylinder and output misfit, or a single-acting joint has a regulator."""
         if self.output.radius >= self.cylinder.diameter / 2:
             radius, limit = f"{1e3 * self.output.radius:g} mm", f"{500.0 * self.cylinder.diameter:g} mm"
             raise ValueError(f"output.radius is {radius}; give less than the cylinder's radius, {limit}")
@@ -252,7 +252,9 @@ class Joint(Part):
 
 
 def part_masses(joint: Joint, full_travel: float, output_area: float) -> dict[str, float]:
-    """Return the estimated mass of each part of a joint, kg.
+    """Return the estimated masses of the parts of a joint, kg, those of both hoses together.
+
+    Keys are "cylinder", "hose", "cover", "strap", and "roller" or "cam", the kind of the output.
 
     Args:
         joint: the described joint.

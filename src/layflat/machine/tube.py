@@ -51,7 +51,7 @@ def delay(line: TubePart) -> float:
 
 
 def parameters(line: TubePart | None) -> Any:
-    """Return the parameters of a tube with half of its air; the other half is added to the hose's dead volume."""
+    """Return the parameters of a tube with half of its air, `NoLine` for None; the other half counts as dead volume."""
     if line is None:
         return laws.NoLine()
     through = conductance(line)

@@ -112,7 +112,10 @@ def min_inertias(machine: Machine, configurations: Array, payload: float) -> Arr
 
 
 def _rigid_body_terms(machine: Machine, angles: Array, velocities: Array, payload: float) -> tuple[Array, Array, Array]:
-    """Return mass matrices (instants, joints, joints), Coriolis and static torques to exert, (instants, joints)."""
+    """Return mass matrices (instants, joints, joints), Coriolis and static torques to exert, (instants, joints).
+
+    Static torques are those against gravity and springs.
+    """
     arm, (count, n) = parameters.arm(machine), angles.shape
     if machine.kinds:  # laws from outside may not accept arrays
         instants = zip(angles.tolist(), velocities.tolist(), strict=True)

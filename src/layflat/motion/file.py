@@ -135,7 +135,10 @@ def read_motion(where: str | Path) -> MotionDescription:
 
 
 def _build_motion(plain: Mapping[str, Any], where: str, context: Mapping[str, bool] | None = None) -> MotionDescription:
-    """Return the validated motion of plain tables from `where`; in the context `SI`, numbers are in SI units."""
+    """Return the motion of plain tables from `where`; raise InputError if they are invalid.
+
+    In the context `SI`, plain numbers are accepted, in SI units.
+    """
     try:
         motion = MotionDescription.model_validate(plain, context=context)
     except ValidationError as error:
@@ -156,7 +159,8 @@ def make_motion(
     Args:
         machine: machine with the arm.
         motion: a built-in name, a file, a description, or segments with the keys of a file's.
-        start: angles at which segments begin, rad or texts; default: mid-stroke.
+        start: angles at which segments in a list begin, rad or texts; default: mid-stroke. Other motions have their
+            own, and refuse it.
         payload: kg or a text; default: that of the motion.
 
     Raises:

@@ -218,7 +218,7 @@ class InverseKinematics:
         raise InputError(what, where=where, right=right)
 
     def _refine(self, position: Array, solution: InverseSolution) -> InverseSolution:
-        """Return a single position's solution, refined to the local minimum of distance if it misses it by 0.2 mm."""
+        """Return a single position's solution; refined to a local minimum of distance if it misses by 0.2 mm."""
         if solution.distance[0] < TARGET_TOLERANCE:
             return solution
         from scipy.optimize import least_squares  # noqa: PLC0415  # takes long to import

@@ -118,7 +118,7 @@ MIN_LEVER = 1e-3  # lever arm below which a joint does not move the tip, m
 
 
 def tip_levers(machine: Machine) -> Array:
-    """Return the greatest lever arm of each joint to the tip over random configurations, (joints,), m/rad."""
+    """Return each joint's greatest lever arm to the tip over random configurations in the strokes, (joints,), m/rad."""
     half = half_strokes(machine)
     configurations = np.random.default_rng(0).uniform(-half, half, (LEVER_SAMPLES, len(half)))
     _, jacobians = Kinematics(machine).tip_and_jacobian(configurations)
@@ -127,7 +127,7 @@ def tip_levers(machine: Machine) -> Array:
 
 
 def joints_not_moving_tip(machine: Machine) -> list[str]:
-    """Return the names of the joints that do not move the tip: their axes pass it within `MIN_LEVER`."""
+    """Return the names of the joints whose axes pass the tip within `MIN_LEVER`; none of a planar arm."""
     if isinstance(machine.arm, PlanarArmPart):  # its links have lengths, and no kernel need be compiled to say so
         return []
     return [name for name, lever in zip(machine.joints, tip_levers(machine), strict=True) if lever < MIN_LEVER]

@@ -36,7 +36,8 @@ def read_labelled_row(signal: Any, kind: SignalKind) -> Any:
     Numbers are in SI units; texts are returned as they are.
 
     Raises:
-        InputError: the table is no signal.
+        InputError: the table is no signal; it has other dimensions than time and names, no coordinate, a label twice,
+            an unknown name, or a wrong unit or value.
     """
     classes = _class_names(signal)
     if not SIGNAL_CLASSES & classes:
@@ -98,7 +99,10 @@ def _class_names(signal: object) -> set[tuple[str, str]]:
 
 
 def _read_array_row(array: Any, kind: SignalKind) -> Any:
-    """Return a DataArray without times as a value, or as values by name; None if it has times."""
+    """Return a DataArray without times as a value, or as values by name; None if it has times.
+
+    Raise InputError for a dimension other than time and names, one without a coordinate, or a repeated label.
+    """
     odd = [name for name in array.dims if name not in {"time", kind.noun}]
     if odd:
         right = f"dimensions are time and {kind.noun}" if kind.noun else "its dimension is time"
@@ -118,7 +122,10 @@ def _read_array_row(array: Any, kind: SignalKind) -> Any:
 
 
 def _read_array_columns(array: Any, kind: SignalKind) -> tuple[dict[str, Array], Any]:
-    """Return the columns of a DataArray by name, and its times (s, or labels); without names, all have its values."""
+    """Return the columns of a DataArray by name, and its times (s, or labels); without names, all have its values.
+
+    Raise InputError for an unknown or repeated name, a wrong unit, or values that are not finite numbers or texts.
+    """
     scale, time = _unit_factor(_read_unit(array, kind), kind), array["time"]
     times = time.to_numpy()
     if times.dtype.kind in "iuf":
@@ -155,7 +162,7 @@ def _refuse_repeated(labels: Any, kind: SignalKind) -> None:
 
 
 def _read_unit(table: Any, kind: SignalKind) -> Any:
-    """Return the unit in a table's attribute `units` or `unit`; None if it has neither."""
+    """Return the unit in a table's attribute `units` or `unit`; None if it has neither; raise InputError for both."""
     units = {key: unit for key, unit in table.attrs.items() if isinstance(key, str) and key.lower() in UNIT_KEYS}
     if len(units) > 1:
         raise InputError(f"has attributes {' and '.join(units)}", where=kind.where, right="give one: units")

@@ -143,6 +143,8 @@ def plan_meeting(
 
     Raises:
         MachineError: the arm is not planar.
+        InputError: ruckig is not installed.
+        LayflatError: ruckig finds no motion to a state within the limits.
     """
     for _ in range(MAX_ATTEMPTS):
         meeting = _earliest_meeting(start, now, target, limits)

@@ -266,7 +266,7 @@ def _min_jerk_motion(length: float) -> CubicSpline:
 
 
 def _solve_programmes(programme: PathProgramme, b: Array) -> Array:
-    """Return the b to which linear programmes converge from an initial one."""
+    """Return the b to which linear programmes converge from an initial one, the best of `MAX_PROGRAMMES` at most."""
     duration, step = programme.times(b).sum(), INITIAL_STEP_RATIO
     for _ in range(MAX_PROGRAMMES):
         solution = programme.improve(b, step)

@@ -87,7 +87,7 @@ def convex_hull(points: Array) -> Array:
 
 
 def reach_outlines(machine: Machine) -> list[Array]:
-    """Return outlines of the tip's reach, (points, 2), m, one for each side of the elbow."""
+    """Return outlines of a planar arm's reach, (points, 2), m: one a side of the elbow, or the arc of one joint."""
     half = half_strokes(machine)
     if len(half) == 1:
         return [tip_position(machine, np.linspace(-half, half, OUTLINE_POINTS))]

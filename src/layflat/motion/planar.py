@@ -80,7 +80,10 @@ class PlanarReach:
         return [(0.0, 0.0), (self.lengths[0] * cos(angles[0]), self.lengths[0] * sin(angles[0])), self.tip(angles)]
 
     def configurations(self, x: float, y: float) -> tuple[Configuration, ...]:
-        """Return the configurations with the tip at a point (m), widest margin first; none if it is out of reach."""
+        """Return the configurations with the tip at a point (m), widest margin first; none if it is out of reach.
+
+        The reach is that of the strokes less the margin kept to their ends.
+        """
         l_1, l_2 = self.lengths
         distance, towards = hypot(x, y), atan2(y, x)
         bend = (distance * distance - l_1 * l_1 - l_2 * l_2) / (2.0 * l_1 * l_2)
@@ -174,7 +177,10 @@ class PlanarPath(TipPath):
         return CurveDerivatives(q, np.diff(t_1, prepend=0.0), np.diff(t_2, prepend=0.0))
 
     def reaches(self, s: Array) -> NDArray[np.bool_]:
-        """Return whether the arm reaches the curve at distances (points,), m, within its strokes."""
+        """Return a mask, (points,), True where the arm reaches the curve at distances (points,), m.
+
+        There it is within its strokes, with its elbow bent to the side of the start, neither stretched nor folded.
+        """
         x = self.curve.evaluate(s).value
         within: NDArray[np.bool_] = np.all(
             np.abs(self._angles(x, self._side)) <= self._half + SAME_POINT_DISTANCE, axis=1

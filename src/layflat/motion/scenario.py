@@ -84,7 +84,7 @@ def supply_range(machine: Machine) -> SignalRange:
 
 
 def drift_range(machine: Machine) -> SignalRange:
-    """Return the range of the shift of a valve's centre voltage."""
+    """Return the range of the shift of a valve's centre voltage, up to full opening; infinite without a valve."""
     if machine.valve is None:
         return SignalRange(-inf, inf, "V", "a voltage")
     span = machine.valve.volts_to_full
@@ -92,7 +92,7 @@ def drift_range(machine: Machine) -> SignalRange:
 
 
 def voltage_range(machine: Machine) -> SignalRange:
-    """Return the range of a valve's control voltage."""
+    """Return the range of a valve's control voltage, 5 % of the half span wider; infinite without a valve."""
     if machine.valve is None:
         return SignalRange(-inf, inf, "V", "a voltage")
     span, centre = machine.valve.volts_to_full, machine.valve.centre_voltage

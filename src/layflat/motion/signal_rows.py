@@ -32,7 +32,7 @@ RELATIVE_ROUNDING = 1e-9  # excess over the largest value
 
 
 def check_function_rate(function: Callable[[Array], Array], rows: Array, sampling: Sampling, where: str) -> None:
-    """Refuse a function of time that changes too fast for the control cycles.
+    """Refuse a function of time that changes too fast for the control cycles; fewer than three are not checked.
 
     Args:
         function: function from times (s) to values, (times, names).
@@ -53,6 +53,8 @@ def check_function_rate(function: Callable[[Array], Array], rows: Array, samplin
 
 def check_table_rate(times: Array, values: Array, rows: Array, sampling: Sampling, where: str) -> None:
     """Refuse a table with more rows than control cycles if those between the cycles would be lost.
+
+    Tables for fewer than three cycles are not checked.
 
     Args:
         times: times of the rows, s.
@@ -226,7 +228,7 @@ def read_rows(array: Any, kind: SignalKind, count: int) -> Array:
     """Return rows of values in SI units, (count, names).
 
     Args:
-        array: (count, names), or (count,) where all names share a value.
+        array: (count, names), or (count,) where all joints share a value.
         kind: kind of the signal.
         count: number of the rows, one a control cycle.
 

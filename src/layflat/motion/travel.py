@@ -113,6 +113,7 @@ def plan_move(
     Raises:
         InputError: ruckig is not installed, or a number is not finite.
         MachineError: the machine has no valves, or can't hold itself.
+        LayflatError: no motion was found.
     """
     begin, rest = start if isinstance(start, States) else rest_states(start), rest_states(end)
     path = plan_transfer(begin, rest, arm_limits(machine, begin.angles, end, payload=payload).scaled(*fractions))
@@ -125,7 +126,10 @@ def plan_move(
 
 
 def tip_peaks(machine: Machine, path: PlannedMove) -> tuple[float, float]:
-    """Return the greatest speed (m/s) and acceleration (m/s2) of the tip along a planned motion of the arm."""
+    """Return the greatest speed (m/s) and acceleration (m/s2) of the tip along a motion, by `TIP_SAMPLES` differences.
+
+    Both are 0 for a motion without duration.
+    """
     if path.duration == 0.0:
         return 0.0, 0.0
     tips, step = (

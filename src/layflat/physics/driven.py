@@ -140,7 +140,7 @@ class DrivenJoints(ABC):
         self._write_joints()
 
     def burst(self, joint: int, hose: int | None) -> None:
-        """Burst a hose of a joint (0: A, 1: B), which loses its air through a hole; None repairs both."""
+        """Burst a hose of a joint (0: A, 1: B), which loses its air through a hole; repair the other, for None both."""
         self._holes[joint] = 0.0
         if hose is not None:
             self._holes[joint, hose] = self._lost
@@ -176,7 +176,7 @@ class MachinePlant(DrivenJoints):
 
     @abstractmethod
     def advance(self, until: float) -> None:
-        """Advance to the last whole step before `until` (s); raise DivergedError if the machine diverged."""
+        """Advance to the last whole step up to `until` (s); raise DivergedError if the machine diverged."""
 
     @abstractmethod
     def sense(self) -> tuple[Array, Array]:

@@ -64,7 +64,8 @@ def demand_limits(machine: Machine) -> DemandLimits:
     """Return the limits of each joint's demands (see `DemandLimits`) over all payloads and sampled configurations.
 
     No configuration exceeds sum_i |(M^-1)_ji| T_i. A move by L accelerates over half of its path and brakes over the
-    other half; before each the torque builds up.
+    other half; before each the torque builds up. Against gravity and friction a joint counts as having at least
+    `MIN_TORQUE_FRACTION` of its torque left for braking.
 
     Raises:
         MachineError: the machine has no valves.
@@ -89,7 +90,10 @@ def demand_limits(machine: Machine) -> DemandLimits:
 
 
 def max_gravity_torques(machine: Machine) -> Array:
-    """Return the greatest torque of gravity and springs on each joint, absolute, for any payload, (joints,), N m."""
+    """Return the greatest absolute torque of gravity and springs on each joint, (joints,), N m.
+
+    It is the maximum over both ends of the payload range and all sampled configurations.
+    """
     arm, configurations = parameters.arm(machine), sample_configurations(machine)
     pulls = [parameters.mass_and_pull(arm, payload, configurations)[1] for payload in payload_range(machine)]
     greatest: Array = np.abs(pulls).max(axis=(0, 1))
@@ -97,7 +101,7 @@ def max_gravity_torques(machine: Machine) -> Array:
 
 
 def find_sinking_joints(machine: Machine) -> NDArray[np.bool_]:
-    """Return a mask, (joints,), of the joints whose brakes do not hold them against gravity in every configuration.
+    """Return a mask, (joints,), True where gravity and springs exceed a joint's friction in some configuration.
 
     Raises:
         MachineError: the machine has no valves.
@@ -182,14 +186,15 @@ def _multiply(matrices: Array, vectors: Array) -> Array:
 def plan_smooth_motion(
     machine: Machine, start: Array, end: Array, fraction: float, limits: DemandLimits | None = None
 ) -> States:  # fmt: skip
-    """Return a motion from rest to rest by a polynomial of fifth degree, a row a control cycle.
+    """Return a motion from rest to rest by a polynomial of fifth degree: (cycles, joints) each, a row a control cycle.
 
     Args:
         machine: machine whose joints move.
         start: angles, rad, (joints,).
         end: angles, rad, (joints,).
         fraction: 0..1, of the speed and acceleration that the arm has in every configuration, used at most.
-        limits: limits of the machine's demands; computed where they are not passed, which takes 10 ms.
+        limits: limits of the machine's demands; computed where they are not passed, which takes 10 ms, and raises
+            MachineError for a machine without valves.
     """
     limits, distance = limits or demand_limits(machine), np.abs(end - start)
     by_speed = QUINTIC_PEAKS[0] * distance / (fraction * limits.speed)

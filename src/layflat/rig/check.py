@@ -126,7 +126,7 @@ def _check_link(bench: OpenLoopRig, replies: int, requests: int) -> CheckResult:
 def _check_angle(bench: OpenLoopRig, j: int, name: str, samples: Array) -> CheckResult:
     """Return the result of checking the angle sensor of joint j from samples at rest, rad, (samples,).
 
-    It fails at its rail, outside the mechanical stroke, and with noise that differs from that of the description.
+    It fails at its rail, beyond `resting_angles`, frozen, or with noise that differs from that of the description.
     """
     rail, middle, problem = bench.limits[j].rail, float(np.median(samples)), ""
     described, has_noise = sensor(bench.angle_part), bench.limits[j].angle_frozen.noisy > 0.0
@@ -141,7 +141,10 @@ def _check_angle(bench: OpenLoopRig, j: int, name: str, samples: Array) -> Check
 
 
 def _check_pressure(bench: OpenLoopRig, j: int, name: str, samples: Array) -> CheckResult:
-    """Return the result of checking the differential pressure of joint j from samples without air, Pa, (samples,)."""
+    """Return the result of checking the differential pressure of joint j from samples without air, Pa, (samples,).
+
+    It fails at its rail, beyond `MAX_VENTED_PRESSURE`, frozen, or with more noise than described.
+    """
     middle, problem = float(np.median(samples)), ""
     if not abs(middle) < bench.limits[j].over_pressure:
         problem = "at its rail: look at its wires"
@@ -194,7 +197,7 @@ def check_in_subprocess(
         minded: polled every 50 ms; once it returns False, the check is broken off and the air vented.
 
     Raises:
-        LayflatError: no fitting device answers, or the check was broken off.
+        LayflatError: no fitting device answers, the check was broken off, or its process ended without a result.
     """
     mine, its = Pipe()
     process = start_process(_run_check, (machine, driver, air, its), "layflat-check")

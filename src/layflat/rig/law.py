@@ -68,7 +68,7 @@ class ArmLaw:
         self.recorded = np.array([i for i, name in enumerate(self.kind.signals) if name in dict(self.layout.law)])
 
     def wake(self, angles: Sequence[float], pressures: Sequence[float]) -> None:
-        """Initialize its memory with these measurements, rad and Pa, (joints,)."""
+        """Initialize the memory with measured angles, rad, and differential pressures, Pa, (joints,) each."""
         with blame_outside():
             memory = wake(self.settings_as_given, Sensed(tuple(angles), tuple(pressures)))
             self.memory.array[0] = list(leaves(memory))

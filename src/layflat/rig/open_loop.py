@@ -182,7 +182,10 @@ def check_signs(bench: OpenLoopRig, tell: Callable[[str], object] = str) -> list
 
 
 def _supply_air(bench: OpenLoopRig) -> CheckResult:
-    """Supply air with centred valves; return the time until it is ready, or after too long its pressure."""
+    """Supply air with centred valves; return the result: the time until it is ready, or failure after `start_time`.
+
+    Errors as from `OpenLoopRig.act`.
+    """
     safety, supply = bench.machine.safety, bench.machine.supply
     ready, edge = (
         supply.ambient_pressure + safety.supply_ready * supply.pressure_gauge,
@@ -203,7 +206,8 @@ def _supply_air(bench: OpenLoopRig) -> CheckResult:
 def _apply_pulse(bench: OpenLoopRig, joint: int, direction: int) -> ValvePulse:
     """Open a valve slowly until any joint moves, a pressure nears the supply's, or `MAX_PULSE_TIME` is over; centre it.
 
-    Return the response, after `REST_TIME` with centred valves.
+    Return the response at the end of the opening, after `REST_TIME` with centred valves; errors as from `act`. Joints
+    that gravity moves may sink by `MAX_SINK_ANGLE` before they count as moving.
     """
     recent = [bench.act(bench.centred) for _ in range(AVERAGED_CYCLES)]
     angles, pressures = np.mean([r.angles for r in recent], axis=0), np.mean([r.pressures for r in recent], axis=0)
@@ -253,7 +257,10 @@ def judge_pulses(pulses: list[ValvePulse], joint: int, names: list[str]) -> Chec
 
 
 def _find_responding_joint(pulses: list[ValvePulse], joint: int, names: list[str]) -> str:
-    """Return the first other joint whose pressure responded 3 times as much as the tested one's; empty if none."""
+    """Return the name of another joint that answers: the first with the greatest pressure change of a pulse; else ''.
+
+    That change must exceed 3 times the tested joint's, and 3 times `MIN_PRESSURE_RESPONSE`.
+    """
     for pulse in pulses:
         strongest = int(np.abs(pulse.pressures).argmax())
         response = abs(pulse.pressures[strongest])

@@ -156,10 +156,11 @@ class PlanRunner:
         self._rig.session.ask(plan.demands[row], v, a, at=at)
 
     def _last_snapshot(self) -> RigSnapshot | None:
-        """Return the snapshot of the last cycle (None before the first) and set `ended` to its time.
+        """Return the snapshot of the last cycle (None before the first) and set `ended` to its time (else 0).
 
         Raises:
-            EarlyEndError: the user stopped it, loop or recorder have ended, or the rig is in FAULT or STOPPED.
+            EarlyEndError: the user stopped it, loop or recorder have ended, or the rig is in FAULT, or in STOPPED after
+                `start_air` succeeded.
         """
         shot = self._rig.session.snapshot()
         self.ended = float(shot["time"]) if shot is not None else 0.0

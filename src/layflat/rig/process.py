@@ -49,7 +49,10 @@ class RecorderClient(LoopRecorder):
 
     @classmethod
     def join(cls, path: Path) -> Self:
-        """Attach to the ring in a file once its recorder runs; raise OutputError if it does not within 30 s."""
+        """Attach to the ring in a file and wait until its recorder runs.
+
+        Raise OutputError if the recorder has failed or does not run within 30 s, InputError if the file is no ring.
+        """
         ring, until = Ring.attach(path), time.monotonic() + STARTS_WITHIN
         while not ring.is_recorder_alive() or ring.recorder is RecorderState.UNFINISHED:
             if ring.recorder is RecorderState.UNFINISHED or time.monotonic() > until:

@@ -199,7 +199,7 @@ class RigSession(AbstractContextManager["RigSession"]):
                 as now.
 
         Raises:
-            InputError: it is not one finite number for each joint, or accelerations are without velocities.
+            InputError: an argument is not one finite number for each joint, or accelerations are without velocities.
             RigLoopError: the loop does not run.
         """
         if accelerations is not None and velocities is None:
@@ -298,7 +298,10 @@ class RigSession(AbstractContextManager["RigSession"]):
         return shot is not None and bool(shot["air"])
 
     def _listen(self) -> bool:
-        """Receive a message, if any, and return whether there was one; raise RigLoopError if it is a failure."""
+        """Move a message of the loop, if any, to `messages`, and return whether there was one.
+
+        Raise RigLoopError if the message is a failure.
+        """
         try:
             if not self._pipe.poll():
                 return False

@@ -75,7 +75,10 @@ def run_dataset(
 
 
 def save_run(run: xarray.Dataset, path: Path) -> Path:
-    """Write a data set as NetCDF, in place of any file there, and return the path; raise OutputError if that fails."""
+    """Write a data set as NetCDF and return the path.
+
+    Raise OutputError if it can't be written, or a command runs that may not replace the existing file.
+    """
     content = run.to_netcdf(None, engine="h5netcdf")  # in memory: HDF5 aborts the process on a full disk
     with whole_file(path) as temporary:
         temporary.write_bytes(content)

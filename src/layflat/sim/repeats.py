@@ -56,6 +56,9 @@ def learnt_error_ratio(
         motion: motion to learn.
         repeats: number of repeats after the first run.
         seeds: seeds of sequences of repeats, over which the errors' mean squares are taken.
+
+    Raises:
+        DivergedError: the plant diverged.
     """
     first, last = [], []
     for seed in seeds:
@@ -77,7 +80,7 @@ def true_error(learnt: LearntCorrections, angles: Array) -> float:
 def _simulate_demand(
     learnt: LearntCorrections, demand: States, plant: Machine | None, seed: int
 ) -> tuple[Array, Array]:
-    """Return true and measured angles at the control cycles of a demand, (cycles, joints) each."""
+    """Return true and measured angles at the control cycles of a demand, (cycles, joints) each, rad."""
     count = len(demand.angles)
     run = rollout(
         plant or learnt.machine,

@@ -151,7 +151,7 @@ def change_scenario(scenario: Scenario | None, demand: Signal | None, changes: M
 
 @contextmanager
 def _report_progress(prepared: "PreparedRun", progress: Callable[[float], None] | None) -> Iterator[None]:
-    """Call `progress` periodically while the block simulates a run."""
+    """Call `progress` every `PROGRESS_PERIOD`, from a thread, while the block simulates a run; nothing for None."""
     if progress is None:
         yield
         return
@@ -242,7 +242,7 @@ def prepare_run(
     Args:
         machine: the plant.
         scenario: signals and disturbances.
-        step: time step of the plant; rounded so that a control cycle is a whole number of steps.
+        step: time step of the plant; rounded so that a control cycle is a whole number of steps; a number is in s.
         records: instants recorded per control cycle.
         controller: the machine whose controller drives; default: the plant.
 
@@ -293,7 +293,7 @@ def make_timing(cycle: float, step: Value, records: int, machine: Machine) -> Ti
         machine: the plant; numbers in it may be arrays.
 
     Raises:
-        InputError: the step exceeds a cycle or half a period of the wave that the valves' drivers make, or the number
+        InputError: the step is below `MIN_STEP`, or exceeds a cycle or half a period of the valves' wave; or the number
             of records is out of range.
     """
     requested = read_number(step, u.TIME, "step")

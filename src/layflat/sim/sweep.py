@@ -66,12 +66,12 @@ def sweep(
         pressure: gauge pressure in hose A, such as "3 bar"; a number is in Pa.
         centre: centre of the sweep, from mid-stroke; a number is in rad.
         stroke: range of the sweep, from end to end; a number is in rad; default: the working stroke.
-        brake: fraction of the brake's torque that acts.
+        brake: fraction of the brake's torque that acts, 0 to 100.
         points: instants in each direction.
 
     Raises:
-        InputError: there is no such joint, the pressure is not positive or above that of any hose, the stroke exceeds
-            the mechanical one, the brake's fraction is negative, or a value has the wrong unit.
+        InputError: there is no such joint, the pressure is not positive or above that of any hose, the sweep leaves
+            the mechanical stroke, the brake's fraction is not 0 to 100, or a value has the wrong unit.
     """
     machine = load(machine)
     if not isinstance(joint, str) or joint not in machine.joint:

@@ -59,7 +59,7 @@ def measure_tip_moves(run: xarray.Dataset, bands: tuple[float, ...]) -> list[tup
 
 
 def measure_path_errors(run: xarray.Dataset) -> PathErrors:
-    """Return tracking and contour errors of the tip in a run whose demands change."""
+    """Return tracking and contour errors of the tip over all instants of a run, whose demands are to change."""
     tip, goals = run["tip"].to_numpy(), demanded_tip(run)
     tracking = np.linalg.norm(tip - goals, axis=1)
     return PathErrors(_rms_and_max(tracking), _rms_and_max(_path_distances(tip, goals)))

@@ -160,7 +160,7 @@ def wake_joint(gains, x, dp):  # noqa: ARG001  (as `step_joint`)
 
 @law
 def _select_phase(gains, error, speed):
-    """Return the number of the phase and its gains k_e and k_p."""
+    """Return the number of the phase (1 to 3) at an error (rad) and a speed (rad/s), and its gains k_e and k_p."""
     near = (abs(error) < gains.near_error) & (abs(speed) < gains.near_speed)
     close = (abs(error) < gains.close_error) & (abs(speed) < gains.close_speed)
     k_e = select(close, gains.close.error_gain, select(near, gains.near.error_gain, gains.far.error_gain))
@@ -175,7 +175,7 @@ def _clamp(value, limit):
 
 @law
 def _update_integrals(gains, memory, phase, correction, error, may_learn, elapsed):
-    """Return F and FL after this cycle; `correction` is the sum of the proportional terms, V.
+    """Return F and FL after this cycle, V, clamped; F is 0 outside phase 3. `correction`: proportional terms, V.
 
     At rest and without a load, everything that the controller adds to its null compensates an error of the null, which
     FL learns. F decreases by the part that FL takes over from it, so that the transfer does not disturb the joint.

@@ -45,7 +45,7 @@ def _held_goal(held, before, goal):
 
 @composition
 def update_residual(residual, square, goals, T):
-    """Return the residual after a cycle; a goal that differs from the one given up ends the hold.
+    """Return the residual after a cycle, which begins a hold above `MAX_MEAN_SQUARE`; another goal ends the hold.
 
     Args: residual before it; square of the cycle's greatest innovation over its variance; goals, rad, a tuple; T.
     """
@@ -85,7 +85,10 @@ def _excess(error, moved, tolerance):
 
 @composition
 def has_arrived(arm, q, goals, tolerance):
-    """Return whether an arm at angles q (rad) is within a `Tolerance` of its goals, by its tip and by every joint."""
+    """Return whether an arm at angles q (rad) is within a `Tolerance` of its goals, by its tip and by every joint.
+
+    The goals are a tuple of `Reference`, of which only the angles count.
+    """
     p = each(reference_angle, goals)
     tip, angles, moved = tip_in_space(arm, p), slots(q), slots(p)
     for j in range(len(q)):

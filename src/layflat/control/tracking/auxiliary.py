@@ -225,7 +225,7 @@ def request_auxiliaries(plant, auxiliary, states, demand, rests, stays, T):
 
 @law
 def resting_tolerance(margins, auxiliary, request):
-    """Return the `Tolerance` within which the arm may stay: wider at rest, where noise may look like a motion."""
+    """Return the `Tolerance` within which the arm may stay: wider after a while at rest, unbounded while compliant."""
     widened, compliant = select(auxiliary.rested > FADE_DELAY, QUIET_TOLERANCE_RATIO, 1.0), request.compliant > 0.5
     usual = margins.tolerance
     return Tolerance(

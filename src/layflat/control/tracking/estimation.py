@@ -105,7 +105,8 @@ def update_parameters(prior, parameters, errors, learns):
     """Return the estimate after innovations of the angles, the changes of angles and velocities, and the residual.
 
     The residual is the square of the greatest innovation over its variance: 1 on average if the model is right. An
-    innovation beyond `CREDIBLE_DEVIATIONS` has less weight, and raises the payload's variance to the initial one.
+    innovation beyond `CREDIBLE_DEVIATIONS` has less weight, and raises the payload's variance to the initial one. The
+    values are clamped to the prior's bounds.
 
     Args: `Prior`; `ParameterEstimate` before; innovations, rad, a tuple; learns: 1, or 0 while the arm is compliant, so
     that pushes are not taken for parameters.

@@ -104,7 +104,7 @@ def _place_hose(hose, state, travel, change, p_a):
 def place_joint(joint, state, q, v, change, around):
     """Return the state of a joint at another angle q and velocity v, its differential pressure changed (Pa).
 
-    Half of the change is in each hose; without hose B, all of it in hose A.
+    Half of the change is in each hose; without hose B, all of it in hose A. No pressure falls below ambient.
     """
     p_a, of_second = around.ambient_pressure, 0.5 * has_second(joint.second)
     a = _place_hose(joint.hose_a, state.hose_a, joint.hose_a.neutral + q, (1.0 - of_second) * change, p_a)
@@ -153,7 +153,7 @@ def joint_angle(state):
 
 @law
 def gas_torque(joint, state, around):
-    """Return the torque of the air in both hoses, N m."""
+    """Return the torque of the air on the joint, N m: forward by hose A, less that by hose B."""
     a, b, q, p_a = state.hose_a, state.hose_b, state.motion.angle, around.ambient_pressure
     forward = torque_per_pressure(joint.hose_a.stroke, joint.hose_a.neutral + q) * (a.pressure - p_a)
     return forward - torque_per_pressure(joint.hose_b.stroke, joint.hose_b.neutral - q) * (b.pressure - p_a)

@@ -173,7 +173,7 @@ def _scale_friction(friction, factor):
 
 @composition
 def compute_torques(settings, plan, states, response, goals, estimate, request, T):
-    """Return the demanded torques of the air at the end of the cycle, N m, a tuple; at rest, those of loads alone.
+    """Return the demanded torques of the air at the end of the cycle, N m, a tuple; at rest, eased to those of loads.
 
     Args: `Settings` of the law; `CyclePlan`; states of the joints; `FreeResponse`; goals (`Reference`), a tuple;
     `LoadEstimate`; `AuxiliaryRequest`; T.

@@ -215,7 +215,10 @@ def _required_torque(task: ArmTask, part: SizedPart, need: TorqueNeed) -> float:
 def _choose_valves(
     task: ArmTask, moves: TaskMoves, parts: Sequence[SizedPart], machine: Machine
 ) -> tuple[SizedPart, ...]:
-    """Return the parts with the smallest sold valves that feed the moves, with the task's margin."""
+    """Return the parts with the smallest sold valves that feed the moves, with the task's margin.
+
+    Raise DesignError if no valve is large enough for a joint.
+    """
     sold, sizes = sold_valves(machine), task.margin * valve_sizes(machine, moves, task.payload)
     return tuple(
         part._replace(valve=choose_valve(sold, float(size), f"{task.origin}: joint {part.task.name!r}"))

@@ -76,7 +76,7 @@ def _try_sizing(task: ArmTask, moves: TaskMoves, supply: float, pace: float) -> 
 
 
 def undominated(trials: Sequence[SizingTrial]) -> list[bool]:
-    """Return for each trial whether it is Pareto-optimal in mass and time, at any pressure."""
+    """Return for each trial whether it is Pareto-optimal in mass and time, at any pressure; False without an arm."""
 
     def better(a: SizingTrial, b: SizingTrial) -> bool:
         return a.mass <= b.mass and a.time <= b.time and (a.mass < b.mass or a.time < b.time)
@@ -85,7 +85,10 @@ def undominated(trials: Sequence[SizingTrial]) -> list[bool]:
 
 
 def write_trials(trials: Sequence[SizingTrial], path: Path) -> Path:
-    """Write trials to a CSV file, a row each, and return its path; raise OutputError if it can't be written there."""
+    """Write trials to a CSV file, a row each, and return its path; raise OutputError if it can't be written there.
+
+    Mass and flow are empty, and `refused` has the reason, where no arm can do the task.
+    """
     rows = ["supply_bar_gauge,time_s,mass_kg,valves_l_per_min,undominated,refused"]
     for trial, best in zip(trials, undominated(trials), strict=True):
         sizes = f"{trial.mass:.6g},{trial.flow:.6g}" if trial.mass < inf else ","
@@ -95,7 +98,10 @@ def write_trials(trials: Sequence[SizingTrial], path: Path) -> Path:
 
 
 def sizes_picture(arm: SizedArm, trials: Sequence[SizingTrial]) -> "Figure":
-    """Draw masses of trials over the duration of a move, a curve per pressure, with the arm that they start from."""
+    """Draw masses of trials over the duration of a move, a curve per pressure, with the arm that they start from.
+
+    Trials of one pressure follow each other, as `trade_off` returns them.
+    """
     from layflat.plot.arms import SizedArms, sizes_figure  # noqa: PLC0415  # matplotlib takes long to import
 
     marked = zip(trials, undominated(trials), strict=True)

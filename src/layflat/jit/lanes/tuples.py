@@ -99,6 +99,7 @@ def _store_item(context: Any, builder: Any, sig: Any, args: Any) -> Any:  # noqa
 
 
 def _gather_type(like: Any, items: Any) -> Any:
+    """Return the type of `gather`: a tuple as long as `like`; floats get the precision of its first item."""
     item = items.item if isinstance(items, SlotsType) else items.dtype
     first = like.types[0] if isinstance(like, types.BaseTuple) else item
     both = isinstance(item, types.Float) and isinstance(first, types.Float)

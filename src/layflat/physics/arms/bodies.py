@@ -33,7 +33,10 @@ class RigidArm:
     gravity: Array  # in the frame of the base, m/s2, (3,)
 
     def poses(self, angles: Sequence[float] | Array) -> list[tuple[Array, Array]]:
-        """Return axes (3, 3) and origin (m, (3,)) of the frames of all links and of the tool, in that of the base."""
+        """Return axes (3, 3) and origin (m, (3,)) of the frames of all links and of the tool, in that of the base.
+
+        Angles of the joints are in rad, from mid-stroke.
+        """
         axes, origin, frames = np.eye(3), np.zeros(3), []
         for link, angle in zip(self.links, angles, strict=True):
             origin = origin + axes @ link.place

@@ -78,7 +78,7 @@ class ArmKind(Kind):
                 )
 
     def guarded(self) -> "ArmKind":
-        """Return the kind with a mass matrix that becomes nan where its first item is not positive."""
+        """Return the kind with a mass matrix whose first item becomes NaN where it is not positive."""
         laws = {
             cls: replace(of_class, dynamics=_with_positive_mass(of_class.dynamics))
             for cls, of_class in self.laws.items()

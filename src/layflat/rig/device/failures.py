@@ -65,7 +65,10 @@ class Failure:
         return f"{self.name}: {self.what}{size}"
 
     def _set_state(self, device: VirtualDevice, joint: int, state: Any) -> None:
-        """Apply the failure to a joint in a given size, or heal it (None), after the device's clock has caught up."""
+        """Apply `failed`, a size or `healthy` to a joint, once the device's clock has caught up.
+
+        Raise InputError if there is no such joint.
+        """
         count = device.capabilities.joints
         if not 0 <= joint < count:
             raise InputError(f"has no joint {joint}", where="the rig", right=f"joints are 0 to {count - 1}")

@@ -52,7 +52,10 @@ class ModbusStation(DeviceStation):
             transport.close()
 
     def answer(self, connection: "_Connection", request: ModbusPDU) -> None:
-        """Reply to a request with the link's fault, or with an exception if it is invalid; not while it is silent."""
+        """Reply to a request, with an exception if it is invalid, and with the fault that the link has for this reply.
+
+        A silent link ignores the request.
+        """
         link = self.device.link
         if link.silent:
             return
@@ -136,7 +139,10 @@ class _Connection(asyncio.Protocol):
             self._station.master = None
 
     def data_received(self, data: bytes) -> None:
-        """Answer all whole requests among the received bytes; close the connection once it is out of sync."""
+        """Answer all whole requests among the received bytes; close the connection once it is out of sync.
+
+        A request that pymodbus can't decode is refused as an illegal function, and the bytes with it are dropped.
+        """
         self._tail += data
         try:
             while True:

@@ -96,7 +96,7 @@ class DeviceProcess:
 
 
 def _serve(factory: Factory, machine: Machine, at: Port, control: Connection, lockstep: bool) -> None:
-    """Serve a device, as the main function of the process, until the handle is closed."""
+    """Serve a device, as the main function of the process, until the handle is closed; send it any error."""
     try:
         device = factory(VirtualClock() if lockstep else MonotonicClock())
         asyncio.run(_run_device(device, machine, at, control, lockstep))
@@ -110,7 +110,10 @@ def _error_text(error: Exception) -> str:
 
 
 async def _run_device(device: VirtualDevice, machine: Machine, at: Port, control: Connection, lockstep: bool) -> None:
-    """Serve a device at a port until its control pipe closes or SIGTERM arrives, in lockstep or in real time."""
+    """Serve a device at a port until its control pipe closes or SIGTERM arrives, in lockstep or in real time.
+
+    First it sends (True, address) into the pipe. An error in the event loop ends it, and is raised.
+    """
     loop: asyncio.AbstractEventLoop = asyncio.get_running_loop()
     done: asyncio.Future[None] = loop.create_future()
 
@@ -161,7 +164,10 @@ def _handle_call(device: VirtualDevice, control: Connection) -> bool:
 
 
 async def _open_station(device: VirtualDevice, machine: Machine, at: Port) -> tuple[str, Callable[[], None]]:
-    """Open a serial or Modbus station for a device; return its address and a function that closes it."""
+    """Open a serial or Modbus station for a device; return its address and a function that closes it.
+
+    Raise DriverError if the port can't be used, OutputError if the link to the terminal can't be made.
+    """
     if isinstance(at, SerialPort):
         from layflat.rig.device.serial_server import SerialStation  # noqa: PLC0415  (needs an extra)
 

@@ -63,7 +63,10 @@ class SerialStation(DeviceStation):
                     self._answer(frame)
 
     def _answer(self, frame: frames.SerialFrame) -> None:
-        """Answer an identify or command frame, with the failure of the link that is due; ignore all other frames."""
+        """Answer an identify or command frame, with the failure of the link that is due.
+
+        Other frames, and commands that are invalid or not later than the last one, get no answer.
+        """
         spoil = self.device.link.next()
         try:
             if frame.kind == frames.IDENTIFY_FRAME:

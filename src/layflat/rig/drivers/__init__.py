@@ -13,7 +13,7 @@ MODBUS_PORT = 502  # default port of stations
 
 
 def create_driver(address: str, machine: Machine) -> Driver:
-    """Return a driver for a rig at an address: "modbus://127.0.0.1:5020" or "serial:///dev/ttyACM0".
+    """Return a driver for a rig at an address: "modbus://HOST[:PORT]" (default: 502) or "serial:///dev/ttyACM0".
 
     Raises:
         DriverError: it is no such address.

@@ -119,7 +119,10 @@ class LinkedDriver(Driver):
             raise LinkError("crc") from None
 
     def _configure(self) -> Capabilities:
-        """Lock the rig, connect, and return its capabilities, checked against the machine; release all on failure."""
+        """Lock the rig, connect, and return its capabilities, checked against the machine; release all on failure.
+
+        Raise DriverError if the rig is locked or not reached, is no rig, or differs from the machine.
+        """
         self._lock = lock_rig(self.endpoint)
         try:
             self._connect()

@@ -191,7 +191,10 @@ class LogRecorder:
         self._parent = os.getppid()
 
     def run(self) -> None:
-        """Record until the loop ends or the recorder is stopped, then finish the log."""
+        """Record until the loop ends or dies or the recorder is stopped, then finish the log.
+
+        Before the first row, the loop counts as dead once the process that started the recorder has ended.
+        """
         ended, ring = False, self._ring
         while not ended:
             dead = not ring.is_loop_alive() if ring.head.loop_beat else os.getppid() != self._parent
@@ -201,7 +204,10 @@ class LogRecorder:
         self._finish()
 
     def drain(self) -> None:
-        """Move new rows and events from the ring to the log and to the black box, and report the recorder's state."""
+        """Move new rows and events from the ring to the log and to the black box, and report the recorder's state.
+
+        While the log's buffer is full (a full disk), the log lacks the rows; events and the black box are kept.
+        """
         rows, events = self._ring.drain(), self._ring.drain_events()
         layout = self._heading.layout
         if len(rows):
@@ -245,6 +251,7 @@ class LogRecorder:
         """Finish the black boxes, write the whole log under its own name, and remove the partial one; report DONE.
 
         It waits up to `FULL_DISK_TIMEOUT` for a full disk. Where writing fails the partial log stays: UNFINISHED.
+        Without a row or event there is no log: the empty partial one is removed.
         """
         self._ring.beat(RecorderState.FINISHING)
         part, bag = part_path(self._place), self._bag

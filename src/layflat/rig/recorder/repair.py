@@ -221,7 +221,10 @@ def _split_records(data: mmap.mmap | bytes, place: int) -> Iterator[tuple[int, b
 
 
 def _read_chunk(body: bytes, cut: bool, kept: RepairSummary) -> Iterator[tuple[int, bytes]]:
-    """Yield the records of a chunk; of one that is cut short, as many as can be decompressed."""
+    """Yield opcode and content of a chunk's records; of one that is `cut` short, as many as can be decompressed.
+
+    Bytes that can't be read, or all of a chunk with a wrong checksum, are counted in `kept.lost`.
+    """
     import lz4.frame  # noqa: PLC0415
     import zstandard  # noqa: PLC0415
     from mcap.data_stream import ReadDataStream  # noqa: PLC0415

@@ -80,7 +80,9 @@ def run_campaign(rig: TrialRig, instants: int = 20, seed: int = 0) -> Iterator[T
 
 
 def push_home(device: VirtualDevice, home: float, sinking: NDArray[np.bool_]) -> bool:
-    """Push joints that are far from mid-stroke towards it, and return whether there are any; called on the device.
+    """Push joints that are far from mid-stroke towards it, let go of all others, and return whether any is pushed.
+
+    Called on the device.
 
     Args:
         device: the device.
@@ -139,7 +141,10 @@ class FaultTrial:
     # Before
 
     def _until_failure(self, begun: int) -> int:
-        """Move at random up to the cycle of the failure, and return its instant, ns."""
+        """Move at random up to the cycle of the failure, and return its instant, ns.
+
+        For a case with `moving` the joint is in a long motion then. It ends early if the rig no longer accepts demands.
+        """
         random, rig = self.random, self.rig
         when = begun + round(random.uniform(*FAILURE_TIME_RANGE) * NS_PER_SECOND)
         while self._accepts_demands() and (
@@ -196,7 +201,7 @@ class FaultTrial:
     # After
 
     def _may_reach_stops(self) -> bool:
-        """Return whether nothing but its stops may hold the arm from now on, under a law that plans its motion."""
+        """Return whether nothing but its stops may hold the arm from now on; False under a law that plans no motion."""
         core, truth = self.rig.supervisor.core, self.rig.truth
         torques = core.settings["torque_constant"] * core.memory["estimate.averaged_pressure"]
         return plans_motion(self.rig.machine) and may_reach_stops(
@@ -281,7 +286,10 @@ class FaultTrial:
 
 
 def summarize_outcomes(outcomes: list[TrialOutcome]) -> dict[str, dict[str, float | int]]:
-    """Return by row the number of trials and of good ones, and the maximum of each measurement over its trials."""
+    """Return a table by row: `trials` and `good` (counts), and maxima over the row's trials.
+
+    The maxima are `detection_time`, `limit`, `safe_after`, `turned` and `above_supply`, as of `TrialOutcome`.
+    """
     rows: dict[str, dict[str, float | int]] = {}
     for row in dict.fromkeys(outcome.row for outcome in outcomes):
         of_row = [outcome for outcome in outcomes if outcome.row == row]

@@ -32,7 +32,10 @@ class SafeState(NamedTuple):
 
 
 def _is_vented(rig: TrialRig, joint: int) -> bool:
-    """Return whether a joint has no air; an arm that would fall is lowered: its hoses only carry it."""
+    """Return whether a joint has no air: its fuller hose is below `EMPTY_PRESSURE`, gauge.
+
+    An arm that would fall is lowered: there the pressure that carries the joint is allowed too, if it sinks slowly.
+    """
     empty = rig.truth.pressures[joint] < rig.machine.supply.ambient_pressure + EMPTY_PRESSURE + rig.carries[joint]
     return bool(empty) and (not rig.carries.any() or abs(rig.truth.velocities[joint]) < MAX_SINKING_SPEED)
 
@@ -110,7 +113,7 @@ def _kill_recorder(rig: TrialRig, _: int, on: bool) -> None:
 
 
 def _bad_voltage_case(value: float, label: str) -> FaultCase:
-    """Return the case of a control law that commands an invalid voltage."""
+    """Return the case of a control law that commands an invalid voltage, `value` in V, in one joint."""
 
     def switch(rig: TrialRig, joint: int, on: bool) -> None:
         core = rig.supervisor.core

@@ -98,7 +98,10 @@ class RandomWork(ScriptedHost):
         return belt.rows(self._machine.cycle)
 
     def _line(self, start: Array, tip: Array) -> States | None:
-        """Return a motion of the tip (m) along a straight line in space and back, or None where its reach ends."""
+        """Return a motion from angles `start` (rad), in which the tip (m) goes along a random line in space and back.
+
+        None where the line leaves the reach or `STROKE_FRACTION` of the strokes.
+        """
         way, speed = self._random.normal(size=PLANE_AXES + 1), self._random.uniform(*BELT_SPEED)
         length = self._random.uniform(*LINE_LENGTH_RANGE)
         nodes = np.linspace(0.0, length, LINE_NODES)

@@ -71,7 +71,7 @@ class Cases:
         """Parameters of the machine; numbers that vary are arrays over the runs.
 
         Raises:
-            InputError: the control law can't be compiled.
+            KindError: the control law can't be compiled.
         """
         closed_loop = all(scenario.closed_loop for scenario in self.scenarios)
         settings = parameters.control(self.controller, closed_loop=closed_loop)
@@ -303,7 +303,10 @@ def _changed_cycles(signals: Array) -> NDArray[np.bool_]:
 
 
 def _with_arrays(machine: Machine, arrays: Mapping[str, Array], *, together: bool) -> Machine:
-    """Return a machine with arrays over the runs at some of its paths; raise InputError for a path of no number."""
+    """Return a machine with arrays over the runs at some of its paths.
+
+    Raise InputError for a path of no number, for the control cycle, and for a value that is not valid there.
+    """
     numbers = set(paths(machine))
     for key in arrays:
         if key == "controller.cycle":

@@ -189,7 +189,7 @@ def kernel_arguments(prepared: Cases, block: RunBlock, timing: Timing) -> tuple[
 
 
 def _device_noise(seeds: Seeds, shape: tuple[int, int], number: type[np.floating[Any]]) -> Any:
-    """Return noise as `make_noise` does, made and kept on the device; on the host if no run has noise."""
+    """Return noise as `make_noise` does, made and kept on the device; on the host without noise or when simulated."""
     if interpreted() or (seeds == NO_SEED).all():
         return make_noise(seeds, shape, number)
     noise = cuda.device_array((*shape, 2, len(seeds)), number)
@@ -207,7 +207,7 @@ def _launch(prepared: Cases, block: RunBlock, timing: Timing) -> Results:
 
 
 def _start_threads(kernel: Any, count: int, *args: Any) -> None:
-    """Start `count` threads of a kernel, without a wait for them."""
+    """Start `count` threads of a kernel or more, in whole blocks of `BLOCK_THREADS`, without a wait for them."""
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", message=".*Grid size")  # a small ensemble uses a device poorly: no mistake
         kernel[ceil(count / BLOCK_THREADS), BLOCK_THREADS](*args)

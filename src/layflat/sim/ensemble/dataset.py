@@ -24,6 +24,9 @@ def metrics_dataset(
 ) -> Metrics:
     """Return the results as a data set; metrics of a run that diverged are NaN, except its hysteresis.
 
+    Beside the metrics it has `diverged` (s; NaN where a run did not), the traces that were kept, and as coordinates the
+    values of the keys that vary.
+
     Args:
         prepared: the ensemble.
         results: results of its runs.

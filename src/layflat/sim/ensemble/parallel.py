@@ -295,7 +295,7 @@ def _runner(device: str, workers: int) -> Callable[[Cases, Timing, tuple[float, 
 def _run_on_threads(
     workers: int, prepared: Cases, timing: Timing, bands: tuple[float, float], results: Results
 ) -> Iterator[int]:
-    """Simulate all runs in blocks on threads, and yield the number of completed runs of each block."""
+    """Simulate all runs in blocks on threads, fill in `results`, and yield the number of runs of each block."""
     like = Like.from_tuple(
         prepared.case, NARROW_BYTES if len(prepared.case.joints) > MAX_WIDE_JOINTS else MAX_REGISTER_BYTES
     )

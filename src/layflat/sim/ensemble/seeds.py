@@ -33,7 +33,8 @@ def make_noise(seeds: Seeds, shape: tuple[int, int], number: type[np.floating[An
     """Return standard normal samples of the sensors of runs, (cycles, joints, 2, runs).
 
     Args:
-        seeds: seeds of the runs, (runs,); `NO_SEED` for no noise; if no run has noise, one cycle of zeros is returned.
+        seeds: seeds of the runs, (runs,); `NO_SEED` for no noise, that is zeros; if no run has noise, only one cycle of
+            zeros is returned.
         shape: numbers of cycles and joints.
         number: type of the samples.
     """
