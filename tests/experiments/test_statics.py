@@ -5,7 +5,7 @@ import xarray
 from layflat.design import Table1, design_joint, table1
 from layflat.experiments import load_bench
 from layflat.experiments.statics import StaticsExperiment, air_stiffness, cam_torque, printed_table, wrong_cells
-from layflat.machine import load, parameters
+from layflat.machine import changed, load, parameters
 
 
 def test_every_cell_of_table_1_rounds_to_the_printed_digits() -> None:
@@ -60,3 +60,10 @@ def test_torque_that_is_needed_for_a_mass_asks_for_both_joints() -> None:
     large, small, mean = (one.value for one in found.quantities)
     assert mean == pytest.approx((large + small) / 2)
     assert found.agrees
+
+
+def test_torque_for_a_mass_and_pressure_counts_the_supply_of_the_machine() -> None:
+    halved = changed(load("paper-arm"), "supply.pressure_gauge", 2e5)
+    evaluate = StaticsExperiment.torque_per_mass.evaluate_claim
+    before, after = (evaluate(StaticsExperiment(load_bench(arm))) for arm in ("paper-arm", halved))
+    assert [one.value for one in after.quantities] == pytest.approx([one.value for one in before.quantities], rel=0.02)

@@ -136,7 +136,8 @@ class StaticsExperiment(Experiment):
     def torque_per_mass(self) -> Evaluation:
         """Compare torque per mass and pressure of both joints with the paper's."""
         curves = {name: self.bench.curve(name, brake=self.bench.brake) for name in MEASURED_TORQUES}
-        ratios = {name: curve.maximum_torque / self.bench.joint(name).body.mass / 4.0 for name, curve in curves.items()}
+        bar = self.bench.arm.supply.pressure_gauge / 1e5
+        ratios = {name: curve.maximum_torque / self.bench.joint(name).body.mass / bar for name, curve in curves.items()}
         mean = float(np.mean(list(ratios.values())))
         unit = "N m/(kg bar)"
         return [

@@ -1,9 +1,17 @@
 import numpy as np
 import pytest
 
-from layflat.experiments.beyond.search import OPENING_CHANGE, REST_CYCLES, Shooting, settling_cycles
+from layflat.experiments.beyond.search import (
+    OPENING_CHANGE,
+    REST_CYCLES,
+    OpeningTrial,
+    Shooting,
+    minimize_cycles,
+    settling_cycles,
+)
 from layflat.machine import load
 from layflat.sim import rollout
+from layflat.sim.metrics import TIP_BAND
 
 JOINT = load("paper-small-joint-fast")
 STEP = Shooting(JOINT, (-0.3,), (0.4,))
@@ -39,3 +47,12 @@ def test_settled_counts_cycles_until_the_tip_stays() -> None:
     assert settling_cycles(away, 2.0) == 4
     assert settling_cycles(away[[1, 3]], 2.0) == 0
     assert settling_cycles(away[[0, 1, 2]], 2.0) == 4  # one more than there are
+
+
+@pytest.mark.parametrize("settled", [0, 1])
+def test_a_step_that_settles_at_once_needs_no_search(settled: int) -> None:
+    errors = np.full((40, 2), 0.0)
+    errors[: settled and settled - 1] = 1.0
+    trial = OpeningTrial(Shooting(load("paper-small-joint"), (0.0,), (0.0,)), np.zeros((40, 1)), errors, 8, TIP_BAND)
+    assert trial.settled <= 1
+    assert minimize_cycles(trial) is trial

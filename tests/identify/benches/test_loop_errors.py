@@ -1,7 +1,9 @@
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
-from layflat.identify.benches.hysteresis import loop_height, motion_directions
+from layflat.identify.benches.hysteresis import curve_errors, loop_height, motion_directions
 
 T = np.linspace(0.0, 3.0, 3001)
 X = np.sin(2 * np.pi * T)
@@ -40,3 +42,11 @@ def test_noise_does_not_turn_the_way() -> None:
 
 def test_a_motion_without_a_way_back_has_no_height() -> None:
     assert loop_height(T, T) == 0.0
+
+
+def test_errors_of_a_curve_without_height_are_infinitely_many_times_its_height() -> None:
+    measured = np.ones(len(T))
+    output = SimpleNamespace(log="one way", measured=measured, fitted=np.ones(len(T), bool))
+    model = SimpleNamespace(slices=[slice(None)], outputs=[output], motions=[T])
+    (error,) = curve_errors(model, measured + 0.1)  # type: ignore[arg-type]
+    assert (error.height, error.raw, error.friction) == (0.0, np.inf, np.inf)

@@ -236,7 +236,7 @@ def simulate_trial(
 def minimize_cycles(best: OpeningTrial) -> OpeningTrial:
     """Return a trial with as few cycles until it settles as the search reaches, from one that settles."""
     stride = FIRST_STRIDE
-    while stride > 0:
+    while stride > 0 and best.settled > 1:
         fewer = max(best.settled - stride, 1)
         better = reach_band(simulate_trial(best.shooting, best.openings, fewer, best.band), fewer)
         if better is None:

@@ -5,6 +5,7 @@ Motion is the input, effort (a torque or a force) is measured, elements slip one
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from math import inf
 from typing import Any, Generic, TypeVar
 
 import numpy as np
@@ -274,7 +275,7 @@ class CurveError:
     log: str  # name of the log
     validation: bool  # whether none of it was fitted
     height: float  # of the measured curve (see `loop_height`), N or N m
-    raw: float  # rms of the error, over the height
+    raw: float  # rms of the error, over the height; inf without a height, as the next
     friction: float  # standard deviation of the error, over the height: the part that friction alone misses
 
 
@@ -290,7 +291,8 @@ def curve_errors(model: CurveModel[Any], simulated: Array) -> list[CurveError]:
         height = loop_height(motion, output.measured)
         error = (simulated[rows] - output.measured)[np.isfinite(output.measured)]
         rms, deviation = float(np.sqrt(np.mean(error**2))), float(np.std(error))
-        errors.append(CurveError(output.log, not output.fitted.any(), height, rms / height, deviation / height))
+        raw, friction = (rms / height, deviation / height) if height else (inf, inf)
+        errors.append(CurveError(output.log, not output.fitted.any(), height, raw, friction))
     return errors
 
 
