@@ -15,7 +15,13 @@ from layflat.errors import CompilerError, MissingExtraError
 
 SOURCE_FOLDER = Path(__file__).parent / "source"
 
-C_FLAGS = ("-std=c11", "-O2", "-ffp-contract=off", "-fvisibility=hidden", "-fPIC", "-shared", "-s")
+C_FLAGS = ("-std=c11", "-Os", "-ffp-contract=off", "-fvisibility=hidden", "-fPIC")
+
+NO_UNWINDING = ("-fno-unwind-tables", "-fno-asynchronous-unwind-tables")  # no exception ever passes an FMU
+
+WINDOWS_C_LIBRARY = tuple(f"-lapi-ms-win-crt-{part}-l1-1-0" for part in ("heap", "math", "stdio", "string"))
+WINDOWS_LINKED = ("-nostdlib", "-rtlib=none", "-Wl,--entry,DllMainCRTStartup", *WINDOWS_C_LIBRARY)
+"""Options by which zig links a library of Windows with the system's C library alone; see source/windows/runtime.c."""
 
 C_COMPILERS = ("cc", "gcc", "clang")
 
@@ -98,17 +104,25 @@ def _link(linker: Linker, system: System, header: str, objects: Mapping[str, byt
     (folder / "model.h").write_text(header, encoding="utf-8")
     for name, code in objects.items():
         (folder / f"{name}.o").write_bytes(code)
-    library = folder / f"library{system.suffix}"
-    words = [*linker.command, *(("-target", system.triple) if linker.cross else ()), *C_FLAGS]
-    words += [f"-I{folder}", f"-I{SOURCE_FOLDER}", *map(str, sorted(SOURCE_FOLDER.glob("*.c")))]
-    words += [*(str(folder / f"{name}.o") for name in objects), *_libraries(system), "-o", str(library)]
-    done = subprocess.run(words, cwd=folder, capture_output=True, text=True, check=False)
-    if done.returncode or not library.exists():
-        lines = [line for line in done.stderr.splitlines() if "error" in line] or done.stderr.splitlines()
-        reason = lines[0].strip() if lines else f"status {done.returncode}"
-        raise CompilerError(f"{linker.title} can't link the FMU's library for {system.title} ({reason})")
+    library, laws = folder / f"library{system.suffix}", [f"{name}.o" for name in objects]
+    command = [*linker.command, *(("-target", system.triple) if linker.cross else ())]
+    compiled = [*command, *C_FLAGS, f"-I{folder}", f"-I{SOURCE_FOLDER}"]
+    sources = sorted(SOURCE_FOLDER.glob("*.c"))
+
+    def run(words: Iterable[str | Path]) -> None:
+        done = subprocess.run([*map(str, words)], cwd=folder, capture_output=True, text=True, check=False)
+        if done.returncode:
+            lines = [line for line in done.stderr.splitlines() if "error" in line] or done.stderr.splitlines()
+            reason = lines[0].strip() if lines else f"status {done.returncode}"
+            raise CompilerError(f"{linker.title} can't link the FMU's library for {system.title} ({reason})")
+
+    if linker.cross and system.suffix == ".dll":
+        sources.append(SOURCE_FOLDER / "windows" / "runtime.c")
+        for source in sources:
+            run([*compiled, "-c", source, "-o", f"source-{source.stem}.o"])
+        run([*command, "-shared", "-s", *laws, *(f"source-{source.stem}.o" for source in sources), *WINDOWS_LINKED,
+             "-o", library])  # fmt: skip
+    else:
+        end = ("-lm",) if system.suffix == ".so" else ()
+        run([*compiled, *NO_UNWINDING, "-shared", "-s", *sources, *laws, *end, "-o", library])
     return library.read_bytes()
-
-
-def _libraries(system: System) -> Iterable[str]:
-    return ("-lm",) if system.suffix == ".so" else ()

@@ -92,8 +92,9 @@ def _write_scope(model: FmuModel, code: LawCode, linker: Linker, folder: Path, n
     def objects(system: System) -> dict[str, bytes]:
         return {entry.name: code.object_file(entry, system) for entry in model.entries}
 
-    token = _token([model.header(""), *(path.read_text(encoding="utf-8") for path in sorted(SOURCE_FOLDER.iterdir()))],
-                   [item for system in linker.systems for item in objects(system).values()])  # fmt: skip
+    sources = [path.read_text(encoding="utf-8") for path in sorted(SOURCE_FOLDER.rglob("*.[ch]"))]
+    codes = [code for system in linker.systems for code in objects(system).values()]
+    token = _token([model.header(""), *sources], codes)
     with TemporaryDirectory(prefix="layflat-fmu-") as place:
         libraries = link_libraries(linker, model.header(token), objects, Path(place))
     for version, end in FMI_VERSIONS.items():

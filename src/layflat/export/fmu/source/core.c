@@ -47,9 +47,11 @@ static void record_outputs(numbers *now) {
 }
 #endif
 
+static int is_finite(double value) { return value - value == 0.0; }
+
 static int all_finite(const double *values, size_t count) {
     for (size_t i = 0; i < count; i++)
-        if (!isfinite(values[i])) return 0;
+        if (!is_finite(values[i])) return 0;
     return 1;
 }
 
@@ -153,14 +155,14 @@ instance *core_instantiate(const instance *prototype, const char *name, const ch
         return NULL;
     }
     *self = *prototype;
-    snprintf(self->name, sizeof self->name, "%s", name);
+    strncpy(self->name, name, sizeof self->name - 1);
     core_reset(self);
     return self;
 }
 
 int core_enter_initialization(instance *self, double start_time, const char *function) {
     if (!core_allows(self, INSTANTIATED, function)) return STATUS_ERROR;
-    if (!isfinite(start_time)) return core_fail(self, "%s: the start time is not a number", function);
+    if (!is_finite(start_time)) return core_fail(self, "%s: the start time is not a number", function);
     self->now.start_time = start_time;
     self->now.phase = INITIALIZING;
     return STATUS_OK;
@@ -186,7 +188,7 @@ int core_terminate(instance *self, const char *function) {
 int core_step(instance *self, double time, double size, const char *function) {
     const double h = MODEL_CYCLE / MODEL_STEPS;
     if (!core_allows(self, STEPPING, function)) return STATUS_ERROR;
-    if (!isfinite(time) || !isfinite(size)) return core_fail(self, "%s: time or step is not a number", function);
+    if (!is_finite(time) || !is_finite(size)) return core_fail(self, "%s: time or step is not a number", function);
     const double present = self->now.start_time + h * (double)self->now.steps;
     if (fabs(time - present) > TIME_TOLERANCE * h)
         return core_fail(self, "%s: the step begins at %.9g s, but the instance is at %.9g s", function, time, present);
@@ -230,7 +232,7 @@ int core_set(instance *self, const uint32_t *references, size_t count, const dou
         if (access == ACCESS_OUTPUT || (access == ACCESS_FIXED && self->now.phase == STEPPING))
             return core_fail(self, "%s: variable %u can't be set now", function, (unsigned)reference);
         /* A limit that is missing is infinite. */
-        if (access == ACCESS_TUNABLE ? isnan(values[i]) : !isfinite(values[i]))
+        if (access == ACCESS_TUNABLE ? values[i] != values[i] : !is_finite(values[i]))
             return core_fail(self, "%s: the value of variable %u is not a number", function, (unsigned)reference);
     }
     for (size_t i = 0; i < count; i++) self->now.values[references[i]] = values[i];
