@@ -60,7 +60,7 @@ def python_trace(machine: Machine) -> Array:
         demand = Demand(zeros if k < first else move_target(machine), zeros, zeros, zeros)
         sensed = Sensed(*(tuple(row.tolist()) for row in plant.sense()))
         memory, command, _ = step(settings, memory, sensed, demand, machine.cycle)
-        plant.drive(np.array(command.voltage))
+        plant.drive(np.array(command.voltage), command.shares)
         plant.advance((k + 1) * machine.cycle)
         seen = np.column_stack([plant.angles, plant.pressures, command.voltage])
         rows[k] = [(k + 1) * machine.cycle, *seen.ravel()]

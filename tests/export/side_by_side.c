@@ -39,7 +39,7 @@ static int run(struct machine *machine, int cycles, int in_place)
 {
     paper_arm_demand demand = { { 0.2, 0.1 }, { 0.0, 0.0 }, { 0.0, 0.0 }, { 0.0, 0.0 } };
     paper_arm_noise noise[JOINTS] = { { 0.5, -0.5 }, { 1.0, 0.25 } };
-    paper_arm_inputs inputs[JOINTS] = { { 0.0, 0.0, 0.0, 0.0 }, { 0.0, 0.0, 0.0, 0.0 } };
+    paper_arm_inputs inputs[JOINTS] = { { 0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0 }, { 0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0 } };
     int j, k;
     for (k = 0; k < cycles; k++) {
         paper_arm_sensed sensed;

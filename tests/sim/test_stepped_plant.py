@@ -7,6 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
+from layflat.control import Demand, Sensed, step, wake
 from layflat.errors import DivergedError, InputError
 from layflat.machine import Machine, changed, load, parameters
 from layflat.physics.driven import BURST_TIME
@@ -59,6 +60,39 @@ def test_driven_cycle_by_cycle_it_is_the_rollout_bit_for_bit(machine: Machine) -
     run = rollout(machine, scenario=EVENTFUL)
     for name, column in one_by_one(machine, prepare_run(machine, EVENTFUL).signals, EVENTFUL.seed).items():
         assert np.array_equal(column, run[name].to_numpy()), name
+
+
+@pytest.mark.parametrize(
+    ("name", "stiffness", "cycles", "changing"),
+    [("paper-arm-tracking", 0.0, 100, "dither"), ("paper-arm-adjustable", 20.0, 60, "supply")],
+)
+def test_what_a_law_commands_beside_voltages_acts_as_in_a_rollout(
+    name: str, stiffness: float, cycles: int, changing: str
+) -> None:
+    """Fractions of brake, dither and supply, each cycle in two pieces."""
+    goals, zeros, machine = (0.05, -0.04), (0.0, 0.0), load(name)
+    demand = dict(zip(machine.joints, goals, strict=True))
+    scenario = Scenario(demand=demand, demand_stiffness=stiffness, start=0.0, duration=cycles * CYCLE, noise=False)
+    run, plant, settings = (
+        rollout(machine, scenario=scenario),
+        SteppedPlant(machine, noise=False),
+        parameters.control(machine),
+    )
+
+    def readings() -> Sensed:
+        return Sensed(*(tuple(row.tolist()) for row in plant.sense()))
+
+    memory, shares = wake(settings, readings()), []
+    for k in range(cycles):
+        asked = Demand(goals, zeros, zeros, (stiffness, stiffness))
+        memory, command, _ = step(settings, memory, readings(), asked, CYCLE)
+        plant.drive(np.array(command.voltage), command.shares)
+        plant.advance((k + 0.4) * CYCLE)
+        plant.advance((k + 1) * CYCLE)
+        shares.append([getattr(one, changing) for one in command.shares])
+        assert np.array_equal(plant.angles, run["angle"].to_numpy()[k + 1]), k
+        assert np.array_equal(plant.pressures[:, 0], run["pressure_a"].to_numpy()[k + 1]), k
+    assert np.ptp(shares) > 0.5
 
 
 @settings(max_examples=20)

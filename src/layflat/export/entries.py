@@ -14,12 +14,10 @@ from layflat.control import CONTROL_LAWS, Demand, Sensed, step, wake
 from layflat.lanes import Like, in_lanes, leaves, read_lanes, read_numbers, slots, write_lanes, write_numbers
 from layflat.machine import Machine, parameters
 from layflat.physics.driven import DrivenOutputs
-from layflat.physics.driver import ZERO_COMMANDS
 from layflat.physics.plant import states_at_rest
 from layflat.physics.step import STEP
-from layflat.physics.valves import start_wave
 from layflat.sim.run import make_timing
-from layflat.sim.stepping import ZERO_INPUTS, JointCarry, PlantSetting, carry_at_rest, move, sample
+from layflat.sim.stepping import ZERO_INPUTS, PlantSetting, carry_at_rest, joint_carry_at_rest, move, sample
 
 
 @dataclass(frozen=True)
@@ -193,7 +191,7 @@ class PlantEntries:
 
         n, steps, h = len(self.carries), self.steps, self.h
         setting_like, carry_like = Like.from_tuple(self.setting), Like.from_tuple(self.carries[0])
-        numbers, columns = number_of(self.setting), number_of(self.carries[0])
+        numbers, columns, items = (number_of(one) for one in (self.setting, self.carries[0], ZERO_INPUTS))
         angles_like = (0.0,) * n
 
         def rest(setting, angles, pressures, state, clock):  # type: ignore[no-untyped-def]
@@ -203,8 +201,7 @@ class PlantEntries:
             a, b = read_numbers(angles_like, filled[0]), read_numbers(angles_like, filled[1])
             states, places = slots(states_at_rest(arm, joints, start, a, b, around)), slots(joints)
             for j in range(n):
-                wave = start_wave(places[j].valve, 0.0, h)
-                write_numbers(rows[j], JointCarry(states[j], wave, ZERO_COMMANDS, 0.0))
+                write_numbers(rows[j], joint_carry_at_rest(places[j], states[j], h))
             clock[n * columns], clock[n * columns + 1] = 0, -1
 
         def advanced(setting, state, clock, driven, outputs, count, new):  # type: ignore[no-untyped-def]
@@ -212,7 +209,7 @@ class PlantEntries:
             due = -1 if new != 0 else clock[n * columns + 1]
             due, diverged = move(
                 setting_like, carry_like, carray(setting, (numbers,)), carray(state, (n, columns)),
-                carray(driven, (n, 4)), carray(outputs, (n, 4)), steps, begin, begin + count, due,
+                carray(driven, (n, items)), carray(outputs, (n, 4)), steps, begin, begin + count, due,
             )  # fmt: skip
             clock[n * columns], clock[n * columns + 1] = begin + count, due
             return diverged

@@ -9,6 +9,7 @@ import numpy as np
 from layflat.arrays import Array
 from layflat.jit import law
 from layflat.lanes import read_numbers, write_numbers
+from layflat.physics.adjustable import FULL_FRACTIONS
 from layflat.physics.chamber import air_mass, energy, pressure, temperature
 from layflat.physics.joint import HoseState, JointParameters, Surroundings
 from layflat.physics.valves import held_at, seized
@@ -47,6 +48,9 @@ class DrivenInputs(NamedTuple):
     load: float  # external torque, N m
     hole_a: float  # fraction of its gauge pressure that hose A loses through a hole in a step; 0: no hole
     hole_b: float  # likewise of hose B
+    brake: float  # commanded fraction of the brake's maximum torque, 0..1
+    dither: float  # commanded fraction of the valve's dither, 0..1
+    supply: float  # commanded fraction of the supply's gauge pressure, 0..1
 
 
 class DrivenOutputs(NamedTuple):
@@ -91,7 +95,9 @@ class DrivenJoints(ABC):
         self._healthy, self._around, self._lost = joints, around, 1.0 - exp(-h / BURST_TIME)
         self._given, self._seen = np.zeros((n, len(DrivenInputs._fields))), np.zeros((n, len(DrivenOutputs._fields)))
         self._voltages, self.load = self._given[:, INPUT_COLUMNS.voltage], self._given[:, INPUT_COLUMNS.load]
-        self._holes = self._given[:, INPUT_COLUMNS.hole_a :]
+        self._holes = self._given[:, INPUT_COLUMNS.hole_a : INPUT_COLUMNS.brake]
+        self._fractions = self._given[:, INPUT_COLUMNS.brake :]
+        self._fractions[:] = FULL_FRACTIONS
         self._voltages[:] = [joint.valve.centre_voltage for joint in joints]
         self._seized: dict[int, float] = {}
         self._shares = np.ones(n)

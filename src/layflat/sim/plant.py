@@ -1,6 +1,6 @@
 """The plant of a rollout without its controller, advanced by its caller."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +12,7 @@ from layflat.lanes import Like, leaves, write_numbers
 from layflat.machine import Machine, load, parameters
 from layflat.motion.scenario import MAX_DURATION, SIGNALS, Scenario
 from layflat.motion.signal_values import Angles, Pair, SignalKind, Value, check_integer, read_number, read_row
+from layflat.physics.adjustable import DriveFractions
 from layflat.physics.driven import SURROUNDINGS_COLUMNS, MachinePlant
 from layflat.physics.joint import Surroundings
 from layflat.physics.sensor import noise_samples
@@ -24,8 +25,8 @@ from layflat.sim.stepping import PlantSetting, carry_at_rest, move, sample
 class SteppedPlant(MachinePlant):
     """A machine that its caller drives with voltages, advances in time, and reads through its sensors.
 
-    It starts at rest. Driven once per control cycle by the same voltages, it passes through the states of a rollout,
-    bit for bit; sample k of its sensors has the noise of the rollout's sample k.
+    It starts at rest. Driven once per control cycle by the same voltages and fractions, it passes through the states of
+    a rollout, bit for bit; sample k of its sensors has the noise of the rollout's sample k.
 
     Args:
         machine: a description, its file, or the name of a built-in machine.
@@ -89,14 +90,21 @@ class SteppedPlant(MachinePlant):
     def payload(self, mass: Value) -> None:
         self._around[SURROUNDINGS_COLUMNS.payload] = _payload(self._described, mass)
 
-    def drive(self, voltages: Array) -> None:
-        """Set the voltages of the valves' drivers, (joints,), V; they hold until the next call.
+    def drive(self, voltages: Array, shares: Sequence[DriveFractions] | Array | None = None) -> None:
+        """Set what drives the joints; it holds until the next call.
 
         A valve delay in control cycles counts the calls at new instants, and elapsed time without calls.
 
+        Args:
+            voltages: of the valves' drivers, (joints,), V.
+            shares: fractions of brake, dither and supply that a control law commands, (joints, 3); default: those of
+                the last call, at the start full ones.
+
         Raises:
-            InputError: they are not one finite number per joint.
+            InputError: the voltages are not one finite number per joint.
         """
+        if shares is not None:
+            self._fractions[:] = shares
         row = np.asarray(voltages)
         if row.dtype != np.float64 or row.shape != self._voltages.shape or not np.isfinite(row).all():
             row = read_row(voltages, SignalKind("voltages", u.VOLTAGE, self.joints), self._voltages)

@@ -9,11 +9,12 @@ from typing import Any, NamedTuple
 from layflat.arrays import Array
 from layflat.jit import law, portable_kernel
 from layflat.lanes import read_numbers, slots, write_numbers
+from layflat.physics.adjustable import FULL_FRACTIONS, DriveFractions, adjust_fractions, regulated_pressure
 from layflat.physics.driven import DrivenInputs, DrivenOutputs, leak_through_hole
 from layflat.physics.driver import ZERO_COMMANDS, CommandDelayLine
 from layflat.physics.joint import Drive, JointParameters, JointState, Surroundings, is_sound
 from layflat.physics.plant import advance_arm, pack_joints, states_at_rest
-from layflat.physics.valves import driven_opening, start_wave
+from layflat.physics.valves import driven_opening, start_wave, weaken_wave
 from layflat.sim.loop import Noise, sense
 
 ZERO_INPUTS = DrivenInputs(*[0.0] * len(DrivenInputs._fields))
@@ -35,6 +36,15 @@ class JointCarry(NamedTuple):
     wave: Any  # dither or carrier of the coming step
     line: CommandDelayLine
     opening: float  # to which the valve is driven, -1..1
+    means: DriveFractions  # of brake, dither and supply in this control cycle
+    shares: DriveFractions  # at the start of the coming control cycle
+
+
+@law
+def joint_carry_at_rest(joint, state, h):
+    """Return what is carried of a joint in a state of rest."""
+    wave = start_wave(joint.valve, 0.0, h)
+    return JointCarry(state, wave, ZERO_COMMANDS, 0.0, FULL_FRACTIONS, FULL_FRACTIONS)
 
 
 def carry_at_rest(setting: PlantSetting, angles: Array, pressures: Array, h: float) -> list[JointCarry]:
@@ -49,7 +59,7 @@ def carry_at_rest(setting: PlantSetting, angles: Array, pressures: Array, h: flo
     firsts, seconds = (tuple(column) for column in pressures.T.tolist())
     states = states_at_rest(setting.arm, setting.joints, tuple(angles.tolist()), firsts, seconds, setting.around)
     joined = zip(setting.joints, states, strict=True)
-    return [JointCarry(state, start_wave(joint.valve, 0.0, h), ZERO_COMMANDS, 0.0) for joint, state in joined]
+    return [joint_carry_at_rest(joint, state, h) for joint, state in joined]
 
 
 @law
@@ -62,6 +72,13 @@ def _leak_air(joint, state, inputs, p_a):
         leak_through_hole(joint.hose_b, state.hose_b, inputs.hole_b, p_a),
         state.ledger,
     )
+
+
+@law
+def _drive_of(joint, inputs, opening, means, around):
+    """Return the drive of a joint, with mean fractions of brake and supply."""
+    supply = regulated_pressure(means.supply, around.supply_pressure, around.ambient_pressure)
+    return Drive(opening, means.brake * joint.brake_torque, inputs.load, supply)
 
 
 @portable_kernel(results=2)
@@ -80,24 +97,29 @@ def move(setting_like, carry_like, setting, carries, inputs, outputs, steps, ste
     joined = pack_joints(arm, joints)
     states, waves = slots(all_joints, before.state), slots(all_joints, before.wave)
     lines, acts = slots(all_joints, before.line), slots(all_joints, acting)
-    drives = slots(all_joints, Drive(before.opening, joints[0].brake_torque, acting.load, around.supply_pressure))
+    means, shares = slots(all_joints, before.means), slots(all_joints, before.shares)
+    drives = slots(all_joints, _drive_of(joints[0], acting, before.opening, before.means, around))
     leaks = acting.hole_a + acting.hole_b > 0.0
     for j in range(1, n):
         before, acts[j] = read_numbers(carry_like, carries[j]), read_numbers(ZERO_INPUTS, inputs[j])
         states[j], waves[j], lines[j] = before.state, before.wave, before.line
-        drives[j] = Drive(before.opening, joints[j].brake_torque, acts[j].load, around.supply_pressure)
+        means[j], shares[j] = before.means, before.shares
+        drives[j] = _drive_of(joints[j], acts[j], before.opening, before.means, around)
         leaks = leaks or acts[j].hole_a + acts[j].hole_b > 0.0
     diverged = -1
     while step < last and diverged < 0:
         if due <= 0:
             for j in range(n):
                 opening, lines[j] = driven_opening(joints[j].valve, lines[j], acts[j].voltage, cycle)
-                drives[j] = Drive(opening, drives[j].brake_torque, drives[j].load_torque, around.supply_pressure)
+                demand = DriveFractions(acts[j].brake, acts[j].dither, acts[j].supply)
+                means[j], shares[j] = adjust_fractions(joints[j].adjustables, shares[j], demand, cycle)
+                drives[j] = _drive_of(joints[j], acts[j], opening, means[j], around)
             # A caller that drives once per cycle, but not on time, counts once per cycle; else voltages hold.
             due = steps + (steps // 2 if due < 0 else 0)
         if step % steps == 0:
             for j in range(n):
-                waves[j] = start_wave(joints[j].valve, cycle * (step // steps), h)
+                valve = joints[j].valve
+                waves[j] = weaken_wave(valve, start_wave(valve, cycle * (step // steps), h), means[j].dither)
         until = step + 1 if leaks else min(last, (step // steps + 1) * steps, step + due)
         advance_arm(arm, joined, states, drives, waves, around, h, until - step)
         due, step = due - (until - step), until
@@ -108,7 +130,7 @@ def move(setting_like, carry_like, setting, carries, inputs, outputs, steps, ste
                 diverged = j
     for j in range(n):
         state = states[j]
-        write_numbers(carries[j], JointCarry(state, waves[j], lines[j], drives[j].opening))
+        write_numbers(carries[j], JointCarry(state, waves[j], lines[j], drives[j].opening, means[j], shares[j]))
         a, b = state.hose_a.pressure, state.hose_b.pressure
         write_numbers(outputs[j], DrivenOutputs(state.motion.angle, state.motion.velocity, a, b))
     return due, diverged

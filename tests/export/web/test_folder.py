@@ -12,8 +12,9 @@ import layflat as lf
 from layflat.errors import InputError
 from layflat.export.web.folder import write_folder
 from layflat.machine import load
+from layflat.machine.exchanged import with_tracking
 from tests.export.web.engines import run_text
-from tests.export.web.traces import SECONDS, SEED, TRACED, check_same_bits, check_trace, demands, node_trace
+from tests.export.web.traces import SECONDS, SEED, TRACED, check_same_bits, demands, node_trace
 
 MACHINE = "paper-arm"
 pytestmark = pytest.mark.compiled
@@ -35,21 +36,20 @@ def beside(folder: Path, tmp_path: Path) -> Path:
     return place
 
 
-def test_the_papers_law_with_noise_is_the_rollout_to_the_bit(folder: Path, tmp_path: Path) -> None:
+@pytest.mark.parametrize("law", ["paper", "tracking"])
+def test_a_law_with_noise_is_the_rollout_to_the_bit(folder: Path, tmp_path: Path, law: str) -> None:
+    """Brake, dither and supply included, of which the tracking law commands fractions."""
     machine = load(MACHINE)
-    found = node_trace(folder, tmp_path, machine, "paper")
+    trace = node_trace(folder, tmp_path, machine, law)
     demand = dict(zip(machine.joints, demands(machine), strict=True))
-    run = lf.rollout(machine, demand, start=0.0, duration=SECONDS, seed=SEED)
+    controlled = with_tracking(machine) if law == "tracking" else machine
+    assert controlled is not None
+    run = lf.rollout(controlled, demand, start=0.0, duration=SECONDS, seed=SEED)
     assert np.ptp(run["angle"].to_numpy()) > 0.3  # it moves
     for name in TRACED:
-        check_same_bits(name, found[name], run[name].to_numpy()[1:])
-    check_same_bits("voltage", found["voltage"], run["voltage"].to_numpy()[:-1])
-
-
-def test_the_tracking_law_with_noise_is_the_host_to_the_bit(folder: Path, tmp_path: Path) -> None:
-    """Apart from its dither, which a rollout weakens at rest, and a plant that is driven by voltages does not."""
-    machine = load(MACHINE)
-    check_trace(node_trace(folder, tmp_path, machine, "tracking"), machine, "tracking", interpreted=40)
+        check_same_bits(name, trace[name], run[name].to_numpy()[1:])
+    check_same_bits("voltage", trace["voltage"], run["voltage"].to_numpy()[:-1])
+    assert (np.ptp(trace["dither"]) > 0.5) == (law == "tracking")
 
 
 def test_the_example_of_the_readme_runs(folder: Path, beside: Path) -> None:

@@ -25,7 +25,10 @@ for (let k = 0; k < cycles; k++) {
   const command = controller.step(plant.sample());
   plant.drive(command);
   plant.advance();
-  plant.outputs.forEach((one, j) => rows.push(one.angle, one.velocity, one.pressure_a, one.pressure_b, command.voltage[j]));
+  plant.outputs.forEach((one, j) => {
+    const { brake, dither, supply } = command.shares[j];
+    rows.push(one.angle, one.velocity, one.pressure_a, one.pressure_b, command.voltage[j], brake, dither, supply);
+  });
 }
 await writeFile(out, new Uint8Array(Float64Array.from(rows).buffer));
 console.log(JSON.stringify({ cycles, joints: machine.joints, step: plant.state.step, steps: machine.steps }));

@@ -10,6 +10,7 @@ from layflat.arrays import Array
 from layflat.control import Demand, Sensed, step, wake
 from layflat.machine import Machine, parameters
 from layflat.machine.exchanged import with_tracking
+from layflat.physics.adjustable import DriveFractions
 from layflat.physics.sensor import noise_samples
 from layflat.sim.plant import SteppedPlant
 from tests.export.web.engines import run_script
@@ -33,8 +34,9 @@ def node_trace(folder: Path, place: Path, machine: Machine, law: str) -> dict[st
     result = run_script(script, str(folder), str(place / "inputs.json"), str(place / "out.bin"))
     assert result["joints"] == list(machine.joints)
     assert result["step"] == result["steps"] * cycles
-    rows = np.fromfile(place / "out.bin").reshape(cycles, joints, 5)
-    return {name: rows[:, :, i] for i, name in enumerate((*TRACED, "voltage"))}
+    columns = (*TRACED, "voltage", *DriveFractions._fields)
+    rows = np.fromfile(place / "out.bin").reshape(cycles, joints, len(columns))
+    return {name: rows[:, :, i] for i, name in enumerate(columns)}
 
 
 def check_same_bits(name: str, found: Array, expected: Array) -> None:
@@ -69,7 +71,7 @@ def check_trace(found: dict[str, Array], machine: Machine, law: str, interpreted
             demand = Demand(tuple(demands(machine)), zeros, zeros, zeros)
             memory, command, _ = step(settings, memory, sensed, demand, machine.cycle)
             check_same_bits(f"voltage in cycle {k}", voltages, np.array(command.voltage))
-        plant.drive(voltages)
+        plant.drive(voltages, np.column_stack([found[name][k] for name in DriveFractions._fields]))
         plant.advance((k + 1) * machine.cycle)
         now = (plant.angles, plant.velocities, *plant.pressures.T)
         for name, values in zip(TRACED, now, strict=True):

@@ -31,7 +31,7 @@ export interface Plant {
    * arm), a number a joint each.
    */
   rest(angles?: ArrayLike<number>, pressuresA?: ArrayLike<number>, pressuresB?: ArrayLike<number>): void;
-  /** Sets the voltages of the valves' drivers to those of a controller's command; they hold until the next call. */
+  /** Sets voltages, and fractions of brake, dither and supply, to a controller's command; they hold until the next call. */
   drive(command: Laws[keyof Laws]["command"]): void;
   /** Advances by steps of `cycle / steps` s, by default a control cycle; fills `outputs`. */
   advance(steps?: number, isNewCycle?: boolean): void;

@@ -2,6 +2,9 @@
 
 import { addressOf, Heap, indexOf, restore, save, StructTable } from "./structs.js";
 
+// Numbers of a joint in a command (fractions of brake, dither, supply), and before these among the inputs of a plant.
+const SHARES = 3, INPUTS_BEFORE_SHARES = 4;
+
 /**
  * Returns the machine of a description (see machine.js) with an instance of its module.
  * `source`: a compiled module, its bytes, or a response with them.
@@ -65,7 +68,11 @@ export class Plant {
       rest: () => plant_rest(parameters, angles, pressures, state),
       advance: (steps, isNewCycle) => plant_advance(parameters, state, inputs, outputs, steps, isNewCycle ? 1 : 0),
       sample: () => plant_sample(parameters, state, noise, readings),
-      drive: (voltages) => places.forEach((place, j) => { heap.numbers[place] = heap.numbers[voltages + j]; }),
+      drive: (command) => places.forEach((place, j) => {
+        const shares = command + places.length + SHARES * j;
+        heap.numbers[place] = heap.numbers[command + j];
+        heap.numbers.copyWithin(place + INPUTS_BEFORE_SHARES, shares, shares + SHARES);
+      }),
     };
     this.cycleSteps = stepsOfCycle;
     restore(this.parameters, part.parameters);
@@ -83,12 +90,13 @@ export class Plant {
     for (const [j, joint] of this.parameters.joints.entries()) {
       this.inputs[j].voltage = joint.valve.centre_voltage;
       this.inputs[j].load = this.inputs[j].hole_a = this.inputs[j].hole_b = 0;
+      this.inputs[j].brake = this.inputs[j].dither = this.inputs[j].supply = 1;
     }
     this.calls.rest();
     this.calls.advance(0, false);
   }
 
-  /** Sets the voltages of the valves' drivers to those of a controller's command; they hold until the next call. */
+  /** Sets voltages, and fractions of brake, dither and supply, to a controller's command; they hold until the next call. */
   drive(command) {
     this.calls.drive(indexOf(command));
   }
