@@ -57,10 +57,12 @@ def test_a_mesh_without_surface_is_named(tmp_path: Path) -> None:
         save_arm(machine_with(tmp_path, "m.obj"), tmp_path / "out.xml")
 
 
-def test_a_mesh_whose_corners_are_no_numbers_is_named(tmp_path: Path) -> None:
-    (tmp_path / "m.stl").write_bytes(stl([[(0, 0, np.nan), (1, 0, 0), (0, 1, 0)], *FLAT]))
-    with pytest.raises(InputError, match=r"m\.stl: has corners that are not finite; give another mesh"):
-        save_arm(machine_with(tmp_path, "m.stl"), tmp_path / "out.xml")
+@pytest.mark.parametrize(("name", "write"), [("m.stl", stl), ("m.obj", obj)])
+@pytest.mark.parametrize("count", [2, 4])
+def test_a_mesh_whose_corners_are_no_numbers_is_named(name: str, write: Any, count: int, tmp_path: Path) -> None:
+    (tmp_path / name).write_bytes(write([[(0, 0, np.nan), (1, 0, 0), (0, 1, 0)], *FLAT * count][:count]))
+    with pytest.raises(InputError, match=rf"{name}: has corners that are not finite; give another mesh"):
+        save_arm(machine_with(tmp_path, name), tmp_path / "out.xml")
 
 
 def dae(folder: Path, unit: str) -> Path:

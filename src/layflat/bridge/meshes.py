@@ -16,7 +16,7 @@ from layflat.errors import InputError
 
 FORMATS = (".stl", ".obj", ".dae")
 UNIT = re.compile(rb"""(<unit\b[^>]*?\bmeter\s*=\s*["'])([^"']*)(["'])""")
-OBJ_CORNER = re.compile(rb"(?m)^[ \t]*v[ \t]")
+OBJ_CORNER = re.compile(rb"(?m)^[ \t]*v[ \t]+(\S+)[ \t]+(\S+)[ \t]+(\S+)")
 STL_HEAD = 84  # bytes of a binary STL before its triangles
 STL_TRIANGLE = np.dtype([("numbers", "<f4", (4, 3)), ("more", "<u2")])  # in a binary STL: 50 bytes
 MIN_CORNERS = 4  # of a mesh that MuJoCo takes
@@ -88,16 +88,26 @@ def read_mesh(file: Path, *, engine: bool) -> bytes:
     if not engine:
         return declare_metres(content) if file.suffix.lower() == ".dae" else content
     is_obj = file.suffix.lower() == ".obj"
-    if is_obj and len(OBJ_CORNER.findall(content)) >= MIN_CORNERS:
+    if is_obj and len(corners := OBJ_CORNER.findall(content)) >= MIN_CORNERS:
+        _check_finite(np.array(corners), file)
         return content
     if not is_obj and file.suffix.lower() == ".stl" and is_binary_stl(content):
         triangles = stl_triangles(content)
     else:
         mesh = load_mesh(file)
         triangles = np.asarray(mesh.vertices[mesh.faces], float)
-    if not np.isfinite(triangles).all():
-        raise InputError("has corners that are not finite", where=str(file), right="give another mesh")
+    _check_finite(triangles, file)
     return _obj(_split(triangles)) if is_obj else binary_stl(_split(triangles))
+
+
+def _check_finite(corners: Any, file: Path) -> None:
+    """Raise InputError, naming the file, if coordinates (numbers or their texts) are not finite numbers."""
+    try:
+        finite = np.isfinite(corners.astype(float)).all()
+    except ValueError:
+        finite = False
+    if not finite:
+        raise InputError("has corners that are not finite", where=str(file), right="give another mesh")
 
 
 def stl_triangles(content: bytes) -> Array:

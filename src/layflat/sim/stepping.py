@@ -88,7 +88,7 @@ def move(setting_like, carry_like, setting, carries, inputs, outputs, steps, ste
     Args: `Like` of a `PlantSetting` and of a `JointCarry`; numbers of the first; those of `JointCarry`, `DrivenInputs`
     and `DrivenOutputs`, a row per joint; steps per control cycle; number of the present step, and of the last one;
     steps until the voltages reach the valves' delay lines, which count these, below zero if the voltages are new.
-    Returns the rest of these steps, and the joint that diverged (-1: none).
+    Returns the rest of these steps, and the first joint that diverged (-1: none).
     """
     arm, all_joints, cycle, around = read_numbers(setting_like, setting)
     n, h, p_a = len(carries), cycle / steps, around.ambient_pressure
@@ -126,7 +126,7 @@ def move(setting_like, carry_like, setting, carries, inputs, outputs, steps, ste
         for j in range(n):
             if leaks:
                 states[j] = _leak_air(joints[j], states[j], acts[j], p_a)
-            if not is_sound(states[j]):
+            if diverged < 0 and not is_sound(states[j]):
                 diverged = j
     for j in range(n):
         state = states[j]

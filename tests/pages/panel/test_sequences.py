@@ -93,8 +93,10 @@ def test_a_sequence_that_could_not_be_loaded_is_not_written(tmp_path: Path) -> N
     steps = [SequenceStep(tuple(0.1 for _ in ARM.joints))] * MAX_STEPS
     save_sequence(tmp_path, "long", ARM, steps)
     assert len(load_sequence(tmp_path, "long", ARM)) == MAX_STEPS
-    with pytest.raises(LayflatError, match=f"long: has {MAX_STEPS + 1} steps; give {MAX_STEPS} at most"):
+    with pytest.raises(LayflatError, match=f"long: has {MAX_STEPS + 1} steps; give 1 to {MAX_STEPS}"):
         save_sequence(tmp_path, "long", ARM, [*steps, steps[0]])
+    with pytest.raises(LayflatError, match=f"long: has 0 steps; give 1 to {MAX_STEPS}"):
+        save_sequence(tmp_path, "long", ARM, [])
     assert len(load_sequence(tmp_path, "long", ARM)) == MAX_STEPS
 
 

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from layflat.errors import InputError
 from layflat.rig.recorder.ring import ALIVE_TIMEOUT, MAX_EVENT_BYTES, Event, EventLevel, RecorderState, Ring
-from layflat.rig.system import RING_PREFIX, remove_orphaned_files
+from layflat.rig.system import RING_PREFIX, lock_file, remove_orphaned_files
 from tests.rig.recorder.rigrows import LAYOUT, rows
 
 
@@ -129,3 +129,11 @@ def test_a_push_is_short() -> None:
     ring.remove()
     ring.close()
     assert best < 20e-6  # 2 us where nothing else runs
+
+
+def test_a_ring_that_another_process_holds_alone_is_refused(tmp_path: Path) -> None:
+    (path := tmp_path / "ring").touch()
+    with path.open("r+b") as other:
+        lock_file(other.fileno())
+        with pytest.raises(InputError, match="is locked by another process; give the ring of a loop that runs"):
+            Ring.attach(path)

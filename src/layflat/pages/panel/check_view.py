@@ -45,7 +45,7 @@ class CheckView:
 
     async def _run_check(self, *, air: bool) -> None:
         """Perform the check in a thread and show its results, with air or without; an error appears as the status."""
-        self._busy = True
+        self._busy, self._sound = True, False
         self.refresh()
         self.results.clear()
         with theme.show_errors_on(self.status):

@@ -204,11 +204,11 @@ def save_sequence(folder: Path, name: str, machine: Machine, steps: Sequence[Seq
         steps: steps, 1 to `MAX_STEPS`.
 
     Raises:
-        InputError: the name can't be one of a file, or there are too many steps.
+        InputError: the name can't be one of a file, or there are too many steps, or none.
         OutputError: it can't be written.
     """
-    if len(steps) > MAX_STEPS:
-        raise InputError(f"has {len(steps)} steps", where=name, right=f"give {MAX_STEPS} at most")
+    if not 0 < len(steps) <= MAX_STEPS:
+        raise InputError(f"has {len(steps)} steps", where=name, right=f"give 1 to {MAX_STEPS}")
     rows = [_step_table(step, machine) for step in steps]
     return write_text(sequence_file(folder, name), tomli_w.dumps({"machine": machine.name, "step": rows}))
 

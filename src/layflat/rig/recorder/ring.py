@@ -136,7 +136,11 @@ class Ring:
             handle = os.open(path, os.O_RDWR)
         except OSError as error:
             raise InputError(f"can't be opened ({error.strerror})", where=str(path), right=right) from None
-        lock_file(handle, shared=True)
+        try:
+            lock_file(handle, shared=True)
+        except OSError:
+            os.close(handle)
+            raise InputError("is locked by another process", where=str(path), right=right) from None
         if os.pread(handle, 8, 0) != RING_MAGIC.to_bytes(8, "little"):
             os.close(handle)
             raise InputError("is not a ring of this version of layflat", where=str(path), right=right)
