@@ -2,12 +2,15 @@
 
 import shutil
 import subprocess
+import sys
+from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from layflat.arrays import Array
+from layflat.export.fmu.libraries import LINKED_SYSTEMS
 from layflat.jit.stored import host_levels
 
 STRICT = ["-O2", "-ffp-contract=off", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror"]
@@ -28,7 +31,7 @@ def run(command: list[str], folder: Path) -> str:
 
 def build(folder: Path, compiler: str, *options: str, source: str = "example.c", target: str = "linux-x86-64") -> str:
     """Compile a program with the folder's objects; return its path."""
-    program = Path(source).with_suffix(f".{compiler}-{target}").name
+    program = Path(source).with_suffix(f".{Path(compiler).name}-{target}").name
     objects = sorted(map(str, (folder / "lib" / target).iterdir()))
     for name, path in (("program", source), ("parameters", f"{prefix_of(folder)}.c")):
         run([compiler, *options, "-I.", "-c", path, "-o", f"{name}.o"], folder)
@@ -51,6 +54,19 @@ def needing(tool: str) -> str:
     return tool
 
 
+def zig_compiler(folder: Path, target: str) -> str:
+    """Return a C compiler for a system, made by zig; the test is skipped where that is not installed."""
+    if find_spec("ziglang") is None:
+        pytest.skip("no ziglang")
+    (system,) = (one for one in LINKED_SYSTEMS if one.target == target)
+    script = folder / f"zig-{target}"
+    script.write_text(
+        f'#!/bin/sh\nexec "{sys.executable}" -m ziglang cc -target {system.triple} "$@"\n', encoding="utf-8"
+    )
+    script.chmod(0o755)
+    return str(script)
+
+
 def read_trace(text: str) -> Array:
     return np.array([list(map(float, line.split(","))) for line in text.splitlines()[1:]])
 
@@ -61,6 +77,6 @@ def run_board(folder: Path, compiler: str, emulator: str) -> str:
     built = subprocess.run(["make"], cwd=folder, capture_output=True, text=True, check=False)
     assert built.returncode == 0, built.stderr
     assert built.stderr == ""
-    done = subprocess.run(["make", "-s", "run"], cwd=folder, capture_output=True, text=True, timeout=120, check=False)
+    done = subprocess.run(["make", "-s", "run"], cwd=folder, capture_output=True, text=True, timeout=900, check=False)
     assert done.returncode == 0, (done.stderr + done.stdout)[-300:]
     return done.stdout.splitlines()[-1]

@@ -2,25 +2,45 @@
 
     python -m tests.export.matrix [NAME|FILE ...]
 
-Each line is a machine, a target and the outcome: "same" to the bit in a closed loop of 2 s with noise, "skipped" for
-want of a tool, which is named, or the difference, which makes the status 1.
+Each line is a machine, a target, seconds and the outcome: "same" to the bit in a closed loop of 2 s with noise,
+"skipped" for want of a tool, which is named, or the difference, which makes the status 1. FMUs and WebAssembly are
+checked by tests/export/fmu/test_machines.py and tests/export/web/test_matrix.py.
 """
 
 import re
 import sys
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
+from shutil import which
 from tempfile import TemporaryDirectory
+from time import monotonic
+from typing import Any
 
 import numpy as np
 import pytest
 
 from layflat.arrays import Array
-from layflat.export import export
+from layflat.export import c_folder, export
 from layflat.export.boards import EXAMPLE_BOARDS
+from layflat.export.compiled import portable_entry
+from layflat.export.entries import Entry
+from layflat.export.host import HostControl
+from layflat.export.recording import RecordedCycles, record
 from layflat.export.targets import EXPORT_TARGETS
 from layflat.machine import Machine, load
-from tests.export.builds import LANGUAGES, LEVELS, STRICT, build, needing, read_trace, run, run_board, target_runs_here
+from tests.export.builds import (
+    LANGUAGES,
+    LEVELS,
+    STRICT,
+    build,
+    needing,
+    read_trace,
+    run,
+    run_board,
+    target_runs_here,
+    zig_compiler,
+)
 from tests.export.loops import python_trace
 
 MACHINES = ("paper-arm", "paper-arm-tracking", "picking-arm")
@@ -76,15 +96,22 @@ def computers(machine: Machine, folder: Path, reference: Array) -> Iterator[Chec
 
     def windows() -> None:
         needing("wine")
-        compiler = needing("x86_64-w64-mingw32-gcc")
+        compiler = (
+            "x86_64-w64-mingw32-gcc" if which("x86_64-w64-mingw32-gcc") else zig_compiler(folder, "windows-x86-64")
+        )
         program = build(folder, compiler, *LANGUAGES["C"], *STRICT, target="windows-x86-64")
         same(run(["wine", program], folder))
+
+    def macos(target: str) -> None:
+        build(folder, zig_compiler(folder, target), *LANGUAGES["C"], *STRICT, target=target)
 
     for compiler in ("gcc", "clang"):
         for target in LEVELS:
             yield f"{target} ({compiler})", lambda compiler=compiler, target=target: native(compiler, target)  # type: ignore[misc]
     yield "linux-aarch64", aarch64
     yield "windows-x86-64", windows
+    for target in ("macos-x86-64", "macos-aarch64"):
+        yield f"{target} (linked alone)", lambda target=target: macos(target)  # type: ignore[misc]
 
 
 def single(machine: Machine, folder: Path) -> Iterator[Check]:
@@ -119,6 +146,29 @@ def checks(machine: Machine, folder: Path) -> Iterator[Check]:
     yield from microcontrollers(machine, folder)
 
 
+@contextmanager
+def compiled_once() -> Iterator[None]:
+    """Keep the portable text of a machine's entries, and its recording, for all targets."""
+    kept: dict[tuple[str, ...], Any] = {}
+
+    def text_of(entry: Entry, prefix: str, precision: str) -> str:
+        key = entry.name, prefix, precision
+        if key not in kept:
+            kept[key] = portable_entry(entry, prefix, precision)
+        return str(kept[key])
+
+    def recording_of(machine: Machine, control: HostControl) -> RecordedCycles:
+        key = machine.name, control.dtype.__name__
+        if key not in kept:
+            kept[key] = record(machine, control)
+        return kept[key]  # type: ignore[no-any-return]
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(c_folder, "portable_entry", text_of)
+        patch.setattr(c_folder, "record", recording_of)
+        yield
+
+
 def outcome(check: Callable[[], None]) -> str:
     """Return "same", the tool that is missing, or the difference."""
     try:
@@ -126,7 +176,7 @@ def outcome(check: Callable[[], None]) -> str:
     except pytest.skip.Exception as missing:
         return f"skipped: {missing}"
     except AssertionError as error:
-        return f"DIFFERS: {str(error).splitlines()[0][:80] if str(error) else 'other numbers'}"
+        return f"DIFFERS: {' '.join(str(error).split())[-120:] or 'other numbers'}"
     return "same"
 
 
@@ -137,11 +187,13 @@ def main(names: list[str]) -> int:
         folder = Path(name)
         for described in names or [*MACHINES, str(outside_machine(folder))]:
             machine = load(described)
-            for target, check in checks(machine, folder / machine.name):
-                result = outcome(check)
-                different += result.startswith("DIFFERS")
-                sys.stdout.write(f"{machine.name:20} {target:28} {result}\n")
-                sys.stdout.flush()
+            with compiled_once():
+                for target, check in checks(machine, folder / machine.name):
+                    start = monotonic()
+                    result = outcome(check)
+                    different += result.startswith("DIFFERS")
+                    sys.stdout.write(f"{machine.name:20} {target:28} {monotonic() - start:5.0f} s  {result}\n")
+                    sys.stdout.flush()
     return 1 if different else 0
 
 

@@ -131,14 +131,30 @@ def test_joints_whose_variables_have_one_name_are_refused() -> None:
 
 
 def test_archives_are_the_same_bytes_again(fmu_folder: Path, tmp_path: Path) -> None:
-    for path in fmu_folder.iterdir():
+    for path in fmu_folder.glob("*.fmu"):
         with zipfile.ZipFile(path) as archive:
             assert archive.testzip() is None
             dates = {entry.date_time for entry in archive.infolist()}
             names = [entry.filename for entry in archive.infolist()]
         assert dates == {(1980, 1, 1, 0, 0, 0)}
-        assert names[0] == "modelDescription.xml"
-        assert path.stat().st_size < 60_000  # one system
+        assert names[:2] == ["modelDescription.xml", "documentation/index.html"]
+        assert path.stat().st_size < 45_000  # one system
+
+
+def test_pages_list_files_and_variables(fmu_folder: Path) -> None:
+    text = (fmu_folder / "README.md").read_text(encoding="utf-8")
+    files = sorted(fmu_folder.glob("*.fmu"))
+    assert len(files) == 6
+    assert all(f"| `{path.name}` |" in text for path in files)
+    for path in files:
+        with zipfile.ZipFile(path) as archive:
+            page = ET.fromstring(archive.read("documentation/index.html").removeprefix(b"<!DOCTYPE html>"))
+            description = ET.fromstring(archive.read("modelDescription.xml"))
+        variables = [*description.iterfind("ModelVariables/*")]
+        listed = {one.text for one in page.iterfind(".//tr/td[1]")}
+        assert listed == {one.get("name") for one in variables if one.get("causality") in {"input", "output"}}
+        parameters = sum(one.get("causality") == "parameter" for one in variables)
+        assert f"{parameters} numbers of the machine" in "".join(page.itertext())
 
 
 def test_a_universal_library_holds_each_part() -> None:

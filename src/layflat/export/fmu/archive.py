@@ -1,7 +1,7 @@
 """FMUs: archives of a description and of libraries, the same bytes for the same content."""
 
 import zipfile
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 
 from layflat.export.fmu.libraries import System
@@ -30,17 +30,15 @@ def binaries(libraries: Mapping[System, bytes], version: str, identifier: str) -
     }
 
 
-def write_fmu(path: Path, description: bytes, libraries: Mapping[str, bytes]) -> Path:
+def write_fmu(path: Path, contents: Mapping[str, bytes]) -> Path:
     """Write an FMU and return its path; raise OutputError if that fails.
 
     Args:
         path: of the file.
-        description: content of modelDescription.xml.
-        libraries: libraries by their paths in the archive.
+        contents: contents by their paths in the archive; modelDescription.xml comes first.
     """
-    contents: Iterable[tuple[str, bytes]] = [("modelDescription.xml", description), *libraries.items()]
     with whole_file(path) as temporary, zipfile.ZipFile(temporary, "w") as archive:
-        for name, content in contents:
+        for name, content in contents.items():
             entry = zipfile.ZipInfo(name, NO_DATE)
             entry.external_attr = (0o755 if name.startswith("binaries/") else 0o644) << 16
             archive.writestr(entry, content, zipfile.ZIP_DEFLATED, compresslevel=9)

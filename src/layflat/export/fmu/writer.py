@@ -11,11 +11,13 @@ from layflat.export.compiled import object_file, portable_entry
 from layflat.export.entries import ControlEntries, Entry
 from layflat.export.fmu.archive import binaries, write_fmu
 from layflat.export.fmu.description import model_description
+from layflat.export.fmu.documentation import FmuFile, documentation_page, folder_page
 from layflat.export.fmu.libraries import LINKED_SYSTEMS, SOURCE_FOLDER, Linker, System, find_linker, link_libraries
 from layflat.export.fmu.model import LAW_PREFIX, FmuModel
 from layflat.export.fmu.plant import PlantFunctions
 from layflat.export.layout import c_name
 from layflat.export.targets import EXPORT_TARGETS
+from layflat.files import write_text
 from layflat.machine import Machine
 
 LOG = logging.getLogger(__name__)
@@ -51,10 +53,15 @@ def write_fmus(machine: Machine, folder: Path, *, target: str, precision: str) -
     if len(linker.systems) < len(LINKED_SYSTEMS):
         systems = " and ".join(system.title for system in linker.systems)
         LOG.warning("the FMUs run on %s alone; for other systems: pip install 'layflat[export]'", systems)
-    code = LawCode()
+    code, files = LawCode(), []
     for scope, (has_plant, has_control) in FMU_SCOPES.items():
         model = FmuModel(machine, plant, control, has_plant, has_control)
-        yield from _write_scope(model, code, linker, folder, f"{machine.name}-{scope}".rstrip("-"))
+        for version, path in _write_scope(model, code, linker, folder, f"{machine.name}-{scope}".rstrip("-")):
+            files.append(FmuFile(path.name, _parts(model), version, round(path.stat().st_size / 1000)))
+            yield path
+    whole = FmuModel(machine, plant, control, *FMU_SCOPES[""])
+    page = folder_page(whole, files, [system.title for system in linker.systems])
+    yield write_text(folder / "README.md", page)
 
 
 class LawCode:
@@ -85,9 +92,9 @@ def _hidden(text: str, name: str) -> str:
     return text
 
 
-def _write_scope(model: FmuModel, code: LawCode, linker: Linker, folder: Path, name: str) -> Iterator[Path]:
-    """Write the FMUs of a model by both versions of FMI."""
-    identifier, parts = c_name(name), " and ".join(_parts(model))
+def _write_scope(model: FmuModel, code: LawCode, linker: Linker, folder: Path, name: str) -> Iterator[tuple[str, Path]]:
+    """Write the FMUs of a model; yield the version of FMI and the file of each."""
+    identifier, title = c_name(name), f"{_parts(model)} of {model.machine.name}"
 
     def objects(system: System) -> dict[str, bytes]:
         return {entry.name: code.object_file(entry, system) for entry in model.entries}
@@ -98,16 +105,17 @@ def _write_scope(model: FmuModel, code: LawCode, linker: Linker, folder: Path, n
     with TemporaryDirectory(prefix="layflat-fmu-") as place:
         libraries = link_libraries(linker, model.header(token), objects, Path(place))
     for version, end in FMI_VERSIONS.items():
-        title = f"{parts} of {model.machine.name}"
-        description = model_description(model, version, identifier, title, token)
-        yield write_fmu(folder / f"{name}-{end}.fmu", description, binaries(libraries, version, identifier))
+        contents = {
+            "modelDescription.xml": model_description(model, version, identifier, title, token),
+            "documentation/index.html": documentation_page(model, version, title),
+        }
+        contents |= binaries(libraries, version, identifier)
+        yield version, write_fmu(folder / f"{name}-{end}.fmu", contents)
 
 
-def _parts(model: FmuModel) -> Iterator[str]:
-    if model.has_plant:
-        yield "plant"
-    if model.has_control:
-        yield "control law"
+def _parts(model: FmuModel) -> str:
+    parts = {"plant": model.has_plant, "control law": model.has_control}
+    return " and ".join(name for name, has_part in parts.items() if has_part)
 
 
 def _token(texts: list[str], objects: list[bytes]) -> str:
