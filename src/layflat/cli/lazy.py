@@ -105,7 +105,7 @@ class CheckedCommand(TyperCommand):
         return super().invoke(ctx)
 
     def make_parser(self, ctx: Any) -> Any:
-        """Return the parser of the arguments; it raises BadParameter naming the option."""
+        """Return the parser of the arguments; it raises BadParameter for an option given twice, or empty."""
         parser: Any = super().make_parser(ctx)
         parse = parser.parse_args
 

@@ -62,7 +62,10 @@ def driver_at(address: str, machine: "Machine") -> "tuple[Callable[[], Driver], 
 
 @contextmanager
 def stopping() -> Iterator[Callable[[], bool]]:
-    """Yield a function that returns whether Ctrl-C, SIGTERM or a closed terminal requested the end."""
+    """Yield a function that returns whether Ctrl-C, SIGTERM or a closed terminal requested the end.
+
+    Until the context is left, these do not end the process.
+    """
     requested = False
 
     def note(_number: int, _frame: FrameType | None) -> None:
@@ -99,7 +102,7 @@ class VirtualRig:
 
 
 def simulated_rig(machine: "Machine") -> "Driver":
-    """Return the driver of a virtual rig in the same process."""
+    """Return the driver of a virtual rig in the same process, by the computer's clock, switched off and without air."""
     from layflat.rig.clock import MonotonicClock  # noqa: PLC0415
     from layflat.rig.device.virtual import SimulatedDriver  # noqa: PLC0415
 

@@ -97,7 +97,10 @@ def _present_name(error: ErrorDetails, place: FileLocation) -> str | None:
 
 
 def _explain(error: ErrorDetails, place: FileLocation, complete: str) -> tuple[Steps, str, str]:
-    """Return the steps to an error's place, the problem, and the advice, for a missing key `complete`."""
+    """Return the steps to an error's place, the problem, and the advice.
+
+    `complete` is the advice for a missing key; if it is empty, a general one is given.
+    """
     kind, value, context, steps = error["type"], error["input"], error.get("ctx", {}), place.steps
     if kind == ERROR_TYPE:
         return steps, context["what"] if context["named"] else f"{shown(value)} {context['what']}", context["right"]

@@ -58,7 +58,10 @@ def is_sustained(time: Array, angle: Array) -> bool:
 
 
 def max_settling_inertia(times: Mapping[float, float], allowed: float) -> float:
-    """Return the largest inertia per torque up to which all settle within the allowed time (s); 0 where none does."""
+    """Return the largest inertia per torque up to which all settle within the allowed time (s); 0 where none does.
+
+    `times` are settling times (s) by inertia per torque, which rises.
+    """
     return max((ratio for ratio, _ in takewhile(lambda pair: pair[1] <= allowed, times.items())), default=0.0)
 
 
@@ -82,7 +85,7 @@ def trace_rollout(machine: Machine, scenario: Scenario) -> xarray.Dataset:
 class InertiaSweep:
     """Settling of a joint by inertia per torque (kg m2 per N m), as the median over noise seeds."""
 
-    times: Mapping[float, float]  # settling time to 0.3 deg, s
+    times: Mapping[float, float]  # settling time to 0.3 deg, s; infinite: never
     sustained: Mapping[float, bool]  # True where an oscillation is sustained
 
     def max_inertia_within(self, allowed: float) -> float:
@@ -117,7 +120,10 @@ def sweep_inertia(machine: Machine, brake: float) -> InertiaSweep:
 
 
 def _settling_and_oscillation(time: Array, error: Array) -> tuple[float, bool]:
-    """Return settling time (s), and whether an oscillation is sustained; a joint that diverges never settles."""
+    """Return settling time (s; infinite: never), and whether an oscillation is sustained, of an error (rad).
+
+    NaN in the error, of a joint that diverges, gives infinite and True.
+    """
     if np.isnan(error).any():
         return inf, True
     return settling_time(time, error, SETTLING_BAND), is_sustained(time, error)
@@ -145,7 +151,7 @@ def _is_complete(run: xarray.Dataset) -> bool:
 
 
 def _step_response(run: xarray.Dataset) -> tuple[Array, Array]:
-    """Return time since the step (s) and angle (rad)."""
+    """Return time since the step (s) and angle (rad) of the small joint."""
     part = run.sel(joint="small", time=slice(STEP_TIME, None))
     return part["time"].to_numpy() - STEP_TIME, part["angle"].to_numpy()
 

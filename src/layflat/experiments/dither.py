@@ -144,7 +144,7 @@ class DitherExperiment(Experiment):
 
     @cached_property
     def sweeps(self) -> dict[str, ValveSweep]:
-        """Sweeps of the valve without dither, with its own, and with one that is too fast for its spool."""
+        """Sweeps of the valve: "without" dither, with its own ("normal"), with one too fast for its spool ("fast")."""
         valve, dither = self.bench.valve, self.bench.valve.dither
         return {
             "without": sweep_valve(valve, 0.0, dither.frequency),

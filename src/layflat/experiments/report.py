@@ -37,7 +37,10 @@ MIN_PRINTED, MAX_PRINTED = 1e-4, 1e5  # below: "< 0.0001"; from here on: without
 
 
 def format_number(value: float) -> str:
-    """Return a number as text of five significant digits; "never" if not finite, "< 0.0001" if that small."""
+    """Return a number as text of five significant digits, or without decimals from `MAX_PRINTED` on.
+
+    It is "never" if not finite, "< 0.0001" if positive and that small.
+    """
     if not isfinite(value):
         return "never"
     if abs(value) >= MAX_PRINTED:
@@ -50,7 +53,10 @@ COLUMNS = ("claim", "quantity", "the paper", "simulated", "unit", "agrees")
 
 
 def claim_rows(claims: Sequence[Claim]) -> list[list[str]]:
-    """Return table rows by `COLUMNS`: one for each quantity, or for the reason why a claim was not evaluated."""
+    """Return table rows by `COLUMNS`: one for each quantity, or for the reason why a claim was not evaluated.
+
+    Only the first row of a claim has its id, and whether it agrees.
+    """
     rows = []
     for claim in claims:
         quantity_cells = [[q.name, q.paper, format_number(q.value), q.unit.removeprefix("1")] for q in claim.quantities]
@@ -95,7 +101,7 @@ def write_report(
 
 
 def draw_figures(reproduction: Reproduction) -> Iterator[CaptionedFigure]:
-    """Yield the figures whose claims were evaluated; those in `reproduction.drawn` are not drawn again."""
+    """Yield the figures whose claims were all evaluated: from `reproduction.drawn`, or else drawn now."""
     evaluated = {claim.id for claim in reproduction.claims if claim.quantities}
     for name, texts in FIGURE_TEXTS.items():
         if evaluated.issuperset(texts["claims"]):
@@ -105,7 +111,7 @@ def draw_figures(reproduction: Reproduction) -> Iterator[CaptionedFigure]:
 
 
 def _rig_drawer(**labels: str) -> Callable[[Reproduction], Figure]:
-    """Return a function that draws the hysteresis curves of named rigs; words of a label are joined by "_"."""
+    """Return a function that draws the hysteresis curves of rigs, given by label, in which "_" stands for a space."""
 
     def draw(reproduction: Reproduction) -> Figure:
         """Draw the curves of these rigs at `RIG_PRESSURE`."""

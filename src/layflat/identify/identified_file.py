@@ -169,13 +169,15 @@ class WrittenValue:
 def identified_path(source: str, described: Machine | BenchDescription, folder: Path) -> Path:
     """Return the path of the fitted description: NAME-identified.toml in the folder.
 
+    NAME is a machine's name, or that of a bench's source without ".rig" and suffix.
+
     Args:
         source: built-in name or file of the first description.
         described: its content.
         folder: folder for the results.
 
     Raises:
-        InputError: the first description would be overwritten, or can't be extended from there.
+        InputError: it would overwrite the first description or, of a machine, a file that this extends.
     """
     if isinstance(described, Machine):
         return derived_path(source, folder, SUFFIX)
@@ -230,7 +232,8 @@ def write_identified(
         replaces: whole parts that replace those of a machine, by path.
 
     Raises:
-        InputError: a description can't hold the values, or can't be written there.
+        InputError: a description can't hold the values.
+        OutputError: it can't be written there.
     """
     plain, value_sources = description_tables(source)
     origin = ", ".join(f"{name} (sha256 {checksum[:16]})" for name, checksum in logs.items())

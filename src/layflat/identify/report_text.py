@@ -67,7 +67,10 @@ def experiment_rows(values: Sequence[WrittenValue]) -> list[Row]:
 
 
 def describe_prediction(fit: Fit) -> str:
-    """Return a sentence on the prediction errors of samples that were not fitted: the worst log of each signal."""
+    """Return a sentence on the prediction errors of samples that were not fitted, or that there are none.
+
+    It has the worst log of each signal.
+    """
     if not fit.predictions:
         return "No samples were kept for validation."
     parts = []
@@ -137,7 +140,7 @@ def format_short(value: str | float | None) -> str:
 
 
 def format_percent(share: float) -> str:
-    """Return a fraction in per cent with three significant digits, without the sign."""
+    """Return a fraction in per cent with three significant digits, without "%"."""
     return f"{100.0 * share:.3g}"
 
 

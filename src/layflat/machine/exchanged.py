@@ -55,10 +55,12 @@ def with_tracking(machine: Machine) -> Machine | None:
 
 
 def member_names(machine_name: str, path: Path = PAPER_CLOUD) -> list[str]:
-    """Return the loadable names of a cloud's members of a machine: "name@0", or "name@FILE:0" for a file of one's own.
+    """Return the names by which all members of a cloud are loaded: "NAME@0", or "NAME@FILE:0" for one's own file.
+
+    NAME is not checked: the cloud may have no values of this machine.
 
     Raises:
-        MachineError: the file is no cloud, or of another version.
+        MachineError: the file can't be read, is no cloud, or is of another version.
     """
     at = "" if path == PAPER_CLOUD else f"{path}:"
     return [f"{machine_name}@{at}{number}" for number in range(len(load_cloud(path).members))]
@@ -68,7 +70,7 @@ def member_values(where: str, path: Path = PAPER_CLOUD) -> dict[str, Array]:
     """Return the values (SI) in which a machine's members differ, by dotted path, an item a member; gains left out.
 
     Raises:
-        MachineError: the file is no cloud of this machine.
+        MachineError: the file can't be read, or is no cloud of this machine.
     """
     machines = [load(name) for name in member_names(where, path)]
     values = {}

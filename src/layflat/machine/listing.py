@@ -54,7 +54,10 @@ def _format_value(value: Any) -> str:
 
 
 def to_toml(plain: Plain, sources: Sources) -> str:
-    """Return plain values and their sources as TOML text that `load` reads."""
+    """Return plain values and their sources as TOML text that `load` reads.
+
+    A value with a source becomes a table of value, source and note.
+    """
     import tomli_w  # noqa: PLC0415
 
     return tomli_w.dumps(_join_sources(plain, sources, ""))

@@ -81,7 +81,9 @@ def follow_belt(
 
 
 def _belt_speed(speeds: Sequence[tuple[float, float]], acceleration: float, where: str) -> CubicHermiteSpline:
-    """Return the belt's speed (m/s) over time (s): at rest at 0 s, then a smooth change from each time on to its speed.
+    """Return the belt's speed (m/s) over time (s): from rest at 0 s, it changes from each time on to its speed.
+
+    Each change is smooth; its greatest acceleration is `acceleration`, m/s2.
 
     Raises:
         InputError: naming `where`: changes overlap, or the belt does not move or does not end at rest.
@@ -118,9 +120,10 @@ def _first_reach_exit(path: TipPath, speed: CubicHermiteSpline) -> tuple[float, 
 def _stopping_speed(
     speed: CubicHermiteSpline, crossing_time: float, border: float, acceleration: float
 ) -> CubicHermiteSpline:
-    """Return the speed over time of a tip that leaves the belt's point at the last instant to stop at the border (m).
+    """Return the speed over time of a tip that leaves the belt's point at the last instant to stop at the border.
 
-    A tip that begins at the border stays at rest.
+    `border` is its signed distance along the belt, m, which the point reaches at `crossing_time`, s; `acceleration` is
+    the belt's maximum, m/s2. A tip that begins at the border stays at rest.
     """
     distance, change, end = speed.antiderivative(), speed.derivative(), float(speed.x[-1])
     if abs(border) < SAME_POINT_DISTANCE:  # the tip stays where it begins

@@ -189,10 +189,12 @@ def _hold_values(times: Array, values: Array, before: Array, instants: Array) ->
 
 
 def _expand_table(signal: Any, kind: SignalKind, before: Array, sampling: Sampling) -> Array:
-    """Return the values of a labelled table in every control cycle: each row from its time on, NaN as `before`.
+    """Return the values of a labelled table in every control cycle: each row from its time on.
+
+    `before` holds until the first row, and throughout for names that the table lacks.
 
     Raises:
-        InputError: a row is wrong or after the end, or the table changes too fast for the cycles.
+        InputError: a value is wrong or not finite, a row is after the end, or the table changes too fast.
     """
     times, values = read_labelled_steps(signal, kind)
     if times[-1] > sampling.end + TIME_ROUNDING:
@@ -228,7 +230,7 @@ def read_rows(array: Any, kind: SignalKind, count: int) -> Array:
     """Return rows of values in SI units, (count, names).
 
     Args:
-        array: (count, names), or (count,) where all joints share a value.
+        array: (count, names), or (count,) where all joints share a value, which axes can't.
         kind: kind of the signal.
         count: number of the rows, one a control cycle.
 

@@ -50,10 +50,11 @@ class VariedQuantity:
         return is_whole(self.annotation)
 
     def parse(self, value: object, where: str) -> float:
-        """Return the SI float of a value as it stands in the file.
+        """Return the SI float of a value as it stands in the file: with its unit, or bare if it has none.
 
         Raises:
-            InputError: naming `where`: it is bare, of another kind, or out of the bounds.
+            InputError: naming `where`: its unit is missing or of another kind, it is not whole but has to be, or it is
+                out of the bounds.
         """
         adapter = TypeAdapter[float](self.annotation, config=ConfigDict(strict=True, allow_inf_nan=False))
         try:
@@ -62,7 +63,12 @@ class VariedQuantity:
             raise explain_value_error(error, where, self.quantity) from None
 
     def difference(self, value: object, where: str) -> float:
-        """Return the SI float of a difference of two such values, greater than zero (InputError: naming `where`)."""
+        """Return the SI float of a difference of two such values.
+
+        Raises:
+            InputError: naming `where`: as `parse` but for the bounds, it is not greater than zero, or one of
+                temperatures is not in kelvin.
+        """
         if self.quantity is u.TEMPERATURE and not (isinstance(value, str) and value.strip().endswith("K")):
             raise InputError(f"{value!r} is not a difference of temperatures", where=where, right='give kelvin: "5 K"')
         number = VariedQuantity(Annotated[float, self.quantity] if self.quantity else float).parse(value, where)
@@ -141,7 +147,7 @@ class SignalAnnotation:
         return value if value is None or self.kind is None else f"{value!r} {self.kind.unit}"
 
     def _read_values(self, value: Any) -> Any:
-        """Return a number, or for signals of joints numbers by name or in order, in SI units."""
+        """Return a number, or for signals of joints numbers by name or in order, in SI units; or raise ValueError."""
         if isinstance(value, dict) and self.by_joint:
             return {name: _parse_number(item, self.kind) for name, item in value.items()}
         if isinstance(value, list) and self.by_joint:

@@ -281,10 +281,10 @@ def move_costs(runs: xarray.Dataset, window: float, measure: SettlingMeasure = J
 
 
 def candidate_costs(runs: xarray.Dataset, by: Conditions, candidates: int) -> Array:
-    """Return the cost of every candidate.
+    """Return the cost of every candidate, from the `move_costs` of its runs.
 
-    It is the mean of all moves, plus `TAIL_WEIGHT` times the mean of the worst twentieth, plus the mean over nominal
-    runs of each one's slowest move.
+    It is the mean of all moves and joints, plus `TAIL_WEIGHT` times the mean of the worst twentieth, plus the mean over
+    nominal runs of each one's costliest move.
 
     Args:
         runs: results, one candidate's runs after the other's.

@@ -90,11 +90,14 @@ class Tuning:
         return words + (f", stopped after {len(self.history) - 1} generations" if self.stopped else "")
 
     def search(self, progress: Progress = lambda *_: None) -> None:
-        """Search until the end, or until Ctrl-C, and keep the best so far in `history`; Ctrl-C is raised before any."""
+        """Search until the end, or until Ctrl-C, which sets `stopped`, and keep the best so far in `history`.
+
+        Ctrl-C before the first report is raised.
+        """
         start = time.perf_counter()
 
         def report(best: SearchResult, done: int, name: str) -> None:
-            """Append the best so far to the history, update the duration, and pass both on."""
+            """Append the best to the history, set the duration since the first, and call `progress`."""
             nonlocal start
             if not self.history:
                 start = time.perf_counter()
@@ -115,7 +118,10 @@ class Tuning:
     def save_best(self) -> Machine:
         """Write the description with the best values, or with those of before if none are better, and load it.
 
-        `unchanged` is set if those of before stay.
+        `unchanged` is set if those of before stay. There must be a result of `search`.
+
+        Raises:
+            OutputError: the description can't be written.
         """
         best, texts, sources = self.history[-1], dict[str, str | float](), dict[str, Provenance]()
         self.unchanged = (
@@ -155,8 +161,9 @@ def begin_tuning(
         device: device for the runs, "cpu" or "cuda".
 
     Raises:
-        MachineError: the machine is wrong, or has no controller that can be tuned.
-        InputError: an option is wrong, cma is not installed, or the device can't be used.
+        MachineError: the machine is wrong, has no controller that can be tuned, or can't hold the payloads of the
+            conditions.
+        InputError: an option is wrong, the machine has no file, cma is not installed, or the device can't be used.
         OutputError: the folder can't be written to.
     """
     if isinstance(source, Machine):

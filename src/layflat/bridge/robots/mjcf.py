@@ -242,7 +242,10 @@ class _Model:
         )
 
     def _soft_limits(self, joint: str, limits: tuple[float, float] | None) -> tuple[float, float] | None:
-        """Return the working stroke about the middle of a joint's limits, if the file has it and limits; else None."""
+        """Return the ends of a joint's working stroke, about the middle of its limits and in their unit.
+
+        None if it has no limits, or the MJCF no numeric "JOINT.working_stroke".
+        """
         strokes = [float(one.data[0]) for one in self.spec.numerics if one.name == f"{joint}.working_stroke"]
         if not strokes or limits is None:
             return None

@@ -201,7 +201,10 @@ def _draw_spot(cell: Cell, taken: dict[str, Array], reach: float, rng: np.random
 
 
 def _is_clear(spot: Array, rotation: float, size: tuple[float, float], fruits: list[SceneFruit]) -> bool:
-    """Return whether a rectangular piece is farther than `CLUTTER_CLEARANCE` from all fruit."""
+    """Return whether a piece of a length and width, m, turned about z (rad), is clear of all fruit.
+
+    It is if the gap is greater than `CLUTTER_CLEARANCE`.
+    """
     if not fruits:
         return True
     vectors = np.array([fruit.position[:2] for fruit in fruits]) - spot
@@ -213,7 +216,10 @@ def _is_clear(spot: Array, rotation: float, size: tuple[float, float], fruits: l
 def _add_piece(
     spec: Any, name: str, clutter: Clutter, size: tuple[float, float], at: list[float], rotation: float, colour: Array
 ) -> None:
-    """Add a piece of clutter without contacts: a leaf, sheet or stick that lies on the height at[2], m."""
+    """Add a leaf, sheet or stick that lies on the height at[2], m, without contacts.
+
+    `size` is its length and width, m; `rotation` is about z, rad; `colour` is RGB, 0 to 1.
+    """
     (x, y), orientation = (size[0] / 2, size[1] / 2), rotation_about_z(rotation)
     half, high = (x, y, CLUTTER_HALF_THICKNESS), 2 * CLUTTER_HALF_THICKNESS
     if clutter.shape == "stick":

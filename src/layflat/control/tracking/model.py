@@ -93,7 +93,10 @@ class PressureInnovations(NamedTuple):
 
 @law
 def _place_hose(hose, state, travel, change, p_a):
-    """Return a hose's state at another travel, its pressure changed by `change` (Pa) to p_a or more, isothermally."""
+    """Return a hose's state at another travel (rad), its pressure changed by `change` (Pa) to p_a or more.
+
+    The air's temperature stays.
+    """
     volume = hose.chamber.dead_volume + swept_volume(hose.stroke, travel)
     p = max(state.pressure + change, p_a)
     stored, mass = energy(hose.chamber, p, volume, p_a), state.mass * p / state.pressure
@@ -104,7 +107,8 @@ def _place_hose(hose, state, travel, change, p_a):
 def place_joint(joint, state, q, v, change, around):
     """Return the state of a joint at another angle q and velocity v, its differential pressure changed (Pa).
 
-    Half of the change is in each hose; without hose B, all of it in hose A. No pressure falls below ambient.
+    Half of the change is added in hose A and taken off in hose B; without hose B, all of it is in hose A. No pressure
+    falls below ambient, so that the change may be smaller. The air's temperature stays.
     """
     p_a, of_second = around.ambient_pressure, 0.5 * has_second(joint.second)
     a = _place_hose(joint.hose_a, state.hose_a, joint.hose_a.neutral + q, (1.0 - of_second) * change, p_a)
@@ -114,7 +118,10 @@ def place_joint(joint, state, q, v, change, around):
 
 @law
 def at_rest(joint, q, dp, around):
-    """Return the state of a joint at rest at its sensors' readings; its mean pressure is that of equal leaks."""
+    """Return the state of a joint at rest at its sensors' readings q and dp.
+
+    The mean of both pressures is that of equal leaks; without hose B, hose A has ambient pressure and dp.
+    """
     second = has_second(joint.second)
     p = second * (REST_PRESSURE_RATIO * around.supply_pressure) + (1.0 - second) * around.ambient_pressure
     state = joint_at_rest(joint, q, p + (1.0 - 0.5 * second) * dp, p - 0.5 * second * dp, around)
@@ -137,9 +144,10 @@ def observer_gains(observer, inertia, T):
 
 @law
 def correct_pressure(observer, innovation, e):
-    """Return the correction of the differential pressure after an innovation e, and the corrected innovations, Pa.
+    """Return the correction of the differential pressure, Pa, by an innovation e, and the next `innovation`.
 
-    A notch filter over three innovations, with zero gain at the dither frequency, removes the dither from them.
+    The latter is `PressureInnovations`: e and the last one, each less the correction. A notch filter over three
+    innovations, with zero gain at the dither frequency, removes the dither from them.
     """
     change = observer.pressure * (e + observer.notch * innovation.last + innovation.before) / (2.0 + observer.notch)
     return change, PressureInnovations(e - change, innovation.last - change)

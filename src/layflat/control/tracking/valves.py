@@ -24,7 +24,13 @@ FULL_OPENING = 0.99  # opening above which a valve counts as fully open
 
 @law
 def _delayed_drive(joint, line, opening, friction, load, shares, around, passed, T):
-    """Return the drive of a joint in a cycle, with the opening that acts after the delay, less `passed` cycles."""
+    """Return the `Drive` of a joint in a cycle that begins `passed` cycles after an opening was commanded.
+
+    Its opening is the mean of what arrives in that cycle, after the valve's delay.
+
+    Args: joint; line of earlier commands; opening, -1..1; friction and load, N m; mean `DriveFractions`; surroundings;
+    passed; T.
+    """
     acts, _ = delay_command(line, opening, joint.valve.delay / T - passed)
     return Drive(
         acts, friction, load, regulated_pressure(shares.supply, around.supply_pressure, around.ambient_pressure)
@@ -33,7 +39,11 @@ def _delayed_drive(joint, line, opening, friction, load, shares, around, passed,
 
 @composition
 def _predict_states(plant, states, lines, openings, passed, estimate, request, T):
-    """Return the states a cycle later, if the cycle begins `passed` cycles after these openings were commanded."""
+    """Return the states a cycle later, if it begins `passed` cycles after these openings were commanded.
+
+    Args: model of the plant; states; lines of earlier commands; openings, a tuple by joint; passed; `LoadEstimate`;
+    `AuxiliaryRequest`; T.
+    """
     drives = each(
         _delayed_drive,
         plant.joints,
@@ -59,6 +69,8 @@ def predict_arrival(plant, states, lines, estimate, request, T):
     """Return the states when the present command arrives, whole cycles of delay later, and those a cycle from now.
 
     Without a whole cycle of delay, both are the present states.
+
+    Args: model of the plant; present states; lines of earlier commands; `LoadEstimate`; `AuxiliaryRequest`; T.
     """
     later = states
     for passed in range(len(plant.late)):

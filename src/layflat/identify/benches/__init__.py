@@ -78,11 +78,11 @@ def require_samples(logs: Logs, signals: Sequence[str], joints: Sequence[str]) -
 
     Args:
         logs: logs by name.
-        signals: their names.
-        joints: their names.
+        signals: names of signals.
+        joints: names of joints.
 
     Raises:
-        InputError: a log lacks a signal of a joint; names the first of each.
+        InputError: a log lacks a signal of a joint; the first that is missing is named.
     """
     for name, signal, joint in product(logs, signals, joints):
         if not has_samples(logs[name], signal, joint):

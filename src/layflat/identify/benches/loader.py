@@ -26,7 +26,11 @@ HYDDOWN = {".yml", ".yaml"}  # suffixes of HydDown's input files, which describe
 def is_bench(where: str | Path) -> bool:
     """Return whether a built-in name or a file is that of a test bench that is not a machine.
 
-    A file of HydDown (YAML) is. Of others the `kind` counts, their own or that of the descriptions that they extend.
+    A file of HydDown (YAML) is. Of others the `kind` counts, their own or that of the descriptions that they extend;
+    an unknown name, or a file that is not there, is none.
+
+    Raises:
+        InputError: a file can't be read.
     """
     place, visited = str(where), set[str]()
     if Path(place).suffix in HYDDOWN:
@@ -46,7 +50,11 @@ def load_description(where: str | Path) -> Machine | BenchDescription:
 
 
 def description_tables(where: str | Path) -> tuple[Plain, Sources]:
-    """Return the plain values of a machine or a test bench, with those that it extends, and their sources."""
+    """Return the plain values of a machine or a test bench, with those that it extends, and their sources.
+
+    Raises:
+        InputError: there is no such machine or bench, or a file is broken.
+    """
     return bench_tables(where) if is_bench(where) else tables(where)
 
 
@@ -56,10 +64,12 @@ def load_bench(where: str | Path) -> Any:
 
 
 def bench_tables(where: str | Path) -> tuple[Plain, Sources]:
-    """Return the plain values of a test bench, with those that it extends, and sources (of HydDown none).
+    """Return the plain values of a test bench, with those that it extends, and their sources.
+
+    Sources are empty for a file of HydDown (YAML).
 
     Raises:
-        InputError: the file is broken.
+        InputError: there is no such bench, or a file is broken.
     """
     if Path(where).suffix in HYDDOWN:
         from layflat.identify.benches.vessel.hyddown import hyddown_tables  # noqa: PLC0415  # of few benches

@@ -118,7 +118,7 @@ def covariance(jacobian: Array, residuals: Array, widths: Array) -> Array:
     Args:
         jacobian: Jacobian of the residuals by the scaled unknowns, (samples, unknowns).
         residuals: over their scale, (samples,).
-        widths: standard deviations of the priors, (unknowns,).
+        widths: standard deviations of the scaled priors, (unknowns,).
     """
     variance = max(1.0, float(residuals @ residuals) / max(len(residuals) - jacobian.shape[1], 1))
     return _posterior_covariance(jacobian.T @ jacobian / variance, widths)
@@ -130,7 +130,7 @@ def bootstrap_moves(jacobian: Array, residuals: Array, widths: Array, blocks: ND
     Args:
         jacobian: Jacobian of the residuals by the scaled unknowns, (samples, unknowns).
         residuals: over their scale, (samples,).
-        widths: standard deviations of the priors, (unknowns,).
+        widths: standard deviations of the scaled priors, (unknowns,).
         blocks: number of each sample's block, (samples,).
         seed: seed of the draws.
     """

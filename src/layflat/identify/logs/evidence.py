@@ -157,7 +157,17 @@ def find_unused(table: LogTable, used: Iterable[str | None]) -> list[str]:
 def _name_roles(
     words: list[str], kind: u.Quantity | None, jointed: bool, stem: str, hose: str
 ) -> tuple[set[str], str, str]:
-    """Return the roles of a name's words, the number that may be a joint's, and a note on a number read as a hose."""
+    """Return the roles of a name's words, the number that may be a joint's, and a note on a number read as a hose.
+
+    Both texts may be empty.
+
+    Args:
+        words: words of the name, without those of its joint.
+        kind: quantity of the unit, if known.
+        jointed: whether the name has a joint's.
+        stem: the name without its unit.
+        hose: hose that a number in the name may stand for, "a" or "b", else "".
+    """
     numbers = [word for before, word in zip(["", *words], words, strict=False) if _is_joint_number(before, word)]
     group = numbers[-1] if numbers and not stem.isdigit() else ""
     roles, note = word_roles(words), ""
@@ -208,7 +218,10 @@ def _check_stated_unit(candidate: SignalCandidate) -> SignalCandidate | str:
 
 
 def _check_magnitude(candidate: SignalCandidate) -> SignalCandidate | str:
-    """Return the candidate if its values are possible, with a note on single ones that are not; else why not."""
+    """Return the candidate, with a note on single values that can't be; or why it is refused.
+
+    It is refused if its usual values can't be, or if they leave open which unit they have.
+    """
     header, signal, kind = candidate.column.header, candidate.signal, candidate.signal.kind
     if kind is None:
         return candidate
@@ -238,7 +251,10 @@ def _check_magnitude(candidate: SignalCandidate) -> SignalCandidate | str:
 
 
 def usual_magnitude(values: Array) -> float:
-    """Return the greatest finite magnitude of a column, or the 99th percentile where glitches are 5 times that."""
+    """Return the greatest finite magnitude of a column, or the 99th percentile where glitches are over 5 times that.
+
+    It is 0 without a finite value.
+    """
     sizes = np.abs(values[np.isfinite(values)])
     if not sizes.size:
         return 0.0

@@ -83,7 +83,7 @@ def read_log(
 
 
 def _reading_notes(table: LogTable, mapping: LogMapping, by_name: bool) -> list[str]:
-    """Return notes on how a file was read, and on columns that are left out."""
+    """Return notes on how a file was read, and on columns left out; `by_name`: whether no mapping was passed."""
     notes = list(table.notes)
     clock = mapping.time.column if mapping.time is not None else None
     if clock is not None and clock in table.columns:
@@ -98,10 +98,9 @@ def _reading_notes(table: LogTable, mapping: LogMapping, by_name: bool) -> list[
     if by_name and not simulated and table.clock is None:
         used = {column for entry in mapping.column for column in entry.columns} | {clock}
         unread = [name for name in (*table.columns, *table.words) if name not in used]
-        listed = ", ".join(unread[:MAX_LISTED_COLUMNS]) + (
-            f" and {len(unread) - MAX_LISTED_COLUMNS} more" if len(unread) > MAX_LISTED_COLUMNS else ""
-        )
-        notes += [f"without a mapping these columns are not read: {listed}"] if unread else []
+        listed = ", ".join(unread[:MAX_LISTED_COLUMNS])
+        more = f" and {len(unread) - MAX_LISTED_COLUMNS} more" if len(unread) > MAX_LISTED_COLUMNS else ""
+        notes += [f"without a mapping these columns are not read: {listed}{more}"] if unread else []
     return notes
 
 
@@ -173,10 +172,8 @@ def _select_clock(table: LogTable, mapping: LogMapping, where: str) -> tuple[flo
             return seconds, np.empty(0), None
         units = {u.TIME.convert(f"1 {c.header.unit}") for c in _clocks_in(table, str(time.column)) if c.header.unit}
         if not _clocks_in(table, str(time.column)):
-            problem, right = (
-                f"no clock {time.column!r} in {table.path.name}",
-                f"use {table.clock.name!r}, which all samples have",
-            )
+            problem = f"no clock {time.column!r} in {table.path.name}"
+            right = f"use {table.clock.name!r}, which all samples have"
             raise InputError(problem, where=f"{where}: time.column", right=right)
         if units - {seconds}:
             raise InputError(f"{time.column!r} is in s", where=f"{where}: time.unit", right='give unit = "s"')
@@ -193,7 +190,10 @@ def _select_clock(table: LogTable, mapping: LogMapping, where: str) -> tuple[flo
 
 
 def _even_stamps(stamps: Array, period: float, table: LogTable) -> Array:
-    """Return stamps, s, evenly spaced from the first one on, for a column with its own stamps."""
+    """Return as many stamps as a column has, s, `period` (s) apart.
+
+    They begin at the column's first finite stamp, in the unit of the table's clock; at 0 if it states none.
+    """
     stated = table.clock.unit if table.clock is not None else ""
     first = stamps[np.isfinite(stamps)][:1].sum() * (u.TIME.convert(f"1 {stated}") if stated else 0.0)
     even: Array = first + period * np.arange(stamps.size, dtype=np.float64)

@@ -131,7 +131,10 @@ def abreast_type(item: Any, count: int) -> Any:
 
 
 def packed_type(items: Any) -> Any:
-    """Return the type of items of one type when packed: lanes stay as they are, one lane too."""
+    """Return the type of items of one type when packed: a tuple of one item, with all abreast.
+
+    Items of lanes stay as they are, even of one lane.
+    """
     of_lanes = isinstance(first_leaf(items), LanesType)
     return items if of_lanes else types.UniTuple(abreast_type(items.dtype, items.count), 1)
 
@@ -142,7 +145,7 @@ def first_leaf(kind: Any) -> Any:
 
 
 def part_type(joined: Any, count: int) -> Any:
-    """Return the type of each of `count` parts of lanes."""
+    """Return the type of each of `count` parts, of `size_of_part` lanes each; of a tuple, leaf by leaf."""
     if isinstance(joined, types.BaseTuple):
         return _tuple_like(joined, [part_type(leaf, count) for leaf in joined.types])
     return lanes_type(size_of_part(getattr(joined, "count", 1), count), number_in(joined))
@@ -199,7 +202,10 @@ def _logic_signature(first: Any, second: Any) -> Any:
 
 
 def _select_signature(condition: Any, yes: Any, no: Any) -> Any:
-    """Return the signature of `select`: a condition of lanes or a boolean, between two values of lanes or numbers."""
+    """Return the signature of `select`: a condition of lanes or a boolean, between two values of lanes or numbers.
+
+    The result has the lanes of the condition, else those of the values; without any it is in double precision.
+    """
     lanes = _common_lanes((yes, no)) or types.float64
     if isinstance(condition, LanesType):
         lanes = LanesType(condition.number, condition.count)

@@ -138,7 +138,10 @@ class RunImages:
         self._show_image()
 
     def _show_image(self) -> None:
-        """Display the last observation of the camera with its marks, and set when the next one may follow."""
+        """Show the last observation, if any: its image with marks and counts of fruit; set when the next is due.
+
+        An observation without a picture has counts alone.
+        """
         observation, self._is_pending = self._last, False
         if observation is None:
             return
@@ -205,7 +208,7 @@ class Watcher(Observer):
         self._picks: list[Pick] = []  # in this delivery
 
     def on_delivery_start(self, scene: Scene, camera: SimulatedCamera | None) -> None:
-        """Start a new delivery: reset evaluator and pace, count it, and show the cell before any motion."""
+        """Start a new delivery: reset evaluator and pace, show its number, and the cell before any motion."""
         self._scene, self._evaluator = scene, Evaluator(scene)
         self._pace.begin_delivery()
         self._frames.begin_delivery(camera)
@@ -231,7 +234,7 @@ class Watcher(Observer):
         self._frames.choose(fruit, observation)
 
     def on_phase_change(self, choice: PickChoice, before: PickState, after: PickState) -> None:
-        """Show the fruit that is being picked, and the phase that the arm is in.
+        """Show the fruit that is being picked, and the phase that the arm is in, unless the pick is done.
 
         Args:
             choice: fruit and its target place.
@@ -260,7 +263,7 @@ class Watcher(Observer):
         self._display.show(fruit="", doing=CHOOSING_TEXT)
 
     def on_delivery_end(self, delivery: Delivery) -> None:
-        """Show the evaluation of a delivery."""
+        """Show the evaluation of a delivery, and add its figures and rows to those of earlier ones."""
         self._frames.end_delivery()
         self._frame(delivery.time)
         picks, verdicts = delivery.picks, delivery.verdicts

@@ -96,7 +96,10 @@ class JogView:
         return [speed * min(max(direction, -1.0), 1.0) for direction in directions]
 
     def refresh(self, shot: RigSnapshot | None, can_move: bool) -> None:
-        """Show angles and targets of the joints; enable the buttons if `can_move`: this page may move them."""
+        """Show angles and targets of the joints, "-" without a snapshot; enable the buttons if `can_move`.
+
+        That is whether this page may move them.
+        """
         for j, label in enumerate(self._shown):
             text = "-"
             if shot is not None:
@@ -122,7 +125,7 @@ class OutputsView:
                 self._rows[name] = shown, button
 
     def refresh(self, shot: RigSnapshot | None, drives: bool) -> None:
-        """Show which outputs are on; they may be switched unless the device has dumped its air."""
+        """Show which outputs are on; enable the buttons if this page `drives` and the device has not dumped its air."""
         on = active_outputs(self._desk.first, shot) if shot is not None else frozenset()
         obeys = shot is not None and int(shot["device"]) != DeviceState.DUMPED
         for name, (shown, button) in self._rows.items():
@@ -205,7 +208,7 @@ class TargetView:
         return None
 
     def _show_entered(self) -> None:
-        """Show the entered target in the scene, and its tip position (mm) in the fields."""
+        """Show the entered target in the scene, none if it is invalid, and its tip position (mm) in the fields."""
         if self._filling:
             return
         target = self.target_angles()
@@ -216,7 +219,10 @@ class TargetView:
                 self.place[axis].value = round(coordinate, 1)
 
     async def _find(self) -> None:
-        """Compute angles for the tip position in the fields; one search at a time, and the newest position wins."""
+        """Compute and enter angles for the tip position in the fields; say so if one of them holds no number.
+
+        There is one search at a time, and the newest position wins.
+        """
         place = [finite_number(field.value) for field in self.place.values()]
         if None in place:
             self.status.set_text("Give a number of millimetres in each field of the tip.")
@@ -237,7 +243,10 @@ class TargetView:
         self._desk.worker.cancel(self)
 
     async def _search_angles(self) -> None:
-        """Compute the angles nearest the present ones for the entered tip position, and enter them."""
+        """Enter the angles nearest the present ones for the tip position `_next`, unless a newer one comes.
+
+        Errors are shown in the view, not raised.
+        """
         desk, shot, place, self._next = self._desk, self._desk.snapshot(), self._next, None
         near = np.array(shot["averaged_angle"] if shot is not None else np.zeros(len(self.angles)))
         self.status.set_text("searching")

@@ -38,11 +38,11 @@ def open_design(machine: str) -> Design:
 
 
 def find_figures(tab: int, kept: bool, machine: Machine, joint: str) -> JointFigures:
-    """Return the statics of a joint, computed in full, from a cache of unchanged joints of the tab.
+    """Return the statics of a joint, its curves computed as well; unchanged joints of the tab come from a cache.
 
     Args:
         tab: number of the tab: its joints that have not changed are not redesigned.
-        kept: whether the design is kept as A by the tab.
+        kept: whether the design is kept as A by the tab: these have a cache of their own.
         machine: machine of the design.
         joint: name of the joint.
     """

@@ -110,7 +110,11 @@ class ModbusDriver(LinkedDriver):
             raise self._error(f"can't be reached ({what})", "give host and port of a rig that is on") from None
 
     def _open(self, patience: float) -> socket.socket:
-        """Return a non-blocking socket to the station without Nagle's delay, connected within `patience` seconds."""
+        """Return a non-blocking socket to the station without Nagle's delay, connected within `patience` seconds.
+
+        Raises:
+            OSError: the station did not take the connection in time.
+        """
         line = socket.create_connection((self._host, self._port), timeout=patience)
         line.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         line.setblocking(False)
@@ -198,7 +202,7 @@ class ModbusDriver(LinkedDriver):
         raise LinkError("lost", describe_missing_reply(seen, number, self._link.unit))
 
     def _require_function(self, request: ModbusPDU, reply: ModbusPDU) -> ModbusPDU:
-        """Return a reply to this request's function; raise LinkError for one to another function."""
+        """Return a reply to this request's function, or its exception; raise LinkError for another function's."""
         if reply.function_code & 0x7F != request.function_code:
             what = f"function {request.function_code} is answered as function {reply.function_code & 0x7F}"
             raise LinkError("crc", what)

@@ -193,7 +193,10 @@ class FaultTrial:
         return True
 
     def _is_moving(self) -> bool:
-        """Return whether the joint is faster than `MIN_MOVING_SPEED`, and far enough from its demand."""
+        """Return whether the joint truly is no slower than `MIN_MOVING_SPEED`, and still far from its demand.
+
+        That is at least `case.min_remaining`, rad.
+        """
         angle, velocity = self.rig.truth.angles[self.joint], self.rig.truth.velocities[self.joint]
         remaining = abs(self.rig.host.demands[self.joint] - angle)
         return abs(velocity) >= MIN_MOVING_SPEED and remaining >= self.case.min_remaining

@@ -43,7 +43,7 @@ run_one, begin_one, fill_one = device_law(run_lanes), device_law(seed_stream), d
 
 
 def run_each(case: Any, runs: Any, scenarios: Any, moves: Any, timing: Any, results: Any, watch: Any) -> None:
-    """Simulate each run in the thread of its number.
+    """Simulate each run in the thread of its number; surplus threads do nothing.
 
     Args:
         case: parameters of one run, for their order.
@@ -60,12 +60,12 @@ def run_each(case: Any, runs: Any, scenarios: Any, moves: Any, timing: Any, resu
 
 
 def fill_each(streams: Any, ziggurat: Any, noise: Any) -> None:
-    """Fill in the noise of each run, in the thread of its number.
+    """Fill in the noise of each run, in the thread of its number; surplus threads do nothing.
 
     Args:
-        streams: initial generators, (5, runs).
+        streams: initial generators, (5, runs), which are advanced in place.
         ziggurat: tables of the normal distribution.
-        noise: (cycles, joints, 2, runs), which is filled.
+        noise: (cycles, joints, sensors, runs), which is filled.
     """
     i = cuda.grid(1)
     if i < noise.shape[3]:
@@ -76,7 +76,10 @@ def fill_each(streams: Any, ziggurat: Any, noise: Any) -> None:
 
 @cache
 def _kernel(function: Callable[..., None], law: Any, included: tuple[str, ...]) -> Any:
-    """Return the kernel that applies a law in every thread, cached by `included`, the users' files of laws."""
+    """Return a function as a kernel; the file of the law that it applies determines its folder of compiled code.
+
+    There is one for each state of `included`, the users' files of laws, in the process.
+    """
     del included
     return device_kernel(function, cache_folder(Path(law.py_func.__code__.co_filename)))
 
@@ -119,7 +122,8 @@ def check_device() -> None:
     """Test the CUDA device with a kernel of one line; a device that works is tested once per process.
 
     Raises:
-        InputError: the packages it needs are missing, there is no device, or its driver is too old for them.
+        InputError: the packages it needs are missing, there is no device, its driver is too old for them, or Numba's
+            CUDA simulator is on without NUMBA_DISABLE_JIT.
     """
     if config.ENABLE_CUDASIM:
         if not config.DISABLE_JIT:
@@ -160,7 +164,11 @@ def _write_one(number: Any) -> None:
 
 
 def _chunks(prepared: Cases, results: Results) -> Iterator[NDArray[np.int64]]:
-    """Yield the numbers of the runs of each chunk that fits into the device's memory; raise InputError if none fits."""
+    """Yield the numbers of the runs of each chunk, which fits into the device's memory and `MAX_CHUNK`, in order.
+
+    Raises:
+        InputError: the memory can't hold a single run.
+    """
     noisy = any(scenario.noise for scenario in prepared.scenarios)
     inputs = len(prepared.numbers) + 2 * noisy * prepared.cycles * len(prepared.base.joints)
     outputs = (results.tallies.size + results.totals.size + results.traces.size) // prepared.count
@@ -189,7 +197,10 @@ def kernel_arguments(prepared: Cases, block: RunBlock, timing: Timing) -> tuple[
 
 
 def _device_noise(seeds: Seeds, shape: tuple[int, int], number: type[np.floating[Any]]) -> Any:
-    """Return noise as `make_noise` does, made and kept on the device; on the host without noise or when simulated."""
+    """Return noise as `make_noise` does, made and kept on the device; on the host without noise or when simulated.
+
+    `shape` has the numbers of cycles and joints; `number` is the type of the samples.
+    """
     if interpreted() or (seeds == NO_SEED).all():
         return make_noise(seeds, shape, number)
     noise = cuda.device_array((*shape, 2, len(seeds)), number)
@@ -199,7 +210,7 @@ def _device_noise(seeds: Seeds, shape: tuple[int, int], number: type[np.floating
 
 
 def _launch(prepared: Cases, block: RunBlock, timing: Timing) -> Results:
-    """Start the kernel of a block of runs, and return its results on the device."""
+    """Start the kernel of a block of runs, without a wait for it, and return its results on the device."""
     arguments = mapped(kernel_arguments(prepared, block, timing), _to_device)
     _start_threads(_kernel(run_each, run_lanes, included_sources()), len(block.runs.scenario), *arguments)
     *_, results, _ = arguments
@@ -207,7 +218,10 @@ def _launch(prepared: Cases, block: RunBlock, timing: Timing) -> Results:
 
 
 def _start_threads(kernel: Any, count: int, *args: Any) -> None:
-    """Start `count` threads of a kernel or more, in whole blocks of `BLOCK_THREADS`, without a wait for them."""
+    """Start at least `count` threads of a kernel, in whole blocks of `BLOCK_THREADS`, without a wait for them.
+
+    The kernel has to bear the surplus threads: by its check of the thread's number, or as all write the same.
+    """
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", message=".*Grid size")  # a small ensemble uses a device poorly: no mistake
         kernel[ceil(count / BLOCK_THREADS), BLOCK_THREADS](*args)

@@ -1,4 +1,7 @@
-"""The compiled run of many machines: the time loop with a run per SIMD lane, and metrics accumulated on the way."""
+"""The compiled run of many machines: the time loop with a run per SIMD lane, and metrics accumulated on the way.
+
+In these laws `group` is a `LaneGroup`, `zero` a zero in every lane, k a control cycle, i a part of it, j a joint.
+"""
 
 from typing import Any, NamedTuple
 
@@ -59,7 +62,6 @@ def _has_changes(group, k, zero):
 
     They seldom do, and gathering them costs more than the control law.
     """
-    # Signals seldom change in any lane, and gathering them costs more than the control law.
     count = 0
     for lane in range(width(zero)):
         count += group.scenarios.changes[group.runs.scenario[group.first + lane], k]
@@ -77,7 +79,6 @@ def _joint_signals(group, k, j, zero):
 
     They are gathered number by number: views of arrays would cost more than all the rest.
     """
-    # Gathered number by number: views of arrays would cost more than all the rest.
     runs, first, scratch = group.runs, group.first, group.watch.scratch
     for lane in range(width(zero)):
         for i in range(group.scenarios.by_joint.shape[3]):
@@ -105,7 +106,10 @@ def _surroundings(group, air, k):
 
 @composition
 def _update_metrics(group, arm, states, k, cycle):
-    """Update the metrics with the states at the start of cycle k (of `cycle` s); return whether the run ends there."""
+    """Update the metrics with the states at the start of cycle k (of `cycle` s); return whether the run ends there.
+
+    It is the port `observe` of `LoopPorts`.
+    """
     watch, results, moves, scenarios = group.watch, group.results, group.moves, group.runs.scenario
     progress, joint_moves = group.progress, group.joint_moves
     record_metrics(watch, results, moves, scenarios, arm, states, progress, joint_moves, group.first, k, cycle)
@@ -114,7 +118,10 @@ def _update_metrics(group, arm, states, k, cycle):
 
 @composition
 def _load_inputs(group, air, around, acting, noise, k):
-    """Load the noise of control cycle k, and signals and surroundings where they change, into their slots."""
+    """Load the noise of control cycle k, and signals and surroundings where they change, into their slots.
+
+    It is the port `load` of `LoopPorts`.
+    """
     zero, samples = 0.0 * air.ambient_pressure, group.runs.noise
     if _has_changes(group, k, zero):
         around[0] = _surroundings(group, air, k)
@@ -126,14 +133,17 @@ def _load_inputs(group, air, around, acting, noise, k):
 
 @composition
 def _record(group, joints, states, around, sensed, voltages, report, k, i):  # noqa: ARG001  (a port)
-    """Write the traces of all joints in control cycle k."""
+    """Write the traces of all joints in control cycle k, every `results.every` cycles: the port `record`."""
     for j in range(group.scenarios.by_joint.shape[2]):
         record_trace(group.watch, group.results, joints[j], states[j], voltages[j], group.first, j, k)
 
 
 @composition
 def _check(group, states, k, i):  # noqa: ARG001
-    """Store k as the cycle of divergence in lanes that diverged; return False, so that the others go on."""
+    """Store cycle k in lanes that diverge for the first time; return False, so that the others go on.
+
+    It is the port `check` of `LoopPorts`.
+    """
     for j in range(group.scenarios.by_joint.shape[2]):
         record_divergence(states[j], group.progress, k)
     return False
@@ -194,7 +204,10 @@ def run_lanes(case, first, runs, scenarios, moves, timing, results, watch):
 
 @portable_kernel(in_lanes=True)
 def run_block(case, runs, scenarios, moves, timing, results, watch):
-    """Simulate all runs of a block, as many at a time as there are lanes; the watch is as wide as the block."""
+    """Simulate all runs of a block, as many at a time as there are lanes; the watch is as wide as the block.
+
+    Args: as of `run_lanes`, without the number of the first run.
+    """
     lanes = width(case, runs.parameters)
     for first in range(0, len(runs.scenario), lanes):
         run_lanes(case, first, runs, scenarios, moves, timing, results, slice_watch(watch, first, lanes))

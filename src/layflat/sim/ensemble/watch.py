@@ -1,7 +1,8 @@
 """Records of runs in SIMD lanes: metrics of moves, totals, and traces where requested.
 
-In these laws `first` is the number of the first lane's run, `scenarios` the number of the scenario of each run, k a
-control cycle, i a record of a move, j a joint.
+In these laws `first` is the number of the first lane's run, `scenarios` the number of the scenario of each run, `moves`
+the `MoveArrays`, `arm` its parameters, k a control cycle, i a record of a move, j a joint. `progress` (of one
+`ArmProgress`) and `joint_moves` are slots; laws without a result update them in place.
 """
 
 from math import sqrt
@@ -141,7 +142,10 @@ def _end_moves(watch, results, moves, scenarios, arm, progress, joint_moves, fir
 
 @law
 def _update_joint_move(joint_move, angle, is_first, i, records, band):
-    """Return a joint's move after record i of `records`, at an angle (rad); in the first one its direction is set."""
+    """Return a joint's move after record i of `records`, at an angle (rad); in the first one its direction is set.
+
+    `band` is the settling band, rad.
+    """
     error = angle - joint_move.goal
     direction = select(is_first, select(error < 0.0, 1.0, select(error > 0.0, -1.0, 0.0)), joint_move.direction)
     return JointMove(
@@ -209,7 +213,7 @@ def record_divergence(state, progress, k):
 
 @composition
 def write_totals(watch, results, states, progress, first, n):
-    """Write consumed air, max acceleration of the tip and the cycle of divergence of all lanes, at the run's end."""
+    """Write the `Totals` of all lanes, of n joints each, into the results at the run's end."""
     air = states[0].ledger.air_taken
     for j in range(1, n):
         air = air + states[j].ledger.air_taken

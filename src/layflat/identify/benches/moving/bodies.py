@@ -49,8 +49,9 @@ def is_thin(inertia: Array) -> bool:
 def feasible_columns(machine: Machine, columns: Mapping[str, Array]) -> dict[str, Array]:
     """Return values of candidates by path, with feasible inertias in place of infeasible ones.
 
-    A negative second moment of a body's mass along a principal direction is replaced by a small positive one. Items of
-    an inertia that act on no joint change first, and are then among the values. An arm without `own_links` stays.
+    A second moment of a body's mass along a principal direction that is negative or too small is raised to a small
+    positive one. Items of an inertia that are no unknowns change first, and are then among the values. An arm without
+    `own_links` stays.
 
     Args:
         machine: machine as described.
@@ -73,9 +74,11 @@ def feasible_columns(machine: Machine, columns: Mapping[str, Array]) -> dict[str
 def _nearest_feasible(inertia: Array, sought: Flags, described: Array) -> Array:
     """Return feasible inertias near infeasible ones, (candidates, 6): xx, yy, zz, xy, xz, yz, kg m2.
 
-    A second moment of mass below `MIN_THICKNESS` of the greatest, or below the least of the described body if that is
-    thinner, is raised to twice this limit; feasible candidates stay. Projections onto feasible bodies and onto the
-    present `sought` items alternate, at most `MAX_PROJECTIONS` times; the last one changes sought items too.
+    The `sought` items keep their values, and the others change; if that gives no feasible body within
+    `MAX_PROJECTIONS` projections, or all are sought, all change. Feasible candidates stay as they are.
+
+    The limit of the least second moment of mass is `MIN_THICKNESS` of the greatest, or the least one of the described
+    body if that is thinner; one below is raised to twice the limit.
 
     Args:
         inertia: present values, (candidates, 6).
@@ -150,7 +153,7 @@ class LinkBody(NamedTuple):
         return body
 
     def to_joint_axis(self, values: Array) -> Array:
-        """Return the sought ones of m, m c and I about the joint, from the unknowns' values."""
+        """Return the sought ones of m, m c and I about the joint, (..., sought), from the unknowns' values, SI."""
         body = self.all_parameters(values)
         m, c = body[..., 0], body[..., CENTRE_SLICE].copy()
         body[..., CENTRE_SLICE] = m[..., None] * c
@@ -158,7 +161,10 @@ class LinkBody(NamedTuple):
         return np.asarray(body[..., self.sought])
 
     def to_centre(self, values: Array) -> Array:
-        """Return the sought ones of m, c and I about the centre: inverse of `to_joint_axis`."""
+        """Return the sought ones of m, c and I about the centre, (..., sought): inverse of `to_joint_axis`.
+
+        Among the values, those of this body are m, m c and I about the joint.
+        """
         body = self.all_parameters(values)
         m, moved = body[..., 0], self.sought[CENTRE_SLICE]
         body[..., CENTRE_SLICE] = np.where(moved, body[..., CENTRE_SLICE] / m[..., None], body[..., CENTRE_SLICE])
@@ -197,10 +203,11 @@ class LinkBody(NamedTuple):
     def free_bounds(self, low: Array, high: Array) -> Array:
         """Return the bounds of the free coordinates, (2, sought), infinite but for mass and single moments of inertia.
 
-        The mass has that of the unknowns; moments, where not all of I is sought, `MAX_MOMENT_RATIO` either way.
+        The mass has the bounds of its unknown; moments, where not all of I is sought, the described ones times and over
+        `MAX_MOMENT_RATIO`.
 
         Args:
-            low: lower bounds of all unknowns.
+            low: lower bounds of all unknowns, SI.
             high: upper ones.
         """
         bounds = np.repeat([[-np.inf], [np.inf]], len(LINK_PARAMETERS), axis=1)

@@ -3,6 +3,7 @@
 | symbol | meaning | unit |
 |---|---|---|
 | E, m | energy and mass of the gas | J, kg |
+| p, T | absolute pressure and temperature of the gas | Pa, K |
 | T_w | temperature of the wall | K |
 | C, b, s | of the path: see flow.py | |
 | w | mass flow in | kg/s |
@@ -116,7 +117,7 @@ def jet_diameter(area):
 
 @law
 def compute_exchange(gas, vessel, state, outside, opening):
-    """Return the flows while the path is open by `opening`, 0..1 of its conductance."""
+    """Return the `Exchange` of a `Filling` with the `Outside`, the path open by `opening`, 0..1 of its conductance."""
     chamber, wall, path = vessel.chamber, vessel.wall, vessel.path
     p, T = gas_state(gas, chamber, state.energy, state.mass, outside.ambient_pressure)
     factor, h, rho, c_p = gas_outflow(gas, p, T)
@@ -138,7 +139,7 @@ def compute_exchange(gas, vessel, state, outside, opening):
 
 @law
 def state_rates(vessel, state, outside, flows):
-    """Return the rates of change of a state, from its flows."""
+    """Return the rates of a `Filling`, per second, from its `Exchange` and the temperature `Outside`."""
     wall = vessel.wall
     inward = flows.heat * (state.wall_temperature - flows.temperature)
     outer = wall.outer_conductance * (outside.ambient_temperature - state.wall_temperature)
@@ -147,7 +148,7 @@ def state_rates(vessel, state, outside, flows):
 
 @law
 def rate_bounds(vessel, state, flows):
-    """Return bounds, 1/s, of the rates of pressure equalisation, and of all else.
+    """Return bounds, 1/s, of the rates of pressure equalisation, and of all else, from a `Filling` and its `Exchange`.
 
     The first is that next to equal pressures. The second is that of the gas's renewal and of the decay of temperature
     differences.
@@ -200,7 +201,7 @@ def _exchange_rates(gas, vessel, state, outside, opening):
 
 @law
 def step_vessel(gas, vessel, state, k_1, middle, after, opening, h):
-    """Return the state a step of h later, from the rates at its start and the outside at its middle and end."""
+    """Return the state a step of h (s) later, from its rates k_1 at the start and the outside at its middle and end."""
     k_2 = _exchange_rates(gas, vessel, _advance(state, k_1, 0.5 * h), middle, opening)
     k_3 = _exchange_rates(gas, vessel, _advance(state, k_2, 0.5 * h), middle, opening)
     k_4 = _exchange_rates(gas, vessel, _advance(state, k_3, h), after, opening)
@@ -210,7 +211,10 @@ def step_vessel(gas, vessel, state, k_1, middle, after, opening, h):
 
 @law
 def count_steps(vessel, state, flows, time, refined):
-    """Return the number of steps for a time (s) at the present rates, `refined` times finer; 0 from `MAX_STEPS` on."""
+    """Return the number of steps for a time (s) at the present rates, `refined` times finer.
+
+    It is 0 for `MAX_STEPS` or more, and for rates that are no numbers.
+    """
     flow, rest = rate_bounds(vessel, state, flows)
     count = refined * time * (flow / MAX_FLOW_STEP + rest / MAX_HEAT_STEP)
     return int(count) + 1 if count < MAX_STEPS else 0

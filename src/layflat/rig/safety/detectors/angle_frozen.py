@@ -80,7 +80,7 @@ def is_blocked(limits, memory, now):
 
 @law
 def find_angle_frozen(limits, memory, doubts, before, now, sample):
-    """Return memory and fault (ANGLE_FAULT or 0) after a sample, from the traces `before` and `now`, after it.
+    """Return memory and fault (ANGLE_FAULT or 0) after a sample, from the traces `before` it and `now`, after it.
 
     Any of the conditions in docs/rig-faults.md is a fault; most need an angle that is constant for a time.
     """
