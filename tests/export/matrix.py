@@ -41,6 +41,7 @@ from tests.export.builds import (
     target_runs_here,
     zig_compiler,
 )
+from tests.export.c_source.programs import different_cycles
 from tests.export.loops import python_trace
 
 MACHINES = ("paper-arm", "paper-arm-tracking", "picking-arm")
@@ -125,6 +126,18 @@ def single(machine: Machine, folder: Path) -> Iterator[Check]:
     yield "linux-x86-64, single", check
 
 
+def sources(machine: Machine, folder: Path) -> Iterator[Check]:
+    """Checks of the control law as readable C on this computer, in both precisions."""
+    for precision in ("double", "single"):
+
+        def check(precision: str = precision) -> None:
+            export(machine, "c-source", folder / precision, precision=precision)
+            for compiler in ("gcc", "clang"):
+                assert list(different_cycles(machine, folder / precision, precision, needing(compiler))) == []
+
+        yield f"c-source, {precision}", check
+
+
 def microcontrollers(machine: Machine, folder: Path) -> Iterator[Check]:
     """Checks of the control law on boards in QEMU, in both precisions."""
     for target, board in EXAMPLE_BOARDS.items():
@@ -143,6 +156,7 @@ def checks(machine: Machine, folder: Path) -> Iterator[Check]:
     """All checks of a machine."""
     yield from computers(machine, folder / "c", python_trace(machine))
     yield from single(machine, folder / "single")
+    yield from sources(machine, folder / "source")
     yield from microcontrollers(machine, folder)
 
 

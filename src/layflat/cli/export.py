@@ -18,7 +18,9 @@ def export_laws(
     machine: MachineName,
     target: Annotated[
         str,
-        typer.Option(metavar="TARGET", help="such as c, fmu, wasm (docs/export.md)", autocompletion=complete_target),
+        typer.Option(
+            metavar="TARGET", help="such as c, c-source, fmu (docs/export.md)", autocompletion=complete_target
+        ),
     ],
     out: Annotated[Path, typer.Option("--out", "-o", metavar="DIR", help="folder for the results, new or empty")],
     precision: Annotated[
@@ -28,7 +30,7 @@ def export_laws(
 ) -> None:
     """Export a machine's laws to C and other targets.
 
-    Writes machine code, a header, the machine's parameters, an example that compiles as it is, and a page about them.
+    Writes machine code or source, a header, the machine's parameters, an example that compiles as it is, and a README.
     """
     from layflat.export import export  # noqa: PLC0415
 

@@ -2,7 +2,8 @@
 
 The way of a value: a machine gives its entries (`entries.py`), which are the laws as they stand; numba's portable code
 of them (`compiled.py`) becomes object files by the table of targets (`targets.py`); their structs (`layout.py`) become
-headers (`header.py`); and a writer puts all into a folder.
+headers (`header.py`); and a writer puts all into a folder. Readable C takes another way, from the laws' sources
+(`c_source/`).
 
 Example:
     >>> import layflat as lf
@@ -27,6 +28,7 @@ C_TARGETS = ("c", "cortex-m7", "cortex-m4f", "cortex-m4", "cortex-m33", "riscv32
 
 TARGET_WRITERS: dict[str, str] = {
     **dict.fromkeys(C_TARGETS, "layflat.export.c_folder:write_c_folder"),
+    "c-source": "layflat.export.c_source.folder:write_source_folder",
     "fmu": "layflat.export.fmu.writer:write_fmus",
     "wasm": "layflat.export.web.folder:write_folder",
     "wasm-plain": "layflat.export.web.folder:write_folder",

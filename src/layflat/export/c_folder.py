@@ -82,7 +82,7 @@ def _texts(built: _Built, board: Any) -> Iterator[tuple[str, str]]:
     yield f"{prefix}.h", interface.api.header(values["title"], interface.constants(built.stack()), interface.tables)
     yield f"{prefix}.c", interface.api.source(f"{prefix}.h", interface.tables)
     if interface.plant is None:
-        yield "recorded.h", fill_template("recorded.h", **values, **_recorded(built))
+        yield "recorded.h", fill_template("recorded.h", **values, **recorded_values(interface, built.texts))
     yield "example.c", fill_template("recorded.c" if interface.plant is None else "loop.c", **values)
     if board is None:
         yield "Makefile", fill_template("Makefile", **values)
@@ -115,11 +115,18 @@ def _size_text(compiled: CompiledEntry) -> str:
     return f"{code_size(compiled.code)}, stack {compiled.stack}"
 
 
-def _recorded(built: _Built) -> dict[str, Any]:
-    """Return the values of recorded.h, as C."""
-    interface = built.interface
-    control = HostControl(interface.control, built.texts, interface.prefix, interface.precision)
-    recording, real, n = record(interface.machine, control), interface.api.real, len(interface.machine.joints)
+def recorded_values(interface: CInterface, texts: dict[str, str] | None = None) -> dict[str, Any]:
+    """Return the values of recorded.h, as C.
+
+    Args:
+        interface: the interface.
+        texts: portable text by entry, if it is there already.
+    """
+    prefix, precision, real = interface.prefix, interface.precision, interface.api.real
+    if texts is None:
+        texts = {one.name: portable_entry(one, prefix, precision) for one in interface.control}
+    recording = record(interface.machine, HostControl(interface.control, texts, prefix, precision))
+    n = len(interface.machine.joints)
 
     def row(numbers: Any) -> str:
         return f"{{{', '.join(c_number(float(number), real) for number in numbers)}}}"

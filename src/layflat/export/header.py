@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 from layflat._version import __version__
 from layflat.export.entries import Argument, Entry
-from layflat.export.layout import Struct, StructNames, struct_of
+from layflat.export.layout import Struct, StructField, StructNames, struct_of
 from layflat.export.numbers import c_number
 from layflat.lanes import leaves
 
@@ -50,7 +50,7 @@ class Api:
         outer = {
             argument.struct_name for entry in self.entries for argument in entry.arguments if argument.like is not None
         }
-        self._names, self._structs = StructNames(prefix, frozenset(outer), comments or {}), dict[str, Struct]()
+        self.names, self._structs = StructNames(prefix, frozenset(outer), comments or {}), dict[str, Struct]()
         for entry in self.entries:
             for argument in entry.arguments:
                 if argument.like is not None:
@@ -59,7 +59,7 @@ class Api:
     def struct(self, argument: Argument) -> Struct:
         """Return the struct of an argument."""
         return self._structs.setdefault(
-            argument.struct_name, struct_of(argument.like, self._names, argument.struct_name)
+            argument.struct_name, struct_of(argument.like, self.names, argument.struct_name)
         )
 
     def structs(self) -> Iterator[Struct]:
@@ -97,7 +97,7 @@ class Api:
                 f"#define {self.prefix.upper()}_{one.name} {c_number(one.value, self.real)} /* {one.comment} */"
             )
         for struct in self.structs():
-            lines += ["", *self._definition(struct)]
+            lines += ["", *self.definition(struct)]
         for table in tables:
             struct = self._structs[table.name]
             lines += ["", f"/* {table.comment} */", f"extern const {struct.name} {self.prefix}_default_{table.name};"]
@@ -106,31 +106,35 @@ class Api:
         lines += ["", "#ifdef __cplusplus", "}", "#endif", "", f"#endif /* {guard} */", ""]
         return "\n".join(lines)
 
-    def _definition(self, struct: Struct) -> Iterator[str]:
+    def definition(self, struct: Struct) -> Iterator[str]:
+        """Yield the lines of a struct's definition."""
         if struct.comment:
             yield f"/* {c_comment(struct.comment)}. */"
         yield "typedef struct {"
         for field in struct.fields:
-            kind = self._field_type(struct, field.name) if field.struct is None else field.struct.name
+            kind = self._field_type(struct, field) if field.struct is None else field.struct.name
             declared = f"    {kind} {field.name}{_items(field.count)};"
             yield f"{declared:<{COMMENT_COLUMN}}/* {c_comment(field.comment)} */" if field.comment else declared
         yield f"}} {struct.name};"
 
-    def _field_type(self, struct: Struct, name: str) -> str:
+    def _field_type(self, struct: Struct, field: StructField) -> str:
         if struct.name == f"{self.prefix}_progress":
             return "int64_t"
-        return "int64_t" if struct.name == f"{self.prefix}_state" and name in {"step", "due"} else self.real
+        is_count = struct.name == f"{self.prefix}_state" and field.name in {"step", "due"}
+        return "int64_t" if is_count else field.number or self.real
 
-    def source(self, header: str, tables: Iterable[Table]) -> str:
+    def source(self, header: str, tables: Iterable[Table], *, checked: bool = True) -> str:
         """Return the source file with the parameters of the machine, and checks of the structs' sizes.
 
         Args:
             header: name of the header file.
             tables: the parameters.
+            checked: whether there is machine code, with which the structs' sizes have to agree.
         """
-        lines = ["#include <math.h>", "", f'#include "{header}"', ""]
-        lines += ["/* The compiler lays the structs out as the machine code does, or stops here. */"]
-        for struct in self.structs():
+        lines = ["#include <math.h>", "", f'#include "{header}"']
+        if checked:
+            lines += ["", "/* The compiler lays the structs out as the machine code does, or stops here. */"]
+        for struct in self.structs() if checked else ():
             size = f"{struct.size} * sizeof({self.real})"
             lines.append(f"typedef char {struct.name}_check[sizeof({struct.name}) == {size} ? 1 : -1];")
         for table in tables:

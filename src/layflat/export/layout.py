@@ -35,6 +35,7 @@ class StructField:
     struct: "Struct | None" = None  # None: numbers
     count: int | None = None  # of an array's items; None: a single one
     comment: str = ""  # unit and meaning
+    number: str = ""  # C's type of its numbers; empty: that of the precision
 
 
 @dataclass(frozen=True)
@@ -120,15 +121,20 @@ def struct_of(value: Any, names: StructNames, name: str = "", comment: str = "")
 
 def _field(name: str, item: Any, names: StructNames, comment: str) -> StructField:
     if not isinstance(item, tuple):
-        return StructField(name, comment=comment)
+        return StructField(name, comment=comment, number=number_type(item))
     if type(item) is not tuple:
         return StructField(name, struct_of(item, names), comment=comment)
     if not any(isinstance(one, tuple) for one in item):
-        return StructField(name, count=len(item), comment=comment)
+        return StructField(name, count=len(item), comment=comment, number=number_type(item[0]))
     structs = {struct_of(one, names) if isinstance(one, tuple) else None for one in item}
     if len(structs) == 1:
         return StructField(name, structs.pop(), len(item), comment)
     return StructField(name, struct_of(item, names), comment=comment)
+
+
+def number_type(leaf: Any) -> str:
+    """Return C's type of a number if it is another than that of the precision, else ""."""
+    return str(getattr(leaf, "c_type", ""))
 
 
 def _count(item: Any) -> int:
