@@ -162,7 +162,7 @@ def test_stale_setpoints_hold_and_then_vent() -> None:
 
 def test_stale_setpoints_in_a_fault_that_holds_vent_too() -> None:
     rig = Rig(ARM, np.zeros(2)).seconds(0.1)
-    rig.supervisor.ledger.note(Fault.FOLLOWING_ERROR)
+    rig.driver.device = DeviceState.CENTRED
     rig.cycles(1)
     assert rig.shows(ValveMode.HOLD)
     rig.host.age = 1.0

@@ -38,7 +38,7 @@ def portable_entry(entry: Entry, prefix: str, precision: str) -> str:
     number_kinds: dict[str, tuple[Any, str]] = {
         "real": (real, LLVM_NUMBERS[precision]), "int32_t": (types.int32, "i32"), "int64_t": (types.int64, "i64")
     }  # fmt: skip
-    kinds, taken, passed = [], [], []
+    kinds, taken, passed, addresses = [], [], [], []
     for argument in entry.arguments:
         if argument.like is None:
             kind, llvm = number_kinds[argument.number]
@@ -47,11 +47,17 @@ def portable_entry(entry: Entry, prefix: str, precision: str) -> str:
             passed.append(taken[-1])
         else:
             taken.append(f"ptr %{argument.name}")
-            for view in argument.views:
-                kinds.append(types.CPointer(number_kinds[view][0]))
-                passed.append(taken[-1])
+            for place in argument.places:
+                part = f"%{argument.name}" if place == 0 else f"%{argument.name}.{place}"
+                if place:
+                    size = place * SIZE_BY_PRECISION[precision]
+                    addresses.append(f"{part} = getelementptr i8, ptr %{argument.name}, i32 {size}")
+                for view in argument.views:
+                    kinds.append(types.CPointer(number_kinds[view][0]))
+                    passed.append(f"ptr {part}")
     name, integer = f"{prefix}_{entry.name}", bool(entry.result)
-    text = c_function(name, entry.function, tuple(kinds), ", ".join(taken), ", ".join(passed), integer=integer)
+    words = ", ".join(taken), ", ".join(passed)
+    text = c_function(name, entry.function, tuple(kinds), *words, addresses=addresses, integer=integer)
     if precision == "single" and not entry.lanes:
         return in_single_precision(in_registers(text, (name,)))
     return text

@@ -6,6 +6,7 @@ and none keeps anything from call to call but what the caller hands in.
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from itertools import accumulate
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -32,11 +33,18 @@ class Argument:
     number: str = "real"  # C's type: "real" of the entries' precision, or int32_t
     views: tuple[str, ...] = ("real",)  # types of the numbers as which the function is handed the struct
     struct: str = ""  # name of the struct without prefix; empty: that of the argument
+    split: bool = False  # whether the function is handed each field of the struct on its own
 
     @property
     def struct_name(self) -> str:
         """Name of the struct without prefix."""
         return self.struct or self.name
+
+    @property
+    def places(self) -> list[int]:
+        """Number of numbers in front of each part of the struct that the function is handed."""
+        sizes = [number_of(part) if isinstance(part, tuple) else 1 for part in self.like] if self.split else []
+        return list(accumulate(sizes[:-1], initial=0)) if sizes else [0]
 
 
 @dataclass(frozen=True)

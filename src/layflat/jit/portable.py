@@ -8,7 +8,7 @@ nothing of Python: `objects` makes machine code of it for any processor, which i
 # The compiler's own modules are untyped.
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from itertools import count
 from typing import Any
 
@@ -109,8 +109,9 @@ def _expression(arg: Any, words: Iterator[int], names: dict[str, Any]) -> str:
 
 
 def c_function(
-    name: str, function: Callable[..., Any], kinds: tuple[Any, ...], taken: str, passed: str, *, integer: bool = False
-) -> str:
+    name: str, function: Callable[..., Any], kinds: tuple[Any, ...], taken: str, passed: str, *,
+    addresses: Iterable[str] = (), integer: bool = False,
+) -> str:  # fmt: skip
     """Return LLVM's text of a function with C's calling convention around a function of pointers and numbers.
 
     Args:
@@ -119,6 +120,7 @@ def c_function(
         kinds: numba's types of its arguments.
         taken: arguments of the C function in LLVM's words, such as "ptr %a, double %b".
         passed: arguments of the function likewise.
+        addresses: instructions that compute some of these.
         integer: whether it returns an integer, which the C function returns; else that returns nothing.
     """
     dispatcher = njit(pipeline_class=_PortableCompiler, **INLINE_OPTIONS)(function)
@@ -132,7 +134,7 @@ define {"i32" if integer else "void"} @{name}({taken}) nounwind {{
 entry:
   %ret = alloca i64, align 16
   %exc = alloca [2 x i64], align 16
-  %status = call i32 @{quoted}(ptr %ret, ptr %exc, {passed})
+  {"".join(f"{line}{chr(10)}  " for line in addresses)}%status = call i32 @{quoted}(ptr %ret, ptr %exc, {passed})
   {short if integer else "ret void"}
 }}
 """

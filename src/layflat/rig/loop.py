@@ -15,7 +15,6 @@ from layflat.rig.clock import NS_PER_SECOND, Deadlines, LoopClock
 from layflat.rig.driver import DeviceState, Driver, LinkError, RigCommand, SensorReading
 from layflat.rig.law import ArmLaw
 from layflat.rig.record import SHARED_COLUMNS
-from layflat.rig.safety.faults import Fault
 from layflat.rig.safety.supervisor import HostRequest, Supervisor
 
 ROW_HEADER = Struct(f"{len(SHARED_COLUMNS)}d")  # shared numbers at the start of a row
@@ -79,7 +78,7 @@ class RigLoop:
         self.deadlines = Deadlines(clock, machine.cycle)
         self.layout = law.layout
         self.row = np.zeros(self.layout.width)
-        self._joints, self._faults = self.layout.joint_rows(self.row), self.layout.named(self.row, "joint_fault")
+        self._joints = self.layout.joint_rows(self.row)
         n = len(machine.joints)
         self._reading = SensorReading(np.zeros(n), np.zeros(n), 0.0, False, DeviceState.RUNNING)
         self._seen_at: int | None = None
@@ -89,7 +88,7 @@ class RigLoop:
 
     def start_filled(self, reading: SensorReading) -> None:
         """Start with filled hoses, as a simulated run does, and controllers initialized with this reading."""
-        self.supervisor.initialize(reading, filled=True)
+        self.supervisor.start_filled(reading)
         self._cycles = 1
 
     def run(self) -> None:
@@ -118,14 +117,10 @@ class RigLoop:
         elapsed = deadlines.cycle if self._seen_at is None else (seen - self._seen_at) / NS_PER_SECOND
         if reading is not None:
             self._reading, self._seen_at = reading, seen
-            if self._cycles == 0:
-                supervisor.initialize(reading)
             self._cycles += 1
         if self._cycles % ALIVE_EVERY == 0:
             self._recording = self.recorder.is_alive()
-        noted = (Fault.CYCLE_MISSED,) if deadlines.missed_now else ()
-        supervisor.noted = noted if self._recording else (*noted, Fault.RECORDER_DEAD)
-        supervisor.barred = not self._recording
+        supervisor.missed, supervisor.recording = deadlines.missed_now > 0, self._recording
         supervisor.cycle(reading, self.host.request(now), elapsed, deadlines.elapsed)
         voltages = supervisor.voltages.copy()
         self.driver.write(
@@ -149,15 +144,13 @@ class RigLoop:
         """
         row, reading, supervisor, deadlines = self.row, self._reading, self.supervisor, self.deadlines
         ledger, begun = supervisor.ledger, deadlines.begun
-        worst, since = ledger.worst, now - begun if begun is not None else 0
+        since = now - begun if begun is not None else 0
         ROW_HEADER.pack_into(
             row.data, 0, since / NS_PER_SECOND, time_ns() / NS_PER_SECOND, deadlines.elapsed, deadlines.lateness,
             self._compute, link, reading.supply, supervisor.is_pressurised, reading.stopped, reading.device,
-            supervisor.state, worst, supervisor.lost, supervisor.outputs,
+            supervisor.state, supervisor.fault, supervisor.lost, supervisor.outputs,
         )  # fmt: skip
         supervisor.core.record(self._joints)
-        if worst:
-            self._faults[:] = [ledger.worst_of(j) for j in range(len(self._faults))]
         self.recorder.push(row)
         self.host.publish(row)
         if ledger.events:

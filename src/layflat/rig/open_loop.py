@@ -12,8 +12,7 @@ from layflat.machine.parameters import valve_and_sensors
 from layflat.rig.abilities import falls_without_air, find_sinking_joints, vent_time
 from layflat.rig.clock import NS_PER_SECOND, Deadlines, LoopClock
 from layflat.rig.driver import DeviceState, Driver, Lifecycle, LinkError, RigCommand, SensorReading
-from layflat.rig.safety.core import CycleCore
-from layflat.rig.safety.cycle_numbers import JUDGE_STAGE
+from layflat.rig.safety.core import RigNumbers
 from layflat.rig.safety.detectors.sample import MOTION_LEVEL
 from layflat.rig.safety.faults import Fault
 from layflat.rig.safety.limits import detector_limits
@@ -69,7 +68,9 @@ class OpenLoopRig:
         self.deadlines = Deadlines(clock, self.cycle)
         self.transactions: list[float] = []  # time that each took, s
         self.failures: list[LinkError] = []  # transactions without a good reply
-        self._core = CycleCore(machine)
+        self._numbers = RigNumbers(machine)
+        self._judge = self._numbers.bind_detectors(MOTION_LEVEL)
+        self._numbers.inputs["elapsed"][0] = self.cycle
         self._obeyed = False
 
     def cycles(self, seconds: float) -> int:
@@ -133,9 +134,10 @@ class OpenLoopRig:
 
     def _check_reading(self, reading: SensorReading) -> None:
         """Raise UnsafeError for the first fault of a reading: of the rig, its device, its e-stop or a joint."""
-        self._core.load_reading(reading)
-        self._core.perform(JUDGE_STAGE, reading.supply, self.cycle, self.cycle, MOTION_LEVEL)
-        fault, faults = self._core.detected_faults
+        self._numbers.load_reading(reading)
+        self._numbers.inputs["supply"][0] = reading.supply
+        self._judge()
+        fault, faults = self._numbers.detected_faults
         self._obeyed = self._obeyed or reading.device is DeviceState.RUNNING
         if self._obeyed and reading.device is not DeviceState.RUNNING:
             fault = Fault.DEVICE_DUMPED if reading.device is DeviceState.DUMPED else Fault.DEVICE_CENTRED

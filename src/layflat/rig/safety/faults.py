@@ -1,8 +1,9 @@
-"""States of the supervisor; all faults with their reactions and detection times; a ledger of faults: the worst wins."""
+"""States of the supervisor, and all faults with their reactions and detection times."""
 
-from collections.abc import Sequence
+from collections import namedtuple
+from collections.abc import Iterable
 from enum import IntEnum
-from typing import Self
+from typing import Any, Self
 
 
 class RigState(IntEnum):
@@ -25,9 +26,6 @@ class ValveMode(IntEnum):
     FOLLOW = 2  # air on; the controllers follow the demands
     VENT_JOINT = 3  # air off; faulty joints open to one end, the others centred
     VENT = 4  # air off; all open to one end
-
-
-MODE_HAS_AIR = [mode in {ValveMode.HOLD, ValveMode.FOLLOW} for mode in ValveMode]  # whether air is on, by mode
 
 
 class Reaction(IntEnum):
@@ -94,57 +92,13 @@ class Fault(IntEnum):
     E_STOP = 22, "e-stop", Reaction.DUMP, True
 
 
-class FaultLedger:
-    """Ledger of the faults of a rig with joints of these names, present and latched."""
+def numbers_of(kind: Iterable[IntEnum], name: str) -> Any:
+    """Return the numbers of an enumeration as a named tuple of floats, of this name, which compiled code takes."""
+    members = list(kind)
+    return namedtuple(name, [one.name for one in members])(*map(float, members))  # type: ignore[misc]
 
-    def __init__(self, names: Sequence[str]) -> None:
-        self._names = names
-        self.clear()
-        self.now = Fault.NONE  # worst of this cycle
-        self.joints_now = [Fault.NONE] * len(names)  # worst of each joint in this cycle
-        self.events: list[str] = []  # events to be recorded; the loop clears them
-        self._before: set[tuple[Fault, int | None]] = set()
-        self._noted: set[tuple[Fault, int | None]] = set()
 
-    def clear(self) -> None:
-        """Clear all latched faults, and the reaction to them."""
-        self.latched = Fault.NONE  # worst latched fault
-        self.joints = [Fault.NONE] * len(self._names)  # worst latched fault of each joint
-        self.reaction = Reaction.WARN  # worst reaction of the latched faults
-
-    @property
-    def worst(self) -> Fault:
-        """Return the worst fault that is latched or of this cycle."""
-        return self.latched if self.latched >= self.now else self.now
-
-    def worst_of(self, joint: int) -> Fault:
-        """Return the worst fault of a joint that is latched or of this cycle."""
-        return max(self.joints[joint], self.joints_now[joint])
-
-    def new_cycle(self) -> None:
-        """Begin a cycle without faults; one that lasts from the cycle before adds no further event."""
-        if self._noted or self._before:
-            self._before, self._noted = self._noted, set()
-            self.now = Fault.NONE
-            for j in range(len(self.joints_now)):
-                self.joints_now[j] = Fault.NONE
-
-    def note(self, fault: Fault, joint: int | None = None) -> None:
-        """Add a fault of this cycle, of a joint by its number or of the whole machine (None); latch one that latches.
-
-        A fault that was not there in the cycle before adds an event.
-        """
-        if (fault, joint) in self._noted:
-            return
-        self._noted.add((fault, joint))
-        if (fault, joint) not in self._before:
-            where = "" if joint is None else f"joint {self._names[joint]!r}: "
-            self.events.append(f"{where}{fault.title}")
-        self.now = max(self.now, fault)
-        if joint is not None:
-            self.joints_now[joint] = max(self.joints_now[joint], fault)
-        if fault.latched:
-            self.latched = max(self.latched, fault)
-            self.reaction = max(self.reaction, fault.reaction)
-            if joint is not None:
-                self.joints[joint] = max(self.joints[joint], fault)
+STATE, MODE = numbers_of(RigState, "StateNumbers"), numbers_of(ValveMode, "ModeNumbers")
+REACTION, FAULT = numbers_of(Reaction, "ReactionNumbers"), numbers_of(Fault, "FaultNumbers")
+FIRST_OF_REACTION = [min(fault for fault in Fault if fault.reaction >= reaction) for reaction in Reaction]
+"""Mildest fault with a reaction: worse faults have it or a worse one."""

@@ -13,7 +13,7 @@ from layflat.motion.trajectory import JUMP_ACCELERATION, JUMP_JERK
 from layflat.physics.air import GAMMA
 from layflat.physics.joint import REST_PRESSURE_RATIO
 from layflat.physics.sensor import Sensor
-from layflat.rig.abilities import demand_limits, payload_range, resting_angles
+from layflat.rig.abilities import demand_limits, falls_without_air, payload_range, resting_angles, vent_time
 from layflat.rig.safety import demands, detectors
 from layflat.rig.safety.cycle_numbers import JointSettings, RigSettings
 from layflat.rig.safety.demands import DemandGate
@@ -43,7 +43,7 @@ SUSPECT_CYCLES, CERTAIN_CYCLES = 2.5, 7.5
 
 
 def rig_settings(machine: Machine) -> RigSettings:
-    """Return the settings of the compiled cycle for all joints together: voltages, payloads, margins, supply limits."""
+    """Return the settings of the compiled cycle for the machine as a whole: voltages, payloads, limits, times."""
     valve, _, _ = valve_and_sensors(machine)
     safety, source, span, cycle = machine.safety, machine.supply, valve.volts_to_full, machine.cycle
     lost = Fault.SUPPLY_LOST.seconds - RIPPLE_DELAY_CYCLES * cycle
@@ -55,6 +55,7 @@ def rig_settings(machine: Machine) -> RigSettings:
         *payload_range(machine),
         valve.centre_voltage - span,
         valve.centre_voltage + span,
+        valve.centre_voltage + (0.0 if falls_without_air(machine) else span),
         safety.demand_step,
         safety.demand_margin,
         1.0 if plans_motion(machine) else 0.0,
@@ -63,6 +64,11 @@ def rig_settings(machine: Machine) -> RigSettings:
             high=source.ambient_pressure + safety.overpressure * source.pressure_gauge,
             patience=max(lost - SPARE_CYCLES * cycle, cycle),
         ),
+        source.ambient_pressure + safety.supply_ready * source.pressure_gauge,
+        safety.start_time,
+        safety.hold_time,
+        vent_time(machine),
+        safety.setpoint_age - cycle,
     )
 
 

@@ -1,37 +1,31 @@
 """Supervisor: outside the controller, it decides in every cycle whether the rig moves, holds or vents its hoses.
 
-A cycle of a rig in motion is one call of compiled code (cycle.py). Python decides only where something changes: a
-request, a fault, a lost reply, or a state that ends by time; the stages are then performed one by one.
+A cycle is one call of compiled code (supervision.py); this is its form for Python, with texts for people.
 """
 
-from collections.abc import Sequence
-from math import isnan
+from collections.abc import Iterator, Sequence
+from struct import Struct
 from typing import NamedTuple
 
-from layflat.arrays import Array
 from layflat.machine import Machine
-from layflat.rig.abilities import falls_without_air
 from layflat.rig.driver import DeviceState, SensorReading
 from layflat.rig.law import ArmLaw
 from layflat.rig.safety.core import CycleCore
-from layflat.rig.safety.cycle_numbers import (
-    CONTROL_STAGE,
-    DEMAND_CHANGED,
-    DEMAND_STAGE,
-    ESTIMATE_STAGE,
-    FAULT_DETECTED,
-    GATE_STAGE,
-    JUDGE_STAGE,
-    MODEL_REJECTED,
-    VOLTAGE_REFUSED,
-)
-from layflat.rig.safety.demands import DEMAND_REFUSED
-from layflat.rig.safety.faults import Fault, Reaction, RigState, ValveMode
-from layflat.rig.safety.state_machine import StateMachine
+from layflat.rig.safety.cycle_numbers import CycleInputs
+from layflat.rig.safety.faults import MODE, STATE, Fault, Reaction, RigState, ValveMode
+from layflat.rig.safety.ledger import RESET_REFUSED, START_BARRED, START_UNRECORDED, STATE_ENTERED
+from layflat.rig.safety.soft_start import begin_reading
+from layflat.rig.safety.state_machine import Decision, carry_out
+from layflat.rig.safety.supervision import write_results
 
-MOTION_STAGES = (
-    DEMAND_STAGE | ESTIMATE_STAGE | CONTROL_STAGE
-)  # stages of a cycle in which something was read, after it was judged
+INPUTS_FORMAT = Struct(f"{len(CycleInputs._fields)}d")
+STATES, MODES, FAULTS = list(RigState), list(ValveMode), list(Fault)
+REFUSALS = {
+    START_BARRED: "no start: a fault is latched; give a reset first",
+    START_UNRECORDED: "no start: nothing is recorded",
+    RESET_REFUSED: "no reset: the fault is still there",
+}
+"""Texts of events that are neither faults nor changes of state."""
 
 
 class HostRequest(NamedTuple):
@@ -49,35 +43,75 @@ class HostRequest(NamedTuple):
     switched: Sequence[tuple[int, bool]] = ()  # edges: digital outputs by number, and whether they are on from now on
 
 
-class Supervisor(StateMachine):
+class FaultLedger:
+    """Ledger of the faults of a rig, present and latched: those that the numbers of its cycle tell."""
+
+    def __init__(self, core: CycleCore) -> None:
+        machine, joints = core.machine, core.memory
+        self._now, self._latched, self._reaction = (machine[name] for name in ("worst_now", "latched", "reaction"))
+        self._joints_now, self._joints = joints["worst_now"], joints["latched"]
+        self.events: list[str] = []  # events to be recorded; the loop clears them
+
+    @property
+    def now(self) -> Fault:
+        """Return the worst fault of this cycle."""
+        return FAULTS[int(self._now[0])]
+
+    @property
+    def latched(self) -> Fault:
+        """Return the worst latched fault."""
+        return FAULTS[int(self._latched[0])]
+
+    @property
+    def reaction(self) -> Reaction:
+        """Return the worst reaction to latched faults."""
+        return Reaction(int(self._reaction[0]))
+
+    @property
+    def worst(self) -> Fault:
+        """Return the worst fault that is latched or of this cycle."""
+        return max(self.latched, self.now)
+
+    @property
+    def joints(self) -> list[Fault]:
+        """Return the worst latched fault of each joint."""
+        return [FAULTS[int(fault)] for fault in self._joints]
+
+    def worst_of(self, joint: int) -> Fault:
+        """Return the worst fault of a joint that is latched or of this cycle."""
+        return FAULTS[int(max(self._joints[joint], self._joints_now[joint]))]
+
+
+class Supervisor:
     """Supervisor of a machine with valve and sensors, and of its control law: states, faults and reactions."""
 
     def __init__(self, machine: Machine, law: ArmLaw) -> None:
-        core = CycleCore(machine, law)
-        super().__init__(machine, core)
-        self.lost = 0  # replies lost in succession
-        self.outputs = 0  # digital outputs that are on, as bits
-        self._stale_after = machine.safety.setpoint_age - machine.cycle
-        self._low, self._high = core.rig["voltage_low"][0], core.rig["voltage_high"][0]
-        self._centre = core.rig["centre"][0]
-        self._vented = self._centre if falls_without_air(machine) else self._high  # voltage of valves that are vented
+        self.core = core = CycleCore(machine, law)
+        self.ledger = FaultLedger(core)
         # Demands of the controllers (rad) and voltages to send (V), (joints,); the arrays stay the same.
         self.demands, self.voltages = core.demands, core.voltages
-        self.noted: tuple[Fault, ...] = ()  # faults of this cycle from the loop: a missed cycle, a dead recorder
+        self.missed = False  # whether a cycle was left out before this one
+        self.recording = True  # whether the rows are recorded; else no start is allowed
+        self.state, self.valve_mode = RigState.OFF, ValveMode.CENTRE
+        self.is_pressurised = False  # whether the dump valve is to connect the supply
+        self.is_reset_bit_set = False  # whether the reset bit of the command is set
+        self.is_vented = True  # whether the air is off and the time for venting the hoses has passed
+        self.fault = 0.0  # number of the worst fault that is latched or of this cycle
+        self.lost = 0  # replies lost in succession
+        self.outputs = 0  # digital outputs that are on, as bits
+        self._names, self._inputs = list(machine.joints), core.inputs.array[0]
+        self._results, self._events = core.results.array[0], core.events.array
 
-    def initialize(self, reading: SensorReading, *, filled: bool = False) -> None:
-        """Initialize with a first reading.
-
-        Args:
-            reading: first reading of the sensors.
-            filled: whether air is on already, as in a simulated run, so that demands are obeyed at once.
-        """
-        self.core.initialize_air(reading, filled=filled)
-        self.core.freeze(reading.angles)
-        if filled:
-            self.enter(RigState.READY, ValveMode.HOLD)
-            self.core.wake(reading)
-            self.wake = False
+    def start_filled(self, reading: SensorReading) -> None:
+        """Start with a first reading and air in the hoses, as in a simulated run: demands are obeyed at once."""
+        core = self.core
+        core.load_reading(reading)
+        core.inputs["supply"][0] = reading.supply
+        begin_reading(core.rows, 1.0)
+        carry_out(core.rows, Decision(STATE.READY, MODE.HOLD, 0.0, 0.0))
+        core.wake(reading)
+        write_results(core.rows)
+        self._read_results()
 
     def cycle(self, reading: SensorReading | None, request: HostRequest, elapsed: float, since: float) -> None:
         """Perform one control cycle, which sets `demands`, `voltages`, `outputs`, and the state of air and reset bit.
@@ -88,140 +122,39 @@ class Supervisor(StateMachine):
             elapsed: time since the last samples, s.
             since: time since the last cycle, s.
         """
-        self.ledger.new_cycle()
-        for number, on in request.switched:
-            self.outputs = self.outputs & ~(1 << number) | on << number
-        core = self.core
-        core.load_demands(request.demands, request.velocities, request.accelerations, request.since)
+        core, switched, on = self.core, 0, 0
+        for number, is_on in request.switched:
+            switched, on = switched | 1 << number, on & ~(1 << number) | is_on << number
+        core.load_demands(request.demands, request.velocities, request.accelerations)
+        sampled = (False, 0.0, False, DeviceState.RUNNING)
         if reading is not None:
             core.load_reading(reading)
-            self.lost = 0
-            if not self._is_unchanged(reading, request):
-                self._evaluate_reading(reading, elapsed)
-            elif (
-                outcomes := self._perform(JUDGE_STAGE | MOTION_STAGES | GATE_STAGE, reading.supply, elapsed, since)
-            ) & FAULT_DETECTED:
-                self._record_faults()
+            sampled = (True, reading.supply, reading.stopped, reading.device)
+        INPUTS_FORMAT.pack_into(
+            self._inputs, 0, *sampled, elapsed, since, request.start, request.stop, request.hold, request.reset,
+            request.age, request.since, switched, on, self.missed, not self.recording,
+        )  # fmt: skip
+        core.run()
+        self._read_results()
+
+    def _read_results(self) -> None:
+        """Read the results of the compiled cycle, and add its events to the ledger."""
+        air, reset, outputs, state, mode, vented, fault, lost, events = self._results.tolist()
+        self.is_pressurised, self.is_reset_bit_set, self.is_vented = air > 0.0, reset > 0.0, vented > 0.0
+        self.outputs, self.fault, self.lost = int(outputs), fault, int(lost)
+        if events:
+            self.ledger.events += self._texts(int(events))
+        self.state, self.valve_mode = STATES[int(state)], MODES[int(mode)]
+
+    def _texts(self, count: int) -> Iterator[str]:
+        """Yield the texts of the first events of this cycle, which began in the state that it still has."""
+        state = self.state
+        for number, joint in self._events[:count].tolist():
+            if number < STATE_ENTERED:
+                where = "" if joint < 0.0 else f"joint {self._names[int(joint)]!r}: "
+                yield f"{where}{FAULTS[int(number)].title}"
+            elif number in REFUSALS:
+                yield REFUSALS[number]
             else:
-                self.pass_time(since)
-                self._note_changes(outcomes)
-                return
-        else:
-            self.ledger.note(Fault.REPLY_LOST)
-            self.lost += 1
-            if self.lost >= Fault.LINK_LOST.cycles:
-                self.ledger.note(Fault.LINK_LOST)
-        for fault in self.noted:
-            self.ledger.note(fault)
-        self.pass_time(since)
-        self._decide(request)
-        supply = reading.supply if reading is not None else 0.0
-        stages = MOTION_STAGES if reading is not None else DEMAND_STAGE
-        self._note_changes(self._perform(stages | (GATE_STAGE if self.is_pressurised else 0), supply, elapsed, since))
-        if not self.is_pressurised:
-            self._write_voltages_without_air(self.voltages)
-
-    def _is_unchanged(self, reading: SensorReading, request: HostRequest) -> bool:
-        """Return whether the rig is moving and nothing but the detectors can change its state in this cycle."""
-        return (
-            self.state is RigState.MOVING
-            and not (request.start or request.stop or request.reset or request.hold)
-            and not (reading.stopped or self._reset_for)
-            and not (self.noted or self.ledger.latched)
-            and reading.device == DeviceState.RUNNING
-            and request.age <= self._stale_after
-        )
-
-    def _perform(self, stages: int, supply: float, elapsed: float, since: float) -> int:
-        """Perform stages of the control cycle in the present mode of the valves, and return flags of their outcomes.
-
-        `elapsed` is the time since the last samples, `since` that since the last cycle, s.
-        """
-        follow = self.valve_mode is ValveMode.FOLLOW
-        outcomes = self.core.perform(stages, supply, elapsed, since, self.level, follow=follow, wake=self.wake)
-        if stages & CONTROL_STAGE and not outcomes & FAULT_DETECTED:
-            self.wake = False
-        return outcomes
-
-    def _evaluate_reading(self, reading: SensorReading, elapsed: float) -> None:
-        """Note every fault of a reading (e-stop, device state, detectors); continue a soft start.
-
-        The outputs are switched off after a dump; `elapsed` is the time since the last samples, s.
-        """
-        self.pressed = reading.stopped
-        if reading.stopped:
-            self.ledger.note(Fault.E_STOP)
-        if reading.device == DeviceState.DUMPED:
-            self.outputs = 0  # as the device's are: none switches on by itself once it obeys again
-        self.device_state(reading.device)
-        if self._perform(JUDGE_STAGE, reading.supply, elapsed, 0.0):
-            self._record_faults()
-        if self.state is RigState.STARTING:
-            self.starting(reading.supply, elapsed)
-
-    def _record_faults(self) -> None:
-        """Note in the ledger the faults that the last detection has found in the rig and in its joints."""
-        fault, faults = self.core.detected_faults
-        if fault:
-            self.ledger.note(fault)
-        for j, joint_fault in enumerate(faults):
-            if joint_fault:
-                self.ledger.note(joint_fault, j)
-
-    def _decide(self, request: HostRequest) -> None:
-        """Apply the host's request and the reactions to faults: change the state, and the mode of the valves.
-
-        Stale setpoints under air begin a controlled stop; in READY, a demand for any joint begins the motion.
-        """
-        running = self.is_pressurised
-        if request.age > self._stale_after and running:
-            self.ledger.note(Fault.SETPOINT_STALE)
-            self.stop()
-        if request.reset:
-            self.reset()
-        if request.stop:
-            if running:
-                self.stop()
-        elif request.hold:
-            self.hold()
-        elif request.start:
-            self.start()
-        if self.ledger.latched:
-            self.react()
-        self.continue_stop()
-        if self.state is RigState.READY and not all(isnan(demand) for demand in request.demands):
-            self.enter(RigState.MOVING, ValveMode.FOLLOW)
-
-    def _note_changes(self, outcomes: int) -> None:
-        """Note demands that were limited or refused, a law that gave up, and voltages out of range.
-
-        After such a voltage it performs the reaction, which holds the joints, and initializes the controllers anew.
-        """
-        if outcomes & MODEL_REJECTED:
-            self.ledger.note(Fault.MODEL_DOUBTED)
-        if outcomes & DEMAND_CHANGED:
-            for j, outcome in enumerate(self.core.outcomes.tolist()):
-                if outcome:
-                    self.ledger.note(Fault.DEMAND_REFUSED if outcome == DEMAND_REFUSED else Fault.DEMAND_LIMITED, j)
-        if outcomes & VOLTAGE_REFUSED:
-            for j, volts in enumerate(self.core.law_voltages.tolist()):
-                if not self._low <= volts <= self._high:
-                    self.ledger.note(Fault.BAD_COMMAND, j)
-            self.react(self.demands)
-            self.wake = True
-
-    def _write_voltages_without_air(self, out: Array) -> None:
-        """Write the voltages of the valves by their mode, without air, into an array, V, (joints,).
-
-        VENT_JOINT vents only faulty joints; CENTRE vents the fuller hose of joints whose valve is unresponsive.
-        """
-        out.fill(self._vented if self.valve_mode is ValveMode.VENT else self._centre)
-        if self.valve_mode is ValveMode.VENT_JOINT:
-            for j, fault in enumerate(self.ledger.joints):
-                if fault.reaction is Reaction.VENT_JOINT:
-                    out[j] = self._vented
-        elif self.valve_mode is ValveMode.CENTRE and self.ledger.latched >= Fault.VALVE_UNRESPONSIVE:
-            for j, fault in enumerate(self.ledger.joints):
-                if fault is Fault.VALVE_UNRESPONSIVE:
-                    # One hose may be burst: the other throws the joint into its stop unless it is vented at once.
-                    out[j] = self._low if self.core.pressures[j] > 0.0 else self._high
+                before, state = state, STATES[int(number - STATE_ENTERED)]
+                yield f"{before.name.lower()} -> {state.name.lower()}"
