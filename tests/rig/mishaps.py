@@ -14,10 +14,10 @@ CHANCES = {
     "demand": 0.01,
     "stop": 0.004,
     "hold": 0.004,
-    "start": 0.012,
+    "start": 0.02,
     "reset": 0.01,
     "outputs": 0.01,
-    "mishap": 0.006,
+    "mishap": 0.01,
 }
 """Chance of each request, and of a mishap, in a cycle."""
 

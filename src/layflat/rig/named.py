@@ -29,6 +29,11 @@ def leaf_offsets(like: Any) -> Any:
     return type(like)(*(sum(counts[:i]) for i in range(len(counts))))
 
 
+def offset_of(like: Any, name: str) -> int:
+    """Return the offset of a number, such as "gate.working", in a row of a nested named tuple's numbers."""
+    return list(leaf_names(like)).index(name)
+
+
 class NamedRows:
     """Array of rows, each the numbers of a nested named tuple; all rows are of one class."""
 

@@ -20,11 +20,13 @@ from layflat.rig.safety.cycle_numbers import (
     INPUTS_TEMPLATE,
     JOINT,
     JOINT_INPUTS_TEMPLATE,
+    LIMIT,
     MIN_EVEN_TIME,
     RECORDED_WIDTH,
     RIG,
     RIG_TEMPLATE,
     SAMPLE,
+    SETTING,
     SETTINGS_TEMPLATE,
     RecordedSignals,
 )
@@ -65,7 +67,7 @@ def write_coupling(rows, arm, nothing, scratch):
     turns, passive, torques, holding = scratch[0, :n], scratch[1, :n], scratch[2, :n], scratch[3, :n]
     mass, work = scratch[4 : 4 + n, :n], scratch[4 + n :]
     for j in range(n):
-        estimate = read_numbers(FIRST_JOINT_MEMORY, rows.joints[j]).estimate
+        estimate = read_numbers(FIRST_JOINT_MEMORY.estimate, rows.joints[j, JOINT.estimate :])
         angles[j] = rows.samples[j, SAMPLE.angle] if isfinite(rows.samples[j, SAMPLE.angle]) else 0.0
         # NaN turns nothing.
         turns[j] = (
@@ -82,13 +84,13 @@ def write_coupling(rows, arm, nothing, scratch):
                 mass[j, i] = mass[i, j] = row[at]
                 at += 1
             joint = read_numbers(SETTINGS_TEMPLATE, rows.settings[j])
-            estimate = read_numbers(FIRST_JOINT_MEMORY, rows.joints[j]).estimate
+            estimate = read_numbers(FIRST_JOINT_MEMORY.estimate, rows.joints[j, JOINT.estimate :])
             passive[j] = swung[j] + pulled[j]
             friction = 0.5 * joint.detectors.angle_frozen.friction_band * (1.0 if rates[j] > 0.0 else -1.0)
             torques[j] = joint.torque_constant * (estimate.averaged_pressure - friction) + passive[j]
         write_holding_torques(mass, torques, passive, turns, work, holding)
         for j in range(n):
-            per = 1.0 / read_numbers(SETTINGS_TEMPLATE, rows.settings[j]).torque_constant
+            per = 1.0 / rows.settings[j, SETTING.torque_constant]
             rows.joints[j, JOINT.others_light + heavy] = per * holding[j]
             rows.joints[j, JOINT.inertia] = per * mass[j, j]
 
@@ -140,7 +142,7 @@ def _pass_moving_demands(rows, now, is_followed):
     """Pass demands of a control law that plans (see demands.py), with their rates."""
     turns, jumps = False, False
     for j in range(len(rows.settings)):
-        limits = read_numbers(SETTINGS_TEMPLATE, rows.settings[j]).moving
+        limits = read_numbers(SETTINGS_TEMPLATE.moving, rows.settings[j, SETTING.moving :])
         samples = read_numbers(JOINT_INPUTS_TEMPLATE, rows.samples[j])
         before = read_numbers(FIRST_JOINT_MEMORY, rows.joints[j])
         stream = demands.derive_stream(limits, before.stream, samples.requested, now.demand_age, now.since)
@@ -182,13 +184,13 @@ def pass_demands(rows):
         return
     min_margin = inf
     for j in range(n):
-        gate = read_numbers(SETTINGS_TEMPLATE, rows.settings[j]).gate
-        before = read_numbers(FIRST_JOINT_MEMORY, rows.joints[j]).demand
+        gate = read_numbers(SETTINGS_TEMPLATE.gate, rows.settings[j, SETTING.gate :])
+        before = read_numbers(FIRST_JOINT_MEMORY.demand, rows.joints[j, JOINT.demand :])
         min_margin = min(min_margin, demands.stop_margin(gate, before, rows.samples[j, SAMPLE.requested]))
     lead = min(rig.demand_step, rig.demand_margin * max(min_margin, 0.0))
     for j in range(n):
-        gate = read_numbers(SETTINGS_TEMPLATE, rows.settings[j]).gate
-        before = read_numbers(FIRST_JOINT_MEMORY, rows.joints[j]).demand
+        gate = read_numbers(SETTINGS_TEMPLATE.gate, rows.settings[j, SETTING.gate :])
+        before = read_numbers(FIRST_JOINT_MEMORY.demand, rows.joints[j, JOINT.demand :])
         outcome = 0
         if is_followed:
             after, outcome = demands.follow_demand(gate, before, rows.samples[j, SAMPLE.requested], lead, now.since)
@@ -204,10 +206,10 @@ def estimate_motion(rows):
     elapsed = read_numbers(INPUTS_TEMPLATE, rows.inputs).elapsed
     for j in range(len(rows.settings)):
         samples = read_numbers(JOINT_INPUTS_TEMPLATE, rows.samples[j])
-        before = read_numbers(FIRST_JOINT_MEMORY, rows.joints[j]).estimator
+        before = read_numbers(FIRST_JOINT_MEMORY.estimator, rows.joints[j, JOINT.estimator :])
         if rows.memory[RIG.wake] > 0.0:
             before = estimator.start_estimator(samples.angle, samples.pressure)
-        averaged = read_numbers(SETTINGS_TEMPLATE, rows.settings[j]).averaged
+        averaged = rows.settings[j, SETTING.averaged]
         after, estimate = estimator.update_estimate(before, samples.angle, samples.pressure, averaged, elapsed)
         write_numbers(rows.joints[j, JOINT.estimator :], after)
         write_numbers(rows.joints[j, JOINT.estimate :], estimate)
@@ -253,19 +255,23 @@ def run_law(rows, likes, law_rows, nothing, rejection_column):
 
 
 @composition
+def is_voltage_good(rows, j):
+    """Return whether the law's voltage of a joint is a number in range."""
+    return rows.rig[LIMIT.voltage_low] <= rows.joints[j, JOINT.law_voltage] <= rows.rig[LIMIT.voltage_high]
+
+
+@composition
 def pass_voltages(rows):
     """Pass the law's voltages; if one is out of range, centre all, and write that they were refused."""
-    rig, n = read_numbers(RIG_TEMPLATE, rows.rig), len(rows.joints)
+    n = len(rows.joints)
     for j in range(n):
-        volts = rows.joints[j, JOINT.law_voltage]
-        rows.joints[j, JOINT.voltage] = volts
-        # The comparison refuses NaN.
-        if not rig.voltage_low <= volts <= rig.voltage_high:
+        rows.joints[j, JOINT.voltage] = rows.joints[j, JOINT.law_voltage]
+        if not is_voltage_good(rows, j):
             rows.memory[RIG.refused] = 1.0
     if rows.memory[RIG.refused] > 0.0:
         # All of them: a controlled joint and one that is not shake each other.
         for j in range(n):
-            rows.joints[j, JOINT.voltage] = rig.centre
+            rows.joints[j, JOINT.voltage] = rows.rig[LIMIT.centre]
 
 
 @portable_kernel()

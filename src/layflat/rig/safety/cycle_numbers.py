@@ -205,12 +205,12 @@ RIG_TEMPLATE, SETTINGS_TEMPLATE, INPUTS_TEMPLATE, JOINT_INPUTS_TEMPLATE = (
 FIRST_MEMORY = zero_tuple(RigMemory)._replace(state=STATE.OFF, mode=MODE.CENTRE, wake=1.0, even=MIN_EVEN_TIME)
 FIRST_JOINT_MEMORY = zero_tuple(JointMemory)._replace(detectors=detectors.INITIAL_MEMORY, stream=demands.DemandStream())
 FIRST_RESULTS, FIRST_COMMAND, NO_EVENT = map(zero_tuple, (CycleResults, JointResults, RigEvent))
-RIG, JOINT, IN, SAMPLE, OUT, COMMAND, EVENT = (
-    leaf_offsets(template)
-    for template in (
-        FIRST_MEMORY, FIRST_JOINT_MEMORY, INPUTS_TEMPLATE, JOINT_INPUTS_TEMPLATE, FIRST_RESULTS, FIRST_COMMAND, NO_EVENT
-    )
-)  # fmt: skip
+LIMIT, SETTING, IN, SAMPLE = map(
+    leaf_offsets, (RIG_TEMPLATE, SETTINGS_TEMPLATE, INPUTS_TEMPLATE, JOINT_INPUTS_TEMPLATE)
+)
+RIG, JOINT, OUT, COMMAND, EVENT = map(
+    leaf_offsets, (FIRST_MEMORY, FIRST_JOINT_MEMORY, FIRST_RESULTS, FIRST_COMMAND, NO_EVENT)
+)
 """Offset of each item in its row."""
 
 

@@ -95,7 +95,8 @@ class Fault(IntEnum):
 def numbers_of(kind: Iterable[IntEnum], name: str) -> Any:
     """Return the numbers of an enumeration as a named tuple of floats, of this name, which compiled code takes."""
     members = list(kind)
-    return namedtuple(name, [one.name for one in members])(*map(float, members))  # type: ignore[misc]
+    row: Any = namedtuple(name, [one.name for one in members])  # type: ignore[misc]
+    return row(*map(float, members))
 
 
 STATE, MODE = numbers_of(RigState, "StateNumbers"), numbers_of(ValveMode, "ModeNumbers")

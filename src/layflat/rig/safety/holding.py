@@ -6,12 +6,14 @@ from math import isfinite
 
 from layflat.jit import composition, law
 from layflat.lanes import read_numbers, write_numbers
+from layflat.rig.named import offset_of
 from layflat.rig.safety.cycle_numbers import (
     FIRST_JOINT_MEMORY,
     JOINT,
+    LIMIT,
     MIN_EVEN_TIME,
     RIG,
-    RIG_TEMPLATE,
+    SETTING,
     SETTINGS_TEMPLATE,
 )
 from layflat.rig.safety.detectors import INITIAL_MEMORY, bounds
@@ -19,13 +21,14 @@ from layflat.rig.safety.detectors.sample import AIR_LEVEL, MOTION_LEVEL, SENSORS
 from layflat.rig.safety.faults import FAULT, MODE, STATE
 from layflat.rig.safety.ledger import VENT_FROM, VENT_JOINT_FROM
 
-FIRST_LINES = bounds.SupplyMemory()
+FIRST_LINES, ONE_NUMBER = bounds.SupplyMemory(), (0.0,)
+LAST_PRESSURE = offset_of(FIRST_JOINT_MEMORY, "estimator.pressure_0")
 
 
 @law
 def has_air(mode):
     """Return whether the dump valve connects the supply in a mode of the valves."""
-    return mode == MODE.HOLD or mode == MODE.FOLLOW  # noqa: PLR1714  # compiled, a tuple of two is slower
+    return mode in (MODE.HOLD, MODE.FOLLOW)
 
 
 @law
@@ -43,28 +46,23 @@ def reset_detectors(rows):
     rows.memory[RIG.even] = MIN_EVEN_TIME
 
 
-@law
-def stopping_angle(settings, estimate, plans):
-    """Return the angle, rad, at which a joint that stops now is held; NaN where it is unknown.
-
-    With a law that plans its motion it is the angle that braking leads to: a joint that stops at once accelerates the
-    others. It is clipped to the working stroke.
-    """
-    angle, working = estimate.averaged_angle, settings.moving.working
-    if plans > 0.0:
-        velocity = estimate.averaged_velocity
-        angle = angle + 0.5 * velocity * abs(velocity) / settings.moving.braking
-    return min(max(angle, -working), working)
-
-
 @composition
 def hold_joints(rows, at_demands):
-    """Set the demands to constant angles: those at which joints are or can stop, or the present ones."""
-    plans = read_numbers(RIG_TEMPLATE, rows.rig).plans
+    """Set the demands to constant angles: those at which joints are or can stop, or the present ones.
+
+    With a law that plans its motion a joint is held at the angle that braking leads to: one that stops at once
+    accelerates the others. The angle is clipped to the working stroke.
+    """
     for j in range(len(rows.joints)):
-        memory = read_numbers(FIRST_JOINT_MEMORY, rows.joints[j])
-        held = stopping_angle(read_numbers(SETTINGS_TEMPLATE, rows.settings[j]), memory.estimate, plans)
-        hold_joint(rows, j, memory.demand.demand if at_demands else held)
+        angle, velocity, _, _ = read_numbers(FIRST_JOINT_MEMORY.estimate, rows.joints[j, JOINT.estimate :])
+        limits = read_numbers(SETTINGS_TEMPLATE.moving, rows.settings[j, SETTING.moving :])
+        if rows.rig[LIMIT.plans] > 0.0:
+            angle = angle + 0.5 * velocity * abs(velocity) / limits.braking
+        if at_demands:
+            (angle,) = read_numbers(ONE_NUMBER, rows.joints[j, JOINT.demand :])
+        else:
+            angle = min(max(angle, -limits.working), limits.working)
+        hold_joint(rows, j, angle)
 
 
 @composition
@@ -82,14 +80,13 @@ def write_voltages_without_air(rows):
 
     VENT_JOINT vents only faulty joints; CENTRE vents the fuller hose of joints whose valve is unresponsive.
     """
-    rig, mode = read_numbers(RIG_TEMPLATE, rows.rig), rows.memory[RIG.mode]
+    mode = rows.memory[RIG.mode]
     for j in range(len(rows.joints)):
-        joint = read_numbers(FIRST_JOINT_MEMORY, rows.joints[j])
-        fault = joint.latched
-        volts = rig.vented if mode == MODE.VENT else rig.centre
+        fault, at = rows.joints[j, JOINT.latched], LIMIT.vented if mode == MODE.VENT else LIMIT.centre
         if mode == MODE.VENT_JOINT and VENT_JOINT_FROM <= fault < VENT_FROM:
-            volts = rig.vented
+            at = LIMIT.vented
         if mode == MODE.CENTRE and fault == FAULT.VALVE_UNRESPONSIVE:
             # One hose may be burst: the other throws the joint into its stop unless it is vented at once.
-            volts = rig.voltage_low if joint.estimator.pressure_0 > 0.0 else rig.voltage_high
+            at = LIMIT.voltage_low if rows.joints[j, LAST_PRESSURE] > 0.0 else LIMIT.voltage_high
+        volts = rows.rig[at]
         rows.joints[j, JOINT.voltage] = volts

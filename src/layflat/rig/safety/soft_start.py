@@ -8,13 +8,16 @@ from layflat.jit import composition
 from layflat.lanes import read_numbers, write_numbers
 from layflat.physics.air_balance import AirEstimate
 from layflat.physics.joint import REST_PRESSURE_RATIO
-from layflat.rig.safety.cycle_numbers import FIRST_JOINT_MEMORY, IN, JOINT, RIG, RIG_TEMPLATE, SAMPLE, SETTINGS_TEMPLATE
+from layflat.rig.named import offset_of
+from layflat.rig.safety.cycle_numbers import FIRST_JOINT_MEMORY, IN, JOINT, LIMIT, RIG, SAMPLE, SETTINGS_TEMPLATE
 from layflat.rig.safety.holding import hold_joint
 
 AIR_READY_TIME = 0.2  # for which supply and ripple have to be sufficient before a soft start is over, s
 FILL_TIME_FRACTION = 0.7  # of start_time, after which filled hoses are no longer required: valves may leak too little
 # Of the supply's gauge pressure; joints with less are compliant, and accelerate each other further.
 MIN_FILL_FRACTION = 0.4
+RIPPLE = offset_of(FIRST_JOINT_MEMORY, "detectors.trace.ripple")
+MIN_RIPPLE = offset_of(SETTINGS_TEMPLATE, "detectors.valve_unresponsive.ripple")
 
 
 @composition
@@ -23,7 +26,7 @@ def begin_reading(rows, filled):
 
     `filled` is 1 where the hoses hold the pressure that they settle to with centred valves; else they are empty.
     """
-    empty = read_numbers(RIG_TEMPLATE, rows.rig).ambient
+    empty = rows.rig[LIMIT.ambient]
     held = max(REST_PRESSURE_RATIO * rows.inputs[IN.supply], empty) if filled > 0.0 else empty
     for j in range(len(rows.joints)):
         angle, pressure = rows.samples[j, SAMPLE.angle], rows.samples[j, SAMPLE.pressure]
@@ -41,20 +44,19 @@ def _has_air(rows):
     """
     known, ripples = True, True
     for j in range(len(rows.joints)):
-        least = read_numbers(SETTINGS_TEMPLATE, rows.settings[j]).detectors.valve_unresponsive.ripple
-        ripple = read_numbers(FIRST_JOINT_MEMORY, rows.joints[j]).detectors.trace.ripple
+        least, ripple = rows.settings[j, MIN_RIPPLE], rows.joints[j, RIPPLE]
         known = known and least > 0.0
         ripples = ripples and least < ripple < inf
-    return rows.inputs[IN.supply] >= read_numbers(RIG_TEMPLATE, rows.rig).ready and (ripples or not known)
+    return rows.inputs[IN.supply] >= rows.rig[LIMIT.ready] and (ripples or not known)
 
 
 @composition
 def _are_hoses_filled(rows):
     """Return whether every joint's hoses hold, on average, `MIN_FILL_FRACTION` of the supply's gauge pressure."""
-    empty, filled = read_numbers(RIG_TEMPLATE, rows.rig).ambient, True
+    empty, filled = rows.rig[LIMIT.ambient], True
     least = 2.0 * (empty + MIN_FILL_FRACTION * (rows.inputs[IN.supply] - empty))
     for j in range(len(rows.joints)):
-        air = read_numbers(FIRST_JOINT_MEMORY, rows.joints[j]).air
+        air = read_numbers(FIRST_JOINT_MEMORY.air, rows.joints[j, JOINT.air :])
         filled = filled and air.pressure_a + air.pressure_b >= least
     return filled
 
@@ -72,5 +74,5 @@ def has_air_come(rows):
 
     These are not required once `FILL_TIME_FRACTION` of the time of a start has passed.
     """
-    patient = rows.memory[RIG.in_state] > FILL_TIME_FRACTION * read_numbers(RIG_TEMPLATE, rows.rig).start_time
+    patient = rows.memory[RIG.in_state] > FILL_TIME_FRACTION * rows.rig[LIMIT.start_time]
     return rows.memory[RIG.air_time] >= AIR_READY_TIME and (patient or _are_hoses_filled(rows))

@@ -9,8 +9,7 @@ from math import isnan
 from typing import NamedTuple
 
 from layflat.jit import composition, law
-from layflat.lanes import read_numbers
-from layflat.rig.safety.cycle_numbers import INPUTS_TEMPLATE, RIG, RIG_TEMPLATE, SAMPLE
+from layflat.rig.safety.cycle_numbers import IN, LIMIT, RIG, SAMPLE
 from layflat.rig.safety.faults import FAULT, MODE, REACTION, STATE
 from layflat.rig.safety.holding import has_air, hold_joints, reset_detectors
 from layflat.rig.safety.ledger import (
@@ -79,14 +78,14 @@ def start(rows, state, mode):
 
     If a latched fault, the e-stop or a missing recorder forbids it, it is refused.
     """
-    memory, now = rows.memory, read_numbers(INPUTS_TEMPLATE, rows.inputs)
+    memory = rows.memory
     if memory[RIG.latched] > 0.0 or memory[RIG.pressed] > 0.0:
         return refuse(state, mode, START_BARRED)
-    if now.unrecorded > 0.0:
+    if rows.inputs[IN.unrecorded] > 0.0:
         return refuse(state, mode, START_UNRECORDED)
     if state == STATE.HOLDING and has_air(mode):
         return Decision(STATE.READY, MODE.HOLD, 0.0, 0.0)
-    if state != STATE.OFF and state != STATE.STOPPED:
+    if state not in (STATE.OFF, STATE.STOPPED):
         return stay(state, mode)
     memory[RIG.obeyed], memory[RIG.reset_for], memory[RIG.air_time] = 0.0, RESET_CYCLES, 0.0
     return Decision(STATE.STARTING, MODE.HOLD, PRESENT_ANGLES, 0.0)
@@ -95,7 +94,7 @@ def start(rows, state, mode):
 @law
 def hold(state, mode):
     """Hold the joints where they are or can stop, from READY or MOVING; without effect in other states."""
-    if state == STATE.READY or state == STATE.MOVING:  # noqa: PLR1714
+    if state in (STATE.READY, STATE.MOVING):
         return Decision(STATE.HOLDING, MODE.HOLD, PRESENT_ANGLES, 0.0)
     return stay(state, mode)
 
@@ -157,9 +156,9 @@ def continue_stop(rows, state, mode):
     """Take the next step of a stop once it is due: held, centred, vented."""
     memory = rows.memory
     reaction = memory[RIG.reaction] if state == STATE.FAULT else REACTION.STOP
-    if (state != STATE.STOPPED and state != STATE.FAULT) or reaction < REACTION.STOP:
+    if state not in (STATE.STOPPED, STATE.FAULT) or reaction < REACTION.STOP:
         return stay(state, mode)
-    if mode == MODE.HOLD and memory[RIG.in_mode] >= read_numbers(RIG_TEMPLATE, rows.rig).hold_time:
+    if mode == MODE.HOLD and memory[RIG.in_mode] >= rows.rig[LIMIT.hold_time]:
         return Decision(state, MODE.CENTRE, 0.0, 0.0)
     if mode == MODE.CENTRE and memory[RIG.in_mode] >= CENTRED_TIME:
         return Decision(state, MODE.VENT_JOINT if reaction == REACTION.VENT_JOINT else MODE.VENT, 0.0, 0.0)

@@ -12,7 +12,7 @@ from layflat.rig.safety.cycle import (
     run_law,
     write_coupling,
 )
-from layflat.rig.safety.cycle_numbers import COMMAND, IN, INPUTS_TEMPLATE, JOINT, OUT, RIG, RIG_TEMPLATE
+from layflat.rig.safety.cycle_numbers import COMMAND, IN, JOINT, LIMIT, OUT, RIG
 from layflat.rig.safety.faults import STATE
 from layflat.rig.safety.holding import detection_level, has_air, write_voltages_without_air
 from layflat.rig.safety.ledger import begin_ledger
@@ -40,8 +40,8 @@ def run_cycle(likes, nothing, rejection_column, rows, law_rows, parts):
 def judge_and_decide(arm_like, nothing, rows, arm, scratch):
     """Begin a cycle, judge its samples, decide on states, and pass the demands; return 1 if there are samples, else 0.
 
-    Args: structure of the arm's parameters; a tuple of zeros, one a joint; `CycleRows`; parameters of the arm; workspace
-    as of `write_coupling`.
+    Args: structure of the arm's parameters; a tuple of zeros, one a joint; `CycleRows`; parameters of the arm;
+    workspace as of `write_coupling`.
     """
     begin_cycle(rows)
     answered = rows.inputs[IN.answered] > 0.0
@@ -57,7 +57,7 @@ def judge_and_decide(arm_like, nothing, rows, arm, scratch):
 
 @portable_kernel()
 def command_valves(rows):
-    """Pass the voltages of the control law or of valves without air, take the steps behind it, and write the results."""
+    """Pass the voltages of the control law or of valves without air, take the steps behind it, write the results."""
     on = has_air(rows.memory[RIG.mode])
     if on:
         pass_voltages(rows)
@@ -70,15 +70,15 @@ def command_valves(rows):
 @composition
 def begin_cycle(rows):
     """Begin a cycle: count lost replies, switch the digital outputs, and initialize with the first reading."""
-    memory, now = rows.memory, read_numbers(INPUTS_TEMPLATE, rows.inputs)
+    memory, inputs = rows.memory, rows.inputs
     begin_ledger(rows)
     memory[RIG.rejected] = memory[RIG.refused] = 0.0
-    if now.switched > 0.0:
-        switched = int(now.switched)
-        memory[RIG.outputs] = float((int(memory[RIG.outputs]) & ~switched) | (int(now.on) & switched))
-    if now.answered > 0.0:
-        memory[RIG.lost], memory[RIG.pressed] = 0.0, now.stopped
-        if now.device == DUMPED:
+    if inputs[IN.switched] > 0.0:
+        switched = int(inputs[IN.switched])
+        memory[RIG.outputs] = (int(memory[RIG.outputs]) & ~switched) | (int(inputs[IN.on]) & switched)
+    if inputs[IN.answered] > 0.0:
+        memory[RIG.lost], memory[RIG.pressed] = 0.0, inputs[IN.stopped]
+        if inputs[IN.device] == DUMPED:
             memory[RIG.outputs] = 0.0  # as the device's are: none switches on by itself once it obeys again
         if memory[RIG.begun] == 0.0:
             begin_reading(rows, 0.0)
@@ -90,8 +90,9 @@ def begin_cycle(rows):
 def write_results(rows):
     """Write the results of a cycle."""
     memory, results, mode = rows.memory, rows.results, rows.memory[RIG.mode]
-    is_vented = not has_air(mode) and memory[RIG.in_mode] >= read_numbers(RIG_TEMPLATE, rows.rig).vent_time
-    results[OUT.air] = 1.0 if has_air(mode) else 0.0
+    on = has_air(mode)
+    is_vented = not on and memory[RIG.in_mode] >= rows.rig[LIMIT.vent_time]
+    results[OUT.air] = 1.0 if on else 0.0
     results[OUT.reset] = 1.0 if 0.0 < memory[RIG.reset_for] <= RESET_HIGH_CYCLES else 0.0
     results[OUT.outputs], results[OUT.state], results[OUT.mode] = memory[RIG.outputs], memory[RIG.state], mode
     results[OUT.vented] = 1.0 if is_vented or memory[RIG.state] == STATE.OFF else 0.0
