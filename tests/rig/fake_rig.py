@@ -120,6 +120,11 @@ class Rig:
     def seconds(self, seconds: float) -> Rig:
         return self.cycles(round(seconds / self.bench.cycle))
 
+    def take_lines(self) -> list[str]:
+        """Lines that came since the last call."""
+        lines, self.host.lines = self.host.lines, []
+        return lines
+
     def until(self, condition: Callable[[], bool], most: float) -> float:
         """Seconds until a condition holds after a cycle; at most so many."""
         for k in range(round(most / self.bench.cycle)):

@@ -10,15 +10,7 @@ from layflat.rig.clock import NS_PER_SECOND
 from layflat.rig.driver import DeviceState
 from tests.rig.fake_rig import Array, Rig
 
-CHANCES = {
-    "demand": 0.01,
-    "stop": 0.004,
-    "hold": 0.004,
-    "start": 0.02,
-    "reset": 0.01,
-    "outputs": 0.01,
-    "mishap": 0.01,
-}
+CHANCES = {"demand": 0.01, "stop": 0.004, "hold": 0.004, "start": 0.02, "reset": 0.01, "outputs": 0.01, "mishap": 0.01}
 """Chance of each request, and of a mishap, in a cycle."""
 
 LONGEST_MISHAP = 90  # cycles
@@ -70,8 +62,10 @@ class MishapRig:
                 host.demands[int(rng.integers(n))] = float(rng.choice([nan, inf, 3.0]))
         host.stop, host.hold, host.start = (self._happens(name) for name in ("stop", "hold", "start"))
         host.reset = self._left == 0 and self._happens("reset")
+        self.switched: list[tuple[int, bool]] = []  # digital outputs that are switched in this cycle
         if self._happens("outputs"):
-            host.switched = [(int(rng.integers(8)), bool(rng.integers(2))) for _ in range(int(rng.integers(1, 4)))]
+            self.switched = [(int(rng.integers(8)), bool(rng.integers(2))) for _ in range(int(rng.integers(1, 4)))]
+        host.switched = list(self.switched)
 
     def _fail(self) -> None:
         if self._left > 0:

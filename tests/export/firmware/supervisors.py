@@ -19,7 +19,6 @@ from layflat.machine import Machine
 from layflat.rig.safety.core import CycleCore
 from tests.export.firmware.boards import SOURCES, TICK, Board, execute, link
 from tests.export.firmware.recordings import REALS
-from tests.rig.fake_rig import Rig
 from tests.rig.mishaps import MishapRig
 
 
@@ -54,14 +53,8 @@ def record_supervisor(machine: Machine, cycles: int, seed: int = 0, other: "Host
     for rig in mishaps.cycles(cycles):
         inputs.append(np.concatenate([core.rows.inputs, core.rows.samples.ravel()]))
         after.append(np.concatenate([part.ravel() for part in changed_numbers(core)]))
-        events.append(lines_of(rig))
+        events.append(rig.take_lines())
     return Trace(np.array(inputs), np.array(after), events)
-
-
-def lines_of(rig: Rig) -> list[str]:
-    """Return the lines that came since the last call."""
-    lines, rig.host.lines = rig.host.lines, []
-    return lines
 
 
 class HostSupervisor:

@@ -157,7 +157,7 @@ class JointResults(NamedTuple):
 class RigEvent(NamedTuple):
     """Event of a cycle."""
 
-    number: float  # of the fault that came, or one of events.py
+    number: float  # of the fault that came, or one of EVENT_...
     joint: float  # number of its joint from the base on; -1: the machine as a whole
 
 
