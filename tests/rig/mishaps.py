@@ -8,10 +8,14 @@ import numpy as np
 from layflat.machine import Machine
 from layflat.rig.clock import NS_PER_SECOND
 from layflat.rig.driver import DeviceState
+from layflat.rig.safety.faults import RigState
 from tests.rig.fake_rig import Array, Rig
 
 CHANCES = {"demand": 0.01, "stop": 0.004, "hold": 0.004, "start": 0.02, "reset": 0.01, "outputs": 0.01, "mishap": 0.01}
 """Chance of each request, and of a mishap, in a cycle."""
+
+RARE_IN_A_START, RARITY = ("stop", "mishap"), 0.1
+"""What happens less often in a soft start, which takes some seconds, and by what factor."""
 
 LONGEST_MISHAP = 90  # cycles
 LATE = (0.4, 1.3, 2.2)  # cycles by which a late cycle begins too late
@@ -27,16 +31,11 @@ class MishapRig:
     Args:
         machine: the machine, an arm in a plane.
         seed: seed of all that happens.
-        filled: whether there is air from the first cycle on.
     """
 
-    def __init__(self, machine: Machine, seed: int, *, filled: bool = False) -> None:
-        n = len(machine.joints)
-        self.rig, self.machine, self._rng = (
-            Rig(machine, np.zeros(n), seed=seed, filled=filled),
-            machine,
-            np.random.default_rng(seed),
-        )
+    def __init__(self, machine: Machine, seed: int) -> None:
+        self.rig, self.machine = Rig(machine, np.zeros(len(machine.joints)), seed=seed, filled=False), machine
+        self._rng = np.random.default_rng(seed)
         self._half = np.array([0.5 * joint.stops.working_stroke for joint in machine.joints.values()])
         self._left = 0  # cycles until a mishap is over
         self.counts = dict.fromkeys(self.mishaps, 0)
@@ -49,7 +48,8 @@ class MishapRig:
             yield self.rig.cycles(1)
 
     def _happens(self, name: str) -> bool:
-        return bool(self._rng.random() < CHANCES[name])
+        is_rare = name in RARE_IN_A_START and self.rig.supervisor.state is RigState.STARTING
+        return bool(self._rng.random() < CHANCES[name] * (RARITY if is_rare else 1.0))
 
     def _request(self) -> None:
         rng, host, n = self._rng, self.rig.host, len(self._half)

@@ -37,7 +37,7 @@ def changed_numbers(core: CycleCore) -> list[Array]:
     return [*memory, rows.results, rows.commands, rows.events, law.report.array]
 
 
-def record_supervisor(machine: Machine, cycles: int, seed: int = 0, other: "HostSupervisor | None" = None) -> Trace:
+def record_supervisor(machine: Machine, cycles: int, seed: int = 1, other: "HostSupervisor | None" = None) -> Trace:
     """Return the trace of a rig's loop with all kinds of requests and mishaps.
 
     Args:
