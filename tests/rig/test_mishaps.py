@@ -83,4 +83,4 @@ def test_rules_hold_whatever_happens(name: str, seed: int) -> None:
     pulses = re.findall(r"(0*)(1+)", bits)
     assert all(len(low) >= RESET_LOW_CYCLES and len(high) <= RESET_HIGH_CYCLES for low, high in pulses)
     assert len(pulses) > 10
-    assert sum(mishaps.counts.values()) > 10
+    assert sum(mishaps.counts.values()) > 5
