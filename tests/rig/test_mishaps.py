@@ -9,7 +9,7 @@ from layflat.rig.driver import DeviceState
 from layflat.rig.safety.cycle_numbers import max_events
 from layflat.rig.safety.faults import Fault, Reaction, RigState, ValveMode
 from layflat.rig.safety.state_machine import RESET_HIGH_CYCLES, RESET_LOW_CYCLES
-from layflat.rig.safety.supervisor import REFUSALS
+from layflat.rig.safety.supervisor import REFUSAL_TEXTS
 from tests.rig.fake_rig import Rig
 from tests.rig.mishaps import MishapRig
 
@@ -53,7 +53,7 @@ def test_rules_hold_whatever_happens(name: str, seed: int) -> None:
         states = [before.name.lower(), *(after for _, after in path)]
         assert [one for one, _ in path] == states[:-1]
         assert states[-1] == state.name.lower()
-        told = [line for line in lines if line not in REFUSALS.values() and " -> " not in line]
+        told = [line for line in lines if line not in REFUSAL_TEXTS.values() and " -> " not in line]
         assert (len(told), set(told)) == (len(set(told)), faults - faults_before)
         assert core.results["events"][0] < max_events(len(core.memory.array))
         for one, other in path:

@@ -18,21 +18,21 @@ from layflat.rig.safety.cycle_numbers import (
     FIRST_JOINT_MEMORY,
     FIRST_MEMORY,
     INPUTS_TEMPLATE,
-    JOINT,
+    JOINT_AT,
     JOINT_INPUTS_TEMPLATE,
-    LIMIT,
+    LIMIT_AT,
     MIN_EVEN_TIME,
     RECORDED_WIDTH,
-    RIG,
+    RIG_AT,
     RIG_TEMPLATE,
-    SAMPLE,
-    SETTING,
+    SAMPLE_AT,
+    SETTING_AT,
     SETTINGS_TEMPLATE,
     RecordedSignals,
 )
 from layflat.rig.safety.detectors import bounds, sample
 from layflat.rig.safety.estimator import write_holding_torques
-from layflat.rig.safety.faults import MODE
+from layflat.rig.safety.faults import MODE_NO
 
 MIN_TURNING_SPEED = 0.05  # above which a joint's torque acts on the others; below, its own brake holds it, rad/s
 MAX_PERIOD_DEVIATION = 0.3  # fraction; a cycle that deviates by more is uneven, and the air is not judged
@@ -67,8 +67,8 @@ def write_coupling(rows, arm, nothing, scratch):
     turns, passive, torques, holding = scratch[0, :n], scratch[1, :n], scratch[2, :n], scratch[3, :n]
     mass, work = scratch[4 : 4 + n, :n], scratch[4 + n :]
     for j in range(n):
-        estimate = read_numbers(FIRST_JOINT_MEMORY.estimate, rows.joints[j, JOINT.estimate :])
-        angles[j] = rows.samples[j, SAMPLE.angle] if isfinite(rows.samples[j, SAMPLE.angle]) else 0.0
+        estimate = read_numbers(FIRST_JOINT_MEMORY.estimate, rows.joints[j, JOINT_AT.estimate :])
+        angles[j] = rows.samples[j, SAMPLE_AT.angle] if isfinite(rows.samples[j, SAMPLE_AT.angle]) else 0.0
         # NaN turns nothing.
         turns[j] = (
             1.0 if abs(estimate.averaged_velocity) > MIN_TURNING_SPEED and isfinite(estimate.averaged_pressure) else 0.0
@@ -84,15 +84,15 @@ def write_coupling(rows, arm, nothing, scratch):
                 mass[j, i] = mass[i, j] = row[at]
                 at += 1
             joint = read_numbers(SETTINGS_TEMPLATE, rows.settings[j])
-            estimate = read_numbers(FIRST_JOINT_MEMORY.estimate, rows.joints[j, JOINT.estimate :])
+            estimate = read_numbers(FIRST_JOINT_MEMORY.estimate, rows.joints[j, JOINT_AT.estimate :])
             passive[j] = swung[j] + pulled[j]
             friction = 0.5 * joint.detectors.angle_frozen.friction_band * (1.0 if rates[j] > 0.0 else -1.0)
             torques[j] = joint.torque_constant * (estimate.averaged_pressure - friction) + passive[j]
         write_holding_torques(mass, torques, passive, turns, work, holding)
         for j in range(n):
-            per = 1.0 / rows.settings[j, SETTING.torque_constant]
-            rows.joints[j, JOINT.others_light + heavy] = per * holding[j]
-            rows.joints[j, JOINT.inertia] = per * mass[j, j]
+            per = 1.0 / rows.settings[j, SETTING_AT.torque_constant]
+            rows.joints[j, JOINT_AT.others_light + heavy] = per * holding[j]
+            rows.joints[j, JOINT_AT.inertia] = per * mass[j, j]
 
 
 @portable_kernel()
@@ -105,7 +105,7 @@ def judge_samples(rows, level):
     machine, without_ripple, lead = read_numbers(FIRST_MEMORY, rows.memory), 0, 0.0
     for j in range(n):
         before = read_numbers(FIRST_JOINT_MEMORY, rows.joints[j])
-        _, ripple = sample.pressure_oscillation(before.detectors.trace, rows.samples[j, SAMPLE.pressure])
+        _, ripple = sample.pressure_oscillation(before.detectors.trace, rows.samples[j, SAMPLE_AT.pressure])
         without_ripple += (
             1 if ripple < read_numbers(SETTINGS_TEMPLATE, rows.settings[j]).detectors.valve_unresponsive.ripple else 0
         )
@@ -127,14 +127,14 @@ def judge_samples(rows, level):
             now.elapsed, level, alone,
         )  # fmt: skip
         detected, fault = detectors.find_joint_fault(joint.detectors, before.detectors, joint_sample)
-        write_numbers(rows.joints[j, JOINT.detectors :], detected)
-        write_numbers(rows.joints[j, JOINT.air :], air)
-        rows.joints[j, JOINT.fault] = fault
+        write_numbers(rows.joints[j, JOINT_AT.detectors :], detected)
+        write_numbers(rows.joints[j, JOINT_AT.air :], air)
+        rows.joints[j, JOINT_AT.fault] = fault
     lines, fault = bounds.find_supply(
         rig.supply, machine.lines, now.supply, n > 1 and without_ripple == n, now.elapsed, level
     )
-    write_numbers(rows.memory[RIG.lines :], lines)
-    rows.memory[RIG.even], rows.memory[RIG.fault] = even, fault
+    write_numbers(rows.memory[RIG_AT.lines :], lines)
+    rows.memory[RIG_AT.even], rows.memory[RIG_AT.fault] = even, fault
 
 
 @composition
@@ -142,11 +142,11 @@ def _pass_moving_demands(rows, now, is_followed):
     """Pass demands of a control law that plans (see demands.py), with their rates."""
     turns, jumps = False, False
     for j in range(len(rows.settings)):
-        limits = read_numbers(SETTINGS_TEMPLATE.moving, rows.settings[j, SETTING.moving :])
+        limits = read_numbers(SETTINGS_TEMPLATE.moving, rows.settings[j, SETTING_AT.moving :])
         samples = read_numbers(JOINT_INPUTS_TEMPLATE, rows.samples[j])
         before = read_numbers(FIRST_JOINT_MEMORY, rows.joints[j])
         stream = demands.derive_stream(limits, before.stream, samples.requested, now.demand_age, now.since)
-        write_numbers(rows.joints[j, JOINT.stream :], stream)
+        write_numbers(rows.joints[j, JOINT_AT.stream :], stream)
         target, _ = demands.extrapolate_demand(
             limits, stream, samples.requested, samples.velocity, samples.acceleration
         )
@@ -169,35 +169,35 @@ def _pass_moving_demands(rows, now, is_followed):
         reference = demands.advance_reference(
             joint.gate, demands.GatedDemand(after.angle, before.demand.reference), now.since
         )
-        write_numbers(rows.joints[j, JOINT.demand :], reference)
-        rows.joints[j, JOINT.velocity], rows.joints[j, JOINT.acceleration] = after.velocity, after.acceleration
-        rows.joints[j, JOINT.outcome] = outcome
+        write_numbers(rows.joints[j, JOINT_AT.demand :], reference)
+        rows.joints[j, JOINT_AT.velocity], rows.joints[j, JOINT_AT.acceleration] = after.velocity, after.acceleration
+        rows.joints[j, JOINT_AT.outcome] = outcome
 
 
 @composition
 def pass_demands(rows):
     """Pass demands through their gates."""
     n, rig, now = len(rows.settings), read_numbers(RIG_TEMPLATE, rows.rig), read_numbers(INPUTS_TEMPLATE, rows.inputs)
-    is_followed = rows.memory[RIG.mode] == MODE.FOLLOW
+    is_followed = rows.memory[RIG_AT.mode] == MODE_NO.FOLLOW
     if rig.plans > 0.0:
         _pass_moving_demands(rows, now, is_followed)
         return
     min_margin = inf
     for j in range(n):
-        gate = read_numbers(SETTINGS_TEMPLATE.gate, rows.settings[j, SETTING.gate :])
-        before = read_numbers(FIRST_JOINT_MEMORY.demand, rows.joints[j, JOINT.demand :])
-        min_margin = min(min_margin, demands.stop_margin(gate, before, rows.samples[j, SAMPLE.requested]))
+        gate = read_numbers(SETTINGS_TEMPLATE.gate, rows.settings[j, SETTING_AT.gate :])
+        before = read_numbers(FIRST_JOINT_MEMORY.demand, rows.joints[j, JOINT_AT.demand :])
+        min_margin = min(min_margin, demands.stop_margin(gate, before, rows.samples[j, SAMPLE_AT.requested]))
     lead = min(rig.demand_step, rig.demand_margin * max(min_margin, 0.0))
     for j in range(n):
-        gate = read_numbers(SETTINGS_TEMPLATE.gate, rows.settings[j, SETTING.gate :])
-        before = read_numbers(FIRST_JOINT_MEMORY.demand, rows.joints[j, JOINT.demand :])
+        gate = read_numbers(SETTINGS_TEMPLATE.gate, rows.settings[j, SETTING_AT.gate :])
+        before = read_numbers(FIRST_JOINT_MEMORY.demand, rows.joints[j, JOINT_AT.demand :])
         outcome = 0
         if is_followed:
-            after, outcome = demands.follow_demand(gate, before, rows.samples[j, SAMPLE.requested], lead, now.since)
+            after, outcome = demands.follow_demand(gate, before, rows.samples[j, SAMPLE_AT.requested], lead, now.since)
         else:
             after = demands.advance_reference(gate, before, now.since)
-        write_numbers(rows.joints[j, JOINT.demand :], after)
-        rows.joints[j, JOINT.outcome] = outcome
+        write_numbers(rows.joints[j, JOINT_AT.demand :], after)
+        rows.joints[j, JOINT_AT.outcome] = outcome
 
 
 @composition
@@ -206,13 +206,13 @@ def estimate_motion(rows):
     elapsed = read_numbers(INPUTS_TEMPLATE, rows.inputs).elapsed
     for j in range(len(rows.settings)):
         samples = read_numbers(JOINT_INPUTS_TEMPLATE, rows.samples[j])
-        before = read_numbers(FIRST_JOINT_MEMORY.estimator, rows.joints[j, JOINT.estimator :])
-        if rows.memory[RIG.wake] > 0.0:
+        before = read_numbers(FIRST_JOINT_MEMORY.estimator, rows.joints[j, JOINT_AT.estimator :])
+        if rows.memory[RIG_AT.wake] > 0.0:
             before = estimator.start_estimator(samples.angle, samples.pressure)
-        averaged = rows.settings[j, SETTING.averaged]
+        averaged = rows.settings[j, SETTING_AT.averaged]
         after, estimate = estimator.update_estimate(before, samples.angle, samples.pressure, averaged, elapsed)
-        write_numbers(rows.joints[j, JOINT.estimator :], after)
-        write_numbers(rows.joints[j, JOINT.estimate :], estimate)
+        write_numbers(rows.joints[j, JOINT_AT.estimator :], after)
+        write_numbers(rows.joints[j, JOINT_AT.estimate :], estimate)
 
 
 class CycleLikes(NamedTuple):
@@ -231,13 +231,15 @@ def run_law(rows, likes, law_rows, nothing, rejection_column):
     once it has given up its model, negative if none.
     """
     rig, law_values = read_numbers(RIG_TEMPLATE, rows.rig), read_numbers(likes.settings, law_rows.settings)
-    sensed = Sensed(gather(nothing, rows.samples[:, SAMPLE.angle]), gather(nothing, rows.samples[:, SAMPLE.pressure]))
+    sensed = Sensed(
+        gather(nothing, rows.samples[:, SAMPLE_AT.angle]), gather(nothing, rows.samples[:, SAMPLE_AT.pressure])
+    )
     demand = Demand(
-        gather(nothing, rows.joints[:, JOINT.demand]), gather(nothing, rows.joints[:, JOINT.velocity]),
-        gather(nothing, rows.joints[:, JOINT.acceleration]), nothing,
+        gather(nothing, rows.joints[:, JOINT_AT.demand]), gather(nothing, rows.joints[:, JOINT_AT.velocity]),
+        gather(nothing, rows.joints[:, JOINT_AT.acceleration]), nothing,
     )  # fmt: skip
     before = read_numbers(likes.memory, law_rows.memory)
-    if rows.memory[RIG.wake] > 0.0:
+    if rows.memory[RIG_AT.wake] > 0.0:
         before = in_lanes(wake(law_values, sensed), 0.0)
     elapsed = read_numbers(INPUTS_TEMPLATE, rows.inputs).elapsed
     if rig.plans > 0.0:
@@ -247,17 +249,17 @@ def run_law(rows, likes, law_rows, nothing, rejection_column):
     voltages, reports = slots(in_lanes(command.voltage, 0.0)), slots(in_lanes(signals, 0.0))
     shifts = slots(in_lanes(centre_shift(law_values, after, nothing), 0.0))
     for j in range(len(nothing)):
-        rows.joints[j, JOINT.law_voltage], rows.joints[j, JOINT.neutral] = voltages[j], shifts[j]
+        rows.joints[j, JOINT_AT.law_voltage], rows.joints[j, JOINT_AT.neutral] = voltages[j], shifts[j]
         write_numbers(law_rows.report[j], reports[j])
         if rejection_column >= 0 and law_rows.report[j, rejection_column] > 0.5:
-            rows.memory[RIG.rejected] = 1.0
-    rows.memory[RIG.wake] = 0.0
+            rows.memory[RIG_AT.rejected] = 1.0
+    rows.memory[RIG_AT.wake] = 0.0
 
 
 @composition
 def is_voltage_good(rows, j):
     """Return whether the law's voltage of a joint is a number in range."""
-    return rows.rig[LIMIT.voltage_low] <= rows.joints[j, JOINT.law_voltage] <= rows.rig[LIMIT.voltage_high]
+    return rows.rig[LIMIT_AT.voltage_low] <= rows.joints[j, JOINT_AT.law_voltage] <= rows.rig[LIMIT_AT.voltage_high]
 
 
 @composition
@@ -265,13 +267,13 @@ def pass_voltages(rows):
     """Pass the law's voltages; if one is out of range, centre all, and write that they were refused."""
     n = len(rows.joints)
     for j in range(n):
-        rows.joints[j, JOINT.voltage] = rows.joints[j, JOINT.law_voltage]
+        rows.joints[j, JOINT_AT.voltage] = rows.joints[j, JOINT_AT.law_voltage]
         if not is_voltage_good(rows, j):
-            rows.memory[RIG.refused] = 1.0
-    if rows.memory[RIG.refused] > 0.0:
+            rows.memory[RIG_AT.refused] = 1.0
+    if rows.memory[RIG_AT.refused] > 0.0:
         # All of them: a controlled joint and one that is not shake each other.
         for j in range(n):
-            rows.joints[j, JOINT.voltage] = rows.rig[LIMIT.centre]
+            rows.joints[j, JOINT_AT.voltage] = rows.rig[LIMIT_AT.centre]
 
 
 @portable_kernel()

@@ -11,7 +11,7 @@ from layflat.physics.air_balance import AirEstimate, AirObserverParameters
 from layflat.rig.named import leaf_offsets, zero_tuple
 from layflat.rig.safety import demands, detectors, estimator
 from layflat.rig.safety.detectors import bounds
-from layflat.rig.safety.faults import MODE, STATE
+from layflat.rig.safety.faults import MODE_NO, STATE_NO
 
 MIN_EVEN_TIME = 0.1  # without an uneven cycle, after which the air is judged, s
 
@@ -202,13 +202,13 @@ RIG_TEMPLATE, SETTINGS_TEMPLATE, INPUTS_TEMPLATE, JOINT_INPUTS_TEMPLATE = (
     zero_tuple(kind) for kind in (RigSettings, JointSettings, CycleInputs, JointInputs)
 )
 # Memory before the first cycle: no air, and controllers that begin with the first samples.
-FIRST_MEMORY = zero_tuple(RigMemory)._replace(state=STATE.OFF, mode=MODE.CENTRE, wake=1.0, even=MIN_EVEN_TIME)
+FIRST_MEMORY = zero_tuple(RigMemory)._replace(state=STATE_NO.OFF, mode=MODE_NO.CENTRE, wake=1.0, even=MIN_EVEN_TIME)
 FIRST_JOINT_MEMORY = zero_tuple(JointMemory)._replace(detectors=detectors.INITIAL_MEMORY, stream=demands.DemandStream())
 FIRST_RESULTS, FIRST_COMMAND, NO_EVENT = map(zero_tuple, (CycleResults, JointResults, RigEvent))
-LIMIT, SETTING, IN, SAMPLE = map(
+LIMIT_AT, SETTING_AT, INPUT_AT, SAMPLE_AT = map(
     leaf_offsets, (RIG_TEMPLATE, SETTINGS_TEMPLATE, INPUTS_TEMPLATE, JOINT_INPUTS_TEMPLATE)
 )
-RIG, JOINT, OUT, COMMAND, EVENT = map(
+RIG_AT, JOINT_AT, RESULT_AT, COMMAND_AT, EVENT_AT = map(
     leaf_offsets, (FIRST_MEMORY, FIRST_JOINT_MEMORY, FIRST_RESULTS, FIRST_COMMAND, NO_EVENT)
 )
 """Offset of each item in its row."""

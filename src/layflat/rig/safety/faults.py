@@ -99,7 +99,7 @@ def numbers_of(kind: Iterable[IntEnum], name: str) -> Any:
     return row(*map(float, members))
 
 
-STATE, MODE = numbers_of(RigState, "StateNumbers"), numbers_of(ValveMode, "ModeNumbers")
-REACTION, FAULT = numbers_of(Reaction, "ReactionNumbers"), numbers_of(Fault, "FaultNumbers")
+STATE_NO, MODE_NO = numbers_of(RigState, "StateNumbers"), numbers_of(ValveMode, "ModeNumbers")
+REACTION_NO, FAULT_NO = numbers_of(Reaction, "ReactionNumbers"), numbers_of(Fault, "FaultNumbers")
 FIRST_OF_REACTION = [min(fault for fault in Fault if fault.reaction >= reaction) for reaction in Reaction]
 """Mildest fault with a reaction: worse faults have it or a worse one."""

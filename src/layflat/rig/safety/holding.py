@@ -9,41 +9,41 @@ from layflat.lanes import read_numbers, write_numbers
 from layflat.rig.named import offset_of
 from layflat.rig.safety.cycle_numbers import (
     FIRST_JOINT_MEMORY,
-    JOINT,
-    LIMIT,
+    JOINT_AT,
+    LIMIT_AT,
     MIN_EVEN_TIME,
-    RIG,
-    SETTING,
+    RIG_AT,
+    SETTING_AT,
     SETTINGS_TEMPLATE,
 )
 from layflat.rig.safety.detectors import INITIAL_MEMORY, bounds
 from layflat.rig.safety.detectors.sample import AIR_LEVEL, MOTION_LEVEL, SENSORS_LEVEL
-from layflat.rig.safety.faults import FAULT, MODE, STATE
+from layflat.rig.safety.faults import FAULT_NO, MODE_NO, STATE_NO
 from layflat.rig.safety.ledger import VENT_FROM, VENT_JOINT_FROM
 
 FIRST_LINES, ONE_NUMBER = bounds.SupplyMemory(), (0.0,)
-LAST_PRESSURE = offset_of(FIRST_JOINT_MEMORY, "estimator.pressure_0")
+LAST_PRESSURE_AT = offset_of(FIRST_JOINT_MEMORY, "estimator.pressure_0")
 
 
 @law
 def has_air(mode):
     """Return whether the dump valve connects the supply in a mode of the valves."""
-    return mode in (MODE.HOLD, MODE.FOLLOW)
+    return mode in (MODE_NO.HOLD, MODE_NO.FOLLOW)
 
 
 @law
 def detection_level(state, mode):
     """Return the level of detection: of sensors without air, of motion in a soft start, else all (AIR_LEVEL)."""
-    return (MOTION_LEVEL if state == STATE.STARTING else AIR_LEVEL) if has_air(mode) else SENSORS_LEVEL
+    return (MOTION_LEVEL if state == STATE_NO.STARTING else AIR_LEVEL) if has_air(mode) else SENSORS_LEVEL
 
 
 @composition
 def reset_detectors(rows):
     """Reset the memory of the detectors; the estimate of the air, and demands, are kept."""
     for j in range(len(rows.joints)):
-        write_numbers(rows.joints[j, JOINT.detectors :], INITIAL_MEMORY)
-    write_numbers(rows.memory[RIG.lines :], FIRST_LINES)
-    rows.memory[RIG.even] = MIN_EVEN_TIME
+        write_numbers(rows.joints[j, JOINT_AT.detectors :], INITIAL_MEMORY)
+    write_numbers(rows.memory[RIG_AT.lines :], FIRST_LINES)
+    rows.memory[RIG_AT.even] = MIN_EVEN_TIME
 
 
 @composition
@@ -54,12 +54,12 @@ def hold_joints(rows, at_demands):
     accelerates the others. The angle is clipped to the working stroke.
     """
     for j in range(len(rows.joints)):
-        angle, velocity, _, _ = read_numbers(FIRST_JOINT_MEMORY.estimate, rows.joints[j, JOINT.estimate :])
-        limits = read_numbers(SETTINGS_TEMPLATE.moving, rows.settings[j, SETTING.moving :])
-        if rows.rig[LIMIT.plans] > 0.0:
+        angle, velocity, _, _ = read_numbers(FIRST_JOINT_MEMORY.estimate, rows.joints[j, JOINT_AT.estimate :])
+        limits = read_numbers(SETTINGS_TEMPLATE.moving, rows.settings[j, SETTING_AT.moving :])
+        if rows.rig[LIMIT_AT.plans] > 0.0:
             angle = angle + 0.5 * velocity * abs(velocity) / limits.braking
         if at_demands:
-            (angle,) = read_numbers(ONE_NUMBER, rows.joints[j, JOINT.demand :])
+            (angle,) = read_numbers(ONE_NUMBER, rows.joints[j, JOINT_AT.demand :])
         else:
             angle = min(max(angle, -limits.working), limits.working)
         hold_joint(rows, j, angle)
@@ -69,9 +69,9 @@ def hold_joints(rows, at_demands):
 def hold_joint(rows, j, angle):
     """Set the demand of a joint to a constant angle, rad; where that is not finite, the angle of the demand stays."""
     joint = rows.joints[j]
-    held = angle if isfinite(angle) else joint[JOINT.demand]
-    joint[JOINT.demand] = joint[JOINT.demand + 1] = held
-    joint[JOINT.velocity] = joint[JOINT.acceleration] = 0.0
+    held = angle if isfinite(angle) else joint[JOINT_AT.demand]
+    joint[JOINT_AT.demand] = joint[JOINT_AT.demand + 1] = held
+    joint[JOINT_AT.velocity] = joint[JOINT_AT.acceleration] = 0.0
 
 
 @composition
@@ -80,13 +80,13 @@ def write_voltages_without_air(rows):
 
     VENT_JOINT vents only faulty joints; CENTRE vents the fuller hose of joints whose valve is unresponsive.
     """
-    mode = rows.memory[RIG.mode]
+    mode = rows.memory[RIG_AT.mode]
     for j in range(len(rows.joints)):
-        fault, at = rows.joints[j, JOINT.latched], LIMIT.vented if mode == MODE.VENT else LIMIT.centre
-        if mode == MODE.VENT_JOINT and VENT_JOINT_FROM <= fault < VENT_FROM:
-            at = LIMIT.vented
-        if mode == MODE.CENTRE and fault == FAULT.VALVE_UNRESPONSIVE:
+        fault, at = rows.joints[j, JOINT_AT.latched], LIMIT_AT.vented if mode == MODE_NO.VENT else LIMIT_AT.centre
+        if mode == MODE_NO.VENT_JOINT and VENT_JOINT_FROM <= fault < VENT_FROM:
+            at = LIMIT_AT.vented
+        if mode == MODE_NO.CENTRE and fault == FAULT_NO.VALVE_UNRESPONSIVE:
             # One hose may be burst: the other throws the joint into its stop unless it is vented at once.
-            at = LIMIT.voltage_low if rows.joints[j, LAST_PRESSURE] > 0.0 else LIMIT.voltage_high
+            at = LIMIT_AT.voltage_low if rows.joints[j, LAST_PRESSURE_AT] > 0.0 else LIMIT_AT.voltage_high
         volts = rows.rig[at]
-        rows.joints[j, JOINT.voltage] = volts
+        rows.joints[j, JOINT_AT.voltage] = volts

@@ -6,8 +6,8 @@ Functions take `CycleRows`. Joints count from 0; joint -1 is the machine as a wh
 # mypy: disable-error-code="no-untyped-def"
 
 from layflat.jit import composition, law
-from layflat.rig.safety.cycle_numbers import EVENT, JOINT, OUT, RIG
-from layflat.rig.safety.faults import FAULT, FIRST_OF_REACTION, Fault, Reaction
+from layflat.rig.safety.cycle_numbers import EVENT_AT, JOINT_AT, RESULT_AT, RIG_AT
+from layflat.rig.safety.faults import FAULT_NO, FIRST_OF_REACTION, Fault, Reaction
 
 # Numbers of events that are no faults: a state that was entered, by its own number; a start that a latched fault
 # or the e-stop forbids; one that is not recorded; a reset of a fault that is still there.
@@ -21,7 +21,7 @@ HOLD_FROM, STOP_FROM, VENT_JOINT_FROM, VENT_FROM, DUMP_FROM = (
 @law
 def is_latching(fault):
     """Return whether a fault stays until a reset."""
-    return fault >= FIRST_LATCHED and fault != FAULT.SETPOINT_STALE
+    return fault >= FIRST_LATCHED and fault != FAULT_NO.SETPOINT_STALE
 
 
 @law
@@ -46,28 +46,28 @@ def has_bit(bits, number):
 def begin_ledger(rows):
     """Begin a cycle without faults and events."""
     memory = rows.memory
-    memory[RIG.before], memory[RIG.present], memory[RIG.worst_now] = memory[RIG.present], 0.0, 0.0
+    memory[RIG_AT.before], memory[RIG_AT.present], memory[RIG_AT.worst_now] = memory[RIG_AT.present], 0.0, 0.0
     for j in range(len(rows.joints)):
         joint = rows.joints[j]
-        joint[JOINT.before], joint[JOINT.present], joint[JOINT.worst_now] = joint[JOINT.present], 0.0, 0.0
-    rows.results[OUT.events] = 0.0
+        joint[JOINT_AT.before], joint[JOINT_AT.present], joint[JOINT_AT.worst_now] = joint[JOINT_AT.present], 0.0, 0.0
+    rows.results[RESULT_AT.events] = 0.0
 
 
 @composition
 def clear_latched(rows):
     """Clear all latched faults, and the reaction to them."""
-    rows.memory[RIG.latched] = rows.memory[RIG.reaction] = 0.0
+    rows.memory[RIG_AT.latched] = rows.memory[RIG_AT.reaction] = 0.0
     for j in range(len(rows.joints)):
-        rows.joints[j, JOINT.latched] = 0.0
+        rows.joints[j, JOINT_AT.latched] = 0.0
 
 
 @composition
 def add_event(rows, number, joint):
     """Add an event to those of this cycle."""
-    k = int(rows.results[OUT.events])
+    k = int(rows.results[RESULT_AT.events])
     if k < len(rows.events):
-        rows.events[k, EVENT.number], rows.events[k, EVENT.joint] = number, joint
-        rows.results[OUT.events] = k + 1.0
+        rows.events[k, EVENT_AT.number], rows.events[k, EVENT_AT.joint] = number, joint
+        rows.results[RESULT_AT.events] = k + 1.0
 
 
 @composition
@@ -75,19 +75,19 @@ def note_fault(rows, fault, joint):
     """Add a fault of this cycle; latch one that latches. One that was not there in the cycle before adds an event."""
     memory, j = rows.memory, max(joint, 0)
     own = rows.joints[j]
-    present = own[JOINT.present] if joint >= 0 else memory[RIG.present]
+    present = own[JOINT_AT.present] if joint >= 0 else memory[RIG_AT.present]
     if has_bit(present, fault):
         return
-    if not has_bit(own[JOINT.before] if joint >= 0 else memory[RIG.before], fault):
+    if not has_bit(own[JOINT_AT.before] if joint >= 0 else memory[RIG_AT.before], fault):
         add_event(rows, fault, joint)
     present += float(1 << int(fault))
-    memory[RIG.worst_now] = max(memory[RIG.worst_now], fault)
+    memory[RIG_AT.worst_now] = max(memory[RIG_AT.worst_now], fault)
     if is_latching(fault):
-        memory[RIG.latched] = max(memory[RIG.latched], fault)
-        memory[RIG.reaction] = max(memory[RIG.reaction], reaction_to(fault))
+        memory[RIG_AT.latched] = max(memory[RIG_AT.latched], fault)
+        memory[RIG_AT.reaction] = max(memory[RIG_AT.reaction], reaction_to(fault))
     if joint < 0:
-        memory[RIG.present] = present
+        memory[RIG_AT.present] = present
         return
-    own[JOINT.present], own[JOINT.worst_now] = present, max(own[JOINT.worst_now], fault)
+    own[JOINT_AT.present], own[JOINT_AT.worst_now] = present, max(own[JOINT_AT.worst_now], fault)
     if is_latching(fault):
-        own[JOINT.latched] = max(own[JOINT.latched], fault)
+        own[JOINT_AT.latched] = max(own[JOINT_AT.latched], fault)

@@ -9,8 +9,8 @@ from math import isnan
 from typing import NamedTuple
 
 from layflat.jit import composition, law
-from layflat.rig.safety.cycle_numbers import IN, LIMIT, RIG, SAMPLE
-from layflat.rig.safety.faults import FAULT, MODE, REACTION, STATE
+from layflat.rig.safety.cycle_numbers import INPUT_AT, LIMIT_AT, RIG_AT, SAMPLE_AT
+from layflat.rig.safety.faults import FAULT_NO, MODE_NO, REACTION_NO, STATE_NO
 from layflat.rig.safety.holding import has_air, hold_joints, reset_detectors
 from layflat.rig.safety.ledger import (
     RESET_REFUSED,
@@ -60,16 +60,16 @@ def carry_out(rows, decision):
     memory, event = rows.memory, decision.event
     if decision.held > 0.0:
         hold_joints(rows, decision.held == PRESENT_DEMANDS)
-    if decision.state != memory[RIG.state]:
+    if decision.state != memory[RIG_AT.state]:
         event = STATE_ENTERED + decision.state
-        memory[RIG.state], memory[RIG.in_state] = decision.state, 0.0
+        memory[RIG_AT.state], memory[RIG_AT.in_state] = decision.state, 0.0
     if event > 0.0:
         add_event(rows, event, -1)
-    if decision.mode != memory[RIG.mode]:
-        if has_air(decision.mode) and not has_air(memory[RIG.mode]):
-            memory[RIG.wake] = 1.0
+    if decision.mode != memory[RIG_AT.mode]:
+        if has_air(decision.mode) and not has_air(memory[RIG_AT.mode]):
+            memory[RIG_AT.wake] = 1.0
             reset_detectors(rows)
-        memory[RIG.mode], memory[RIG.in_mode] = decision.mode, 0.0
+        memory[RIG_AT.mode], memory[RIG_AT.in_mode] = decision.mode, 0.0
 
 
 @composition
@@ -79,23 +79,23 @@ def start(rows, state, mode):
     If a latched fault, the e-stop or a missing recorder forbids it, it is refused.
     """
     memory = rows.memory
-    if memory[RIG.latched] > 0.0 or memory[RIG.pressed] > 0.0:
+    if memory[RIG_AT.latched] > 0.0 or memory[RIG_AT.pressed] > 0.0:
         return refuse(state, mode, START_BARRED)
-    if rows.inputs[IN.unrecorded] > 0.0:
+    if rows.inputs[INPUT_AT.unrecorded] > 0.0:
         return refuse(state, mode, START_UNRECORDED)
-    if state == STATE.HOLDING and has_air(mode):
-        return Decision(STATE.READY, MODE.HOLD, 0.0, 0.0)
-    if state not in (STATE.OFF, STATE.STOPPED):
+    if state == STATE_NO.HOLDING and has_air(mode):
+        return Decision(STATE_NO.READY, MODE_NO.HOLD, 0.0, 0.0)
+    if state not in (STATE_NO.OFF, STATE_NO.STOPPED):
         return stay(state, mode)
-    memory[RIG.obeyed], memory[RIG.reset_for], memory[RIG.air_time] = 0.0, RESET_CYCLES, 0.0
-    return Decision(STATE.STARTING, MODE.HOLD, PRESENT_ANGLES, 0.0)
+    memory[RIG_AT.obeyed], memory[RIG_AT.reset_for], memory[RIG_AT.air_time] = 0.0, RESET_CYCLES, 0.0
+    return Decision(STATE_NO.STARTING, MODE_NO.HOLD, PRESENT_ANGLES, 0.0)
 
 
 @law
 def hold(state, mode):
     """Hold the joints where they are or can stop, from READY or MOVING; without effect in other states."""
-    if state in (STATE.READY, STATE.MOVING):
-        return Decision(STATE.HOLDING, MODE.HOLD, PRESENT_ANGLES, 0.0)
+    if state in (STATE_NO.READY, STATE_NO.MOVING):
+        return Decision(STATE_NO.HOLDING, MODE_NO.HOLD, PRESENT_ANGLES, 0.0)
     return stay(state, mode)
 
 
@@ -107,16 +107,16 @@ def stop(rows, state, mode):
     STOPPED.
     """
     memory = rows.memory
-    if state == STATE.FAULT:
-        memory[RIG.reaction] = max(memory[RIG.reaction], REACTION.STOP)
+    if state == STATE_NO.FAULT:
+        memory[RIG_AT.reaction] = max(memory[RIG_AT.reaction], REACTION_NO.STOP)
         return stay(state, mode)
-    if state == STATE.STOPPED:
+    if state == STATE_NO.STOPPED:
         return stay(state, mode)
-    if state == STATE.STARTING:
-        return Decision(STATE.STOPPED, MODE.CENTRE, 0.0, 0.0)
-    memory[RIG.in_mode] = 0.0
-    is_held = mode == MODE.HOLD and state == STATE.HOLDING
-    return Decision(STATE.STOPPED, MODE.HOLD, 0.0 if is_held else PRESENT_ANGLES, 0.0)
+    if state == STATE_NO.STARTING:
+        return Decision(STATE_NO.STOPPED, MODE_NO.CENTRE, 0.0, 0.0)
+    memory[RIG_AT.in_mode] = 0.0
+    is_held = mode == MODE_NO.HOLD and state == STATE_NO.HOLDING
+    return Decision(STATE_NO.STOPPED, MODE_NO.HOLD, 0.0 if is_held else PRESENT_ANGLES, 0.0)
 
 
 @composition
@@ -126,14 +126,14 @@ def reset(rows, state, mode):
     With the e-stop pressed, or a fault from DEVICE_CENTRED on present under air, it is refused.
     """
     memory, on = rows.memory, has_air(mode)
-    if memory[RIG.pressed] > 0.0 or (memory[RIG.worst_now] >= FAULT.DEVICE_CENTRED and on):
+    if memory[RIG_AT.pressed] > 0.0 or (memory[RIG_AT.worst_now] >= FAULT_NO.DEVICE_CENTRED and on):
         return refuse(state, mode, RESET_REFUSED)
     clear_latched(rows)
-    memory[RIG.reset_for] = RESET_CYCLES
-    if state != STATE.FAULT:
+    memory[RIG_AT.reset_for] = RESET_CYCLES
+    if state != STATE_NO.FAULT:
         return stay(state, mode)
     reset_detectors(rows)
-    return Decision(STATE.HOLDING if on else STATE.OFF, mode if on else MODE.CENTRE, PRESENT_ANGLES, 0.0)
+    return Decision(STATE_NO.HOLDING if on else STATE_NO.OFF, mode if on else MODE_NO.CENTRE, PRESENT_ANGLES, 0.0)
 
 
 @composition
@@ -142,26 +142,27 @@ def react(rows, state, mode, angles):
 
     Joints that move are held at `angles`: PRESENT_ANGLES or PRESENT_DEMANDS.
     """
-    reaction, on = rows.memory[RIG.reaction], has_air(mode)
-    held = angles if mode == MODE.FOLLOW or (on and state != STATE.FAULT) else 0.0
+    reaction, on = rows.memory[RIG_AT.reaction], has_air(mode)
+    held = angles if mode == MODE_NO.FOLLOW or (on and state != STATE_NO.FAULT) else 0.0
     if on:
         # Enclosed air brakes best: valves open once the supply line is empty.
-        return Decision(STATE.FAULT, MODE.CENTRE if reaction >= REACTION.VENT_JOINT else MODE.HOLD, held, 0.0)
-    is_worse = mode == MODE.VENT_JOINT and reaction >= REACTION.VENT
-    return Decision(STATE.FAULT, MODE.VENT if is_worse else mode, held, 0.0)
+        mode = MODE_NO.CENTRE if reaction >= REACTION_NO.VENT_JOINT else MODE_NO.HOLD
+    elif mode == MODE_NO.VENT_JOINT and reaction >= REACTION_NO.VENT:
+        mode = MODE_NO.VENT
+    return Decision(STATE_NO.FAULT, mode, held, 0.0)
 
 
 @composition
 def continue_stop(rows, state, mode):
     """Take the next step of a stop once it is due: held, centred, vented."""
     memory = rows.memory
-    reaction = memory[RIG.reaction] if state == STATE.FAULT else REACTION.STOP
-    if state not in (STATE.STOPPED, STATE.FAULT) or reaction < REACTION.STOP:
+    reaction = memory[RIG_AT.reaction] if state == STATE_NO.FAULT else REACTION_NO.STOP
+    if state not in (STATE_NO.STOPPED, STATE_NO.FAULT) or reaction < REACTION_NO.STOP:
         return stay(state, mode)
-    if mode == MODE.HOLD and memory[RIG.in_mode] >= rows.rig[LIMIT.hold_time]:
-        return Decision(state, MODE.CENTRE, 0.0, 0.0)
-    if mode == MODE.CENTRE and memory[RIG.in_mode] >= CENTRED_TIME:
-        return Decision(state, MODE.VENT_JOINT if reaction == REACTION.VENT_JOINT else MODE.VENT, 0.0, 0.0)
+    if mode == MODE_NO.HOLD and memory[RIG_AT.in_mode] >= rows.rig[LIMIT_AT.hold_time]:
+        return Decision(state, MODE_NO.CENTRE, 0.0, 0.0)
+    if mode == MODE_NO.CENTRE and memory[RIG_AT.in_mode] >= CENTRED_TIME:
+        return Decision(state, MODE_NO.VENT_JOINT if reaction == REACTION_NO.VENT_JOINT else MODE_NO.VENT, 0.0, 0.0)
     return stay(state, mode)
 
 
@@ -170,5 +171,7 @@ def move(rows, state, mode):
     """Begin to move from READY once there is a demand for any joint."""
     is_demanded = False
     for j in range(len(rows.samples)):
-        is_demanded = is_demanded or not isnan(rows.samples[j, SAMPLE.requested])
-    return Decision(STATE.MOVING, MODE.FOLLOW, 0.0, 0.0) if state == STATE.READY and is_demanded else stay(state, mode)
+        is_demanded = is_demanded or not isnan(rows.samples[j, SAMPLE_AT.requested])
+    if state != STATE_NO.READY or not is_demanded:
+        return stay(state, mode)
+    return Decision(STATE_NO.MOVING, MODE_NO.FOLLOW, 0.0, 0.0)

@@ -10,9 +10,9 @@ from layflat.jit import composition
 from layflat.lanes import read_numbers
 from layflat.rig.driver import DeviceState
 from layflat.rig.safety.cycle import is_voltage_good
-from layflat.rig.safety.cycle_numbers import IN, JOINT, LIMIT, RIG
+from layflat.rig.safety.cycle_numbers import INPUT_AT, JOINT_AT, LIMIT_AT, RIG_AT
 from layflat.rig.safety.demands import DEMAND_REFUSED
-from layflat.rig.safety.faults import FAULT, MODE, STATE, Fault
+from layflat.rig.safety.faults import FAULT_NO, MODE_NO, STATE_NO, Fault
 from layflat.rig.safety.holding import has_air, reset_detectors
 from layflat.rig.safety.ledger import note_fault
 from layflat.rig.safety.soft_start import has_air_come, update_air_time
@@ -36,7 +36,7 @@ from layflat.rig.safety.state_machine import (
     RECORDER_STEP, TIME_STEP, STALE_STEP, RESET_STEP, REQUEST_STEP, REACTION_STEP, STOP_STEP, MOTION_STEP,
     MODEL_STEP, DEMAND_STEP, VOLTAGE_STEP, REFUSAL_STEP, LAST_STEP,
 ) = range(21)  # fmt: skip
-RUNNING, DUMPED = float(DeviceState.RUNNING), float(DeviceState.DUMPED)
+DEVICE_RUNS, DEVICE_DUMPED = float(DeviceState.RUNNING), float(DeviceState.DUMPED)
 MAX_LOST_REPLIES = Fault.LINK_LOST.cycles
 STATE_AND_MODE = (0.0, 0.0)  # structure of the first two numbers of the memory
 
@@ -59,50 +59,56 @@ def take_steps(rows, first, behind):
 def update_memory(rows, step):
     """Update what a step decides by."""
     memory, inputs = rows.memory, rows.inputs
-    answered = inputs[IN.answered] > 0.0
-    if step == DEVICE_STEP and answered and inputs[IN.device] == RUNNING and has_air(memory[RIG.mode]):
-        memory[RIG.obeyed] = 1.0
-    elif step == AIR_STEP and answered and memory[RIG.state] == STATE.STARTING:
+    answered = inputs[INPUT_AT.answered] > 0.0
+    if step == DEVICE_STEP and answered and inputs[INPUT_AT.device] == DEVICE_RUNS and has_air(memory[RIG_AT.mode]):
+        memory[RIG_AT.obeyed] = 1.0
+    elif step == AIR_STEP and answered and memory[RIG_AT.state] == STATE_NO.STARTING:
         update_air_time(rows)
     elif step == TIME_STEP:
-        memory[RIG.in_state] += inputs[IN.since]
-        memory[RIG.in_mode] += inputs[IN.since]
-        memory[RIG.reset_for] = max(memory[RIG.reset_for] - 1.0, 0.0)
-    elif step == REFUSAL_STEP and memory[RIG.refused] > 0.0:
-        memory[RIG.wake] = 1.0
+        memory[RIG_AT.in_state] += inputs[INPUT_AT.since]
+        memory[RIG_AT.in_mode] += inputs[INPUT_AT.since]
+        memory[RIG_AT.reset_for] = max(memory[RIG_AT.reset_for] - 1.0, 0.0)
+    elif step == REFUSAL_STEP and memory[RIG_AT.refused] > 0.0:
+        memory[RIG_AT.wake] = 1.0
+
+
+@composition
+def has_stopped_obeying(memory, inputs):
+    """Return whether the device, after it has obeyed, has centred or dumped by itself."""
+    return memory[RIG_AT.obeyed] > 0.0 and inputs[INPUT_AT.device] != DEVICE_RUNS
 
 
 @composition
 def are_setpoints_stale(rows):
     """Return whether setpoints are too old for a rig with air."""
-    return rows.inputs[IN.age] > rows.rig[LIMIT.stale_after] and has_air(rows.memory[RIG.mode])
+    return rows.inputs[INPUT_AT.age] > rows.rig[LIMIT_AT.stale_after] and has_air(rows.memory[RIG_AT.mode])
 
 
 @composition
 def find_fault(rows, step):
     """Return the number of the machine's fault that a step notes, or 0."""
     memory, inputs, fault = rows.memory, rows.inputs, 0.0
-    answered, on = inputs[IN.answered] > 0.0, has_air(memory[RIG.mode])
-    if step == E_STOP_STEP and answered and inputs[IN.stopped] > 0.0:
-        fault = FAULT.E_STOP
-    elif step == DEVICE_STEP and answered and inputs[IN.device] != RUNNING and on and memory[RIG.obeyed] > 0.0:
-        fault = FAULT.DEVICE_DUMPED if inputs[IN.device] == DUMPED else FAULT.DEVICE_CENTRED
+    answered, on = inputs[INPUT_AT.answered] > 0.0, has_air(memory[RIG_AT.mode])
+    if step == E_STOP_STEP and answered and inputs[INPUT_AT.stopped] > 0.0:
+        fault = FAULT_NO.E_STOP
+    elif step == DEVICE_STEP and answered and on and has_stopped_obeying(memory, inputs):
+        fault = FAULT_NO.DEVICE_DUMPED if inputs[INPUT_AT.device] == DEVICE_DUMPED else FAULT_NO.DEVICE_CENTRED
     elif step == SAMPLES_STEP and answered:
-        fault = memory[RIG.fault]
-    elif step == AIR_STEP and answered and memory[RIG.state] == STATE.STARTING and not has_air_come(rows):
-        fault = FAULT.NO_AIR if memory[RIG.in_state] > rows.rig[LIMIT.start_time] else 0.0
+        fault = memory[RIG_AT.fault]
+    elif step == AIR_STEP and answered and memory[RIG_AT.state] == STATE_NO.STARTING and not has_air_come(rows):
+        fault = FAULT_NO.NO_AIR if memory[RIG_AT.in_state] > rows.rig[LIMIT_AT.start_time] else 0.0
     elif step == REPLY_STEP and not answered:
-        fault = FAULT.REPLY_LOST
-    elif step == LINK_STEP and memory[RIG.lost] >= MAX_LOST_REPLIES:
-        fault = FAULT.LINK_LOST
-    elif step == MISSED_STEP and inputs[IN.missed] > 0.0:
-        fault = FAULT.CYCLE_MISSED
-    elif step == RECORDER_STEP and inputs[IN.unrecorded] > 0.0:
-        fault = FAULT.RECORDER_DEAD
+        fault = FAULT_NO.REPLY_LOST
+    elif step == LINK_STEP and memory[RIG_AT.lost] >= MAX_LOST_REPLIES:
+        fault = FAULT_NO.LINK_LOST
+    elif step == MISSED_STEP and inputs[INPUT_AT.missed] > 0.0:
+        fault = FAULT_NO.CYCLE_MISSED
+    elif step == RECORDER_STEP and inputs[INPUT_AT.unrecorded] > 0.0:
+        fault = FAULT_NO.RECORDER_DEAD
     elif step == STALE_STEP and are_setpoints_stale(rows):
-        fault = FAULT.SETPOINT_STALE
-    elif step == MODEL_STEP and memory[RIG.rejected] > 0.0:
-        fault = FAULT.MODEL_DOUBTED
+        fault = FAULT_NO.SETPOINT_STALE
+    elif step == MODEL_STEP and memory[RIG_AT.rejected] > 0.0:
+        fault = FAULT_NO.MODEL_DOUBTED
     return fault
 
 
@@ -110,12 +116,12 @@ def find_fault(rows, step):
 def find_joint_fault(rows, step, j):
     """Return the number of a joint's fault that a step notes, or 0."""
     joint, fault = rows.joints[j], 0.0
-    if step == JOINT_SAMPLES_STEP and rows.inputs[IN.answered] > 0.0:
-        fault = joint[JOINT.fault]
-    elif step == DEMAND_STEP and joint[JOINT.outcome] > 0.0:
-        fault = FAULT.DEMAND_REFUSED if joint[JOINT.outcome] == DEMAND_REFUSED else FAULT.DEMAND_LIMITED
-    elif step == VOLTAGE_STEP and rows.memory[RIG.refused] > 0.0 and not is_voltage_good(rows, j):
-        fault = FAULT.BAD_COMMAND
+    if step == JOINT_SAMPLES_STEP and rows.inputs[INPUT_AT.answered] > 0.0:
+        fault = joint[JOINT_AT.fault]
+    elif step == DEMAND_STEP and joint[JOINT_AT.outcome] > 0.0:
+        fault = FAULT_NO.DEMAND_REFUSED if joint[JOINT_AT.outcome] == DEMAND_REFUSED else FAULT_NO.DEMAND_LIMITED
+    elif step == VOLTAGE_STEP and rows.memory[RIG_AT.refused] > 0.0 and not is_voltage_good(rows, j):
+        fault = FAULT_NO.BAD_COMMAND
     return fault
 
 
@@ -126,24 +132,24 @@ def decide(rows, step, state, mode):
     Stale setpoints under air begin a controlled stop; of requests, a stop comes before a hold, and this before a start.
     """
     memory, inputs, decision = rows.memory, rows.inputs, stay(state, mode)
-    stops = step == REQUEST_STEP and inputs[IN.stop] > 0.0
-    if step == AIR_STEP and inputs[IN.answered] > 0.0 and state == STATE.STARTING and has_air_come(rows):
+    stops = step == REQUEST_STEP and inputs[INPUT_AT.stop] > 0.0
+    if step == AIR_STEP and inputs[INPUT_AT.answered] > 0.0 and state == STATE_NO.STARTING and has_air_come(rows):
         reset_detectors(rows)
-        decision = Decision(STATE.READY, MODE.HOLD, 0.0, 0.0)
+        decision = Decision(STATE_NO.READY, MODE_NO.HOLD, 0.0, 0.0)
     elif (stops and has_air(mode)) or (step == STALE_STEP and are_setpoints_stale(rows)):
         decision = stop(rows, state, mode)
-    elif step == RESET_STEP and inputs[IN.reset] > 0.0:
+    elif step == RESET_STEP and inputs[INPUT_AT.reset] > 0.0:
         decision = reset(rows, state, mode)
-    elif step == REQUEST_STEP and not stops and inputs[IN.hold] > 0.0:
+    elif step == REQUEST_STEP and not stops and inputs[INPUT_AT.hold] > 0.0:
         decision = hold(state, mode)
-    elif step == REQUEST_STEP and not stops and inputs[IN.start] > 0.0:
+    elif step == REQUEST_STEP and not stops and inputs[INPUT_AT.start] > 0.0:
         decision = start(rows, state, mode)
-    elif step == REACTION_STEP and memory[RIG.latched] > 0.0:
+    elif step == REACTION_STEP and memory[RIG_AT.latched] > 0.0:
         decision = react(rows, state, mode, PRESENT_ANGLES)
     elif step == STOP_STEP:
         decision = continue_stop(rows, state, mode)
     elif step == MOTION_STEP:
         decision = move(rows, state, mode)
-    elif step == REFUSAL_STEP and memory[RIG.refused] > 0.0:
+    elif step == REFUSAL_STEP and memory[RIG_AT.refused] > 0.0:
         decision = react(rows, state, mode, PRESENT_DEMANDS)
     return decision

@@ -12,13 +12,13 @@ from layflat.rig.safety.cycle import (
     run_law,
     write_coupling,
 )
-from layflat.rig.safety.cycle_numbers import COMMAND, IN, JOINT, LIMIT, OUT, RIG
-from layflat.rig.safety.faults import STATE
+from layflat.rig.safety.cycle_numbers import COMMAND_AT, INPUT_AT, JOINT_AT, LIMIT_AT, RESULT_AT, RIG_AT
+from layflat.rig.safety.faults import STATE_NO
 from layflat.rig.safety.holding import detection_level, has_air, write_voltages_without_air
 from layflat.rig.safety.ledger import begin_ledger
 from layflat.rig.safety.soft_start import begin_reading
 from layflat.rig.safety.state_machine import RESET_HIGH_CYCLES
-from layflat.rig.safety.steps import DUMPED, E_STOP_STEP, LAST_STEP, MODEL_STEP, take_steps
+from layflat.rig.safety.steps import DEVICE_DUMPED, E_STOP_STEP, LAST_STEP, MODEL_STEP, take_steps
 
 CONTROL_PART, COMMAND_PART = 1, 2  # parts of a cycle: up to the control law, and behind it
 
@@ -44,10 +44,10 @@ def judge_and_decide(arm_like, nothing, rows, arm, scratch):
     workspace as of `write_coupling`.
     """
     begin_cycle(rows)
-    answered = rows.inputs[IN.answered] > 0.0
+    answered = rows.inputs[INPUT_AT.answered] > 0.0
     if answered:
         write_coupling(rows, read_numbers(arm_like, arm), nothing, scratch)
-        judge_samples(rows, detection_level(rows.memory[RIG.state], rows.memory[RIG.mode]))
+        judge_samples(rows, detection_level(rows.memory[RIG_AT.state], rows.memory[RIG_AT.mode]))
     take_steps(rows, E_STOP_STEP, MODEL_STEP)
     pass_demands(rows)
     if answered:
@@ -58,7 +58,7 @@ def judge_and_decide(arm_like, nothing, rows, arm, scratch):
 @portable_kernel()
 def command_valves(rows):
     """Pass the voltages of the control law or of valves without air, take the steps behind it, write the results."""
-    on = has_air(rows.memory[RIG.mode])
+    on = has_air(rows.memory[RIG_AT.mode])
     if on:
         pass_voltages(rows)
     take_steps(rows, MODEL_STEP, LAST_STEP)
@@ -72,33 +72,33 @@ def begin_cycle(rows):
     """Begin a cycle: count lost replies, switch the digital outputs, and initialize with the first reading."""
     memory, inputs = rows.memory, rows.inputs
     begin_ledger(rows)
-    memory[RIG.rejected] = memory[RIG.refused] = 0.0
-    if inputs[IN.switched] > 0.0:
-        switched = int(inputs[IN.switched])
-        memory[RIG.outputs] = (int(memory[RIG.outputs]) & ~switched) | (int(inputs[IN.on]) & switched)
-    if inputs[IN.answered] > 0.0:
-        memory[RIG.lost], memory[RIG.pressed] = 0.0, inputs[IN.stopped]
-        if inputs[IN.device] == DUMPED:
-            memory[RIG.outputs] = 0.0  # as the device's are: none switches on by itself once it obeys again
-        if memory[RIG.begun] == 0.0:
+    memory[RIG_AT.rejected] = memory[RIG_AT.refused] = 0.0
+    if inputs[INPUT_AT.switched] > 0.0:
+        switched = int(inputs[INPUT_AT.switched])
+        memory[RIG_AT.outputs] = (int(memory[RIG_AT.outputs]) & ~switched) | (int(inputs[INPUT_AT.on]) & switched)
+    if inputs[INPUT_AT.answered] > 0.0:
+        memory[RIG_AT.lost], memory[RIG_AT.pressed] = 0.0, inputs[INPUT_AT.stopped]
+        if inputs[INPUT_AT.device] == DEVICE_DUMPED:
+            memory[RIG_AT.outputs] = 0.0  # as the device's are: none switches on by itself once it obeys again
+        if memory[RIG_AT.begun] == 0.0:
             begin_reading(rows, 0.0)
     else:
-        memory[RIG.lost] += 1.0
+        memory[RIG_AT.lost] += 1.0
 
 
 @composition
 def write_results(rows):
     """Write the results of a cycle."""
-    memory, results, mode = rows.memory, rows.results, rows.memory[RIG.mode]
+    memory, results, mode = rows.memory, rows.results, rows.memory[RIG_AT.mode]
     on = has_air(mode)
-    is_vented = not on and memory[RIG.in_mode] >= rows.rig[LIMIT.vent_time]
-    results[OUT.air] = 1.0 if on else 0.0
-    results[OUT.reset] = 1.0 if 0.0 < memory[RIG.reset_for] <= RESET_HIGH_CYCLES else 0.0
-    results[OUT.outputs], results[OUT.state], results[OUT.mode] = memory[RIG.outputs], memory[RIG.state], mode
-    results[OUT.vented] = 1.0 if is_vented or memory[RIG.state] == STATE.OFF else 0.0
-    results[OUT.fault] = max(memory[RIG.latched], memory[RIG.worst_now])
-    results[OUT.lost] = memory[RIG.lost]
+    is_vented = not on and memory[RIG_AT.in_mode] >= rows.rig[LIMIT_AT.vent_time]
+    results[RESULT_AT.air] = 1.0 if on else 0.0
+    results[RESULT_AT.reset] = 1.0 if 0.0 < memory[RIG_AT.reset_for] <= RESET_HIGH_CYCLES else 0.0
+    results[RESULT_AT.outputs], results[RESULT_AT.lost] = memory[RIG_AT.outputs], memory[RIG_AT.lost]
+    results[RESULT_AT.state], results[RESULT_AT.mode] = memory[RIG_AT.state], mode
+    results[RESULT_AT.vented] = 1.0 if is_vented or memory[RIG_AT.state] == STATE_NO.OFF else 0.0
+    results[RESULT_AT.fault] = max(memory[RIG_AT.latched], memory[RIG_AT.worst_now])
     for j in range(len(rows.joints)):
         joint = rows.joints[j]
-        rows.commands[j, COMMAND.voltage] = joint[JOINT.voltage]
-        rows.commands[j, COMMAND.fault] = max(joint[JOINT.latched], joint[JOINT.worst_now])
+        rows.commands[j, COMMAND_AT.voltage] = joint[JOINT_AT.voltage]
+        rows.commands[j, COMMAND_AT.fault] = max(joint[JOINT_AT.latched], joint[JOINT_AT.worst_now])

@@ -12,15 +12,15 @@ from layflat.rig.driver import DeviceState, SensorReading
 from layflat.rig.law import ArmLaw
 from layflat.rig.safety.core import CycleCore
 from layflat.rig.safety.cycle_numbers import CycleInputs
-from layflat.rig.safety.faults import MODE, STATE, Fault, Reaction, RigState, ValveMode
+from layflat.rig.safety.faults import MODE_NO, STATE_NO, Fault, Reaction, RigState, ValveMode
 from layflat.rig.safety.ledger import RESET_REFUSED, START_BARRED, START_UNRECORDED, STATE_ENTERED
 from layflat.rig.safety.soft_start import begin_reading
 from layflat.rig.safety.state_machine import Decision, carry_out
 from layflat.rig.safety.supervision import write_results
 
 INPUTS_FORMAT = Struct(f"{len(CycleInputs._fields)}d")
-STATES, MODES, FAULTS = list(RigState), list(ValveMode), list(Fault)
-REFUSALS = {
+STATE_BY_NUMBER, MODE_BY_NUMBER, FAULT_BY_NUMBER = list(RigState), list(ValveMode), list(Fault)
+REFUSAL_TEXTS = {
     START_BARRED: "no start: a fault is latched; give a reset first",
     START_UNRECORDED: "no start: nothing is recorded",
     RESET_REFUSED: "no reset: the fault is still there",
@@ -55,12 +55,12 @@ class FaultLedger:
     @property
     def now(self) -> Fault:
         """Return the worst fault of this cycle."""
-        return FAULTS[int(self._now[0])]
+        return FAULT_BY_NUMBER[int(self._now[0])]
 
     @property
     def latched(self) -> Fault:
         """Return the worst latched fault."""
-        return FAULTS[int(self._latched[0])]
+        return FAULT_BY_NUMBER[int(self._latched[0])]
 
     @property
     def reaction(self) -> Reaction:
@@ -75,11 +75,11 @@ class FaultLedger:
     @property
     def joints(self) -> list[Fault]:
         """Return the worst latched fault of each joint."""
-        return [FAULTS[int(fault)] for fault in self._joints]
+        return [FAULT_BY_NUMBER[int(fault)] for fault in self._joints]
 
     def worst_of(self, joint: int) -> Fault:
         """Return the worst fault of a joint that is latched or of this cycle."""
-        return FAULTS[int(max(self._joints[joint], self._joints_now[joint]))]
+        return FAULT_BY_NUMBER[int(max(self._joints[joint], self._joints_now[joint]))]
 
 
 class Supervisor:
@@ -108,7 +108,7 @@ class Supervisor:
         core.load_reading(reading)
         core.inputs["supply"][0] = reading.supply
         begin_reading(core.rows, 1.0)
-        carry_out(core.rows, Decision(STATE.READY, MODE.HOLD, 0.0, 0.0))
+        carry_out(core.rows, Decision(STATE_NO.READY, MODE_NO.HOLD, 0.0, 0.0))
         core.wake(reading)
         write_results(core.rows)
         self._read_results()
@@ -144,7 +144,7 @@ class Supervisor:
         self.outputs, self.fault, self.lost = int(outputs), fault, int(lost)
         if events:
             self.ledger.events += self._texts(int(events))
-        self.state, self.valve_mode = STATES[int(state)], MODES[int(mode)]
+        self.state, self.valve_mode = STATE_BY_NUMBER[int(state)], MODE_BY_NUMBER[int(mode)]
 
     def _texts(self, count: int) -> Iterator[str]:
         """Yield the texts of the first events of this cycle, which began in the state that it still has."""
@@ -152,9 +152,9 @@ class Supervisor:
         for number, joint in self._events[:count].tolist():
             if number < STATE_ENTERED:
                 where = "" if joint < 0.0 else f"joint {self._names[int(joint)]!r}: "
-                yield f"{where}{FAULTS[int(number)].title}"
-            elif number in REFUSALS:
-                yield REFUSALS[number]
+                yield f"{where}{FAULT_BY_NUMBER[int(number)].title}"
+            elif number in REFUSAL_TEXTS:
+                yield REFUSAL_TEXTS[number]
             else:
-                before, state = state, STATES[int(number - STATE_ENTERED)]
+                before, state = state, STATE_BY_NUMBER[int(number - STATE_ENTERED)]
                 yield f"{before.name.lower()} -> {state.name.lower()}"
