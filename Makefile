@@ -52,7 +52,7 @@ test: $(READY)  ## run the tests: side by side, those in real time alone, and so
 test-python:  ## run the tests on another Python, such as V=3.13, with the newest of all that is needed
 	python$(V) -m venv build/python-$(V)
 	build/python-$(V)/bin/python -m pip install --quiet --disable-pip-version-check -e '.[dev]'
-	LAYFLAT_CACHE_DIR=build/python-$(V)/machine-code build/python-$(V)/bin/python -m pytest $(SIDE_BY_SIDE) -m "not realtime"
+	LAYFLAT_CACHE_DIR=$(CURDIR)/build/python-$(V)/machine-code build/python-$(V)/bin/python -m pytest $(SIDE_BY_SIDE) -m "not realtime"
 
 lint: $(READY)  ## style, language, types, import contracts
 	$(BIN)/ruff check .
@@ -71,7 +71,7 @@ bench: $(READY)  ## measure speed: build/bench.json
 	$(BIN)/python -m benchmarks.run --out build/bench.json
 
 newest-numba: export LAYFLAT_ANY_COMPILER := 1
-newest-numba: export LAYFLAT_CACHE_DIR := build/newest-numba/machine-code
+newest-numba: export LAYFLAT_CACHE_DIR := $(CURDIR)/build/newest-numba/machine-code
 newest-numba: $(READY)  ## try the newest numba, candidates too: the compiler's tests, and the same bits (ten minutes)
 	$(BIN)/python -m benchmarks.digests $(BY_NEWEST) --out build/newest-numba/pinned.json
 	$(PYTHON) -m venv build/newest-numba/venv

@@ -21,6 +21,7 @@ for name in ("SIGHUP", "pthread_sigmask"):
     delattr(signal, name)
 for name in ("sched_getaffinity", "sched_setaffinity", "sched_setscheduler", "fdatasync"):
     delattr(os, name)
+os.process_cpu_count = os.cpu_count  # of Python 3.13, which uses one of these
 """
 
 

@@ -56,7 +56,7 @@ def walk(loss: Any, path: Floats, h: float = 1e-3, p_g: float = P_G) -> Floats:
     state, found = at_rest(loss), [0.0]
     for turn in np.diff(path):
         state = turned(loss, state, float(turn), p_g, h)
-        found.append(sum(torques(loss, state)))
+        found.append(float(np.sum(torques(loss, state))))  # `sum` adds other numbers than NumPy's less exactly
     return np.array(found)
 
 
