@@ -11,6 +11,7 @@ from layflat.lanes import leaves
 
 C_REALS = {"double": "double", "single": "float"}
 COMMENT_COLUMN = 56  # at which the comments of fields begin
+MAX_COLUMNS = 120  # of a line
 
 
 class Constant(NamedTuple):
@@ -114,7 +115,10 @@ class Api:
         for field in struct.fields:
             kind = self._field_type(struct, field) if field.struct is None else field.struct.name
             declared = f"    {kind} {field.name}{_items(field.count)};"
-            yield f"{declared:<{COMMENT_COLUMN}}/* {c_comment(field.comment)} */" if field.comment else declared
+            line = f"{declared:<{COMMENT_COLUMN}}/* {c_comment(field.comment)} */" if field.comment else declared
+            if len(line) > MAX_COLUMNS:
+                yield f"    /* {c_comment(field.comment)} */"
+            yield declared if len(line) > MAX_COLUMNS else line
         yield f"}} {struct.name};"
 
     def _field_type(self, struct: Struct, field: StructField) -> str:

@@ -60,7 +60,7 @@ def test_single_precision_is_that_of_the_host(tmp_path: Path) -> None:
 
 @WHOLE_CHECK
 @pytest.mark.parametrize("precision", ["double", "single"])
-@pytest.mark.parametrize("name", ["paper-arm-tracking", "picking-arm"])
+@pytest.mark.parametrize("name", ["paper-arm-tracking", "picking-arm", "single-joint-lift"])
 def test_all_numbers_of_laws_with_a_model_are_those_of_the_host(tmp_path: Path, name: str, precision: str) -> None:
     export(name, "c-source", tmp_path / "out", precision=precision)
     for compiler in COMPILERS:

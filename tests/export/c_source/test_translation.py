@@ -125,7 +125,23 @@ def branches(a, b, c):
     return found * 2.0
 
 
-LAWS = [associations, extremes, zeros, conditions, powers, results, loops, tuples, side_by_side, branches]
+@composition
+def _double_first(items, changed):
+    for i in range(len(items)):
+        changed[i] = 2.0 * items[i]
+
+
+@composition
+def changes(a, b, c):
+    kept, copied, alone = slots((a, b, c)), slots((a, b, c)), slots((c,))
+    _double_first(kept, copied)
+    _double_first(copied, slots(kept))
+    _double_first(slots(kept), kept)
+    _double_first(alone, alone)
+    return kept[0] - copied[1] * copied[2] + alone[0]
+
+
+LAWS = [changes, associations, extremes, zeros, conditions, powers, results, loops, tuples, side_by_side, branches]
 numbers = st.floats(allow_nan=False, allow_infinity=False, min_value=-1e3, max_value=1e3) | st.sampled_from(
     [0.0, -0.0, 1.0, -1.0, 0.5]
 )

@@ -3,6 +3,7 @@
 import ast
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 from layflat import lanes
@@ -63,7 +64,10 @@ class Calls(SideBySide):
         if any(keyword.arg is None for keyword in node.keywords):
             self.fail("** in a call has no counterpart in C", "name each argument")
         if function is lanes.slots and len(node.args) == 1:
-            return self.value(node.args[0])
+            items = self.value(node.args[0], into)
+            return (
+                replace(items, borrowed=True) if isinstance(items, Stored) and items.text not in self.unbound else items
+            )
         args = list(self.all_values(node.args, argument_names(function)))
         named = {str(keyword.arg): self.value(keyword.value) for keyword in node.keywords}
         return self.call(function, args, named, into)

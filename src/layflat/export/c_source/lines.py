@@ -54,16 +54,22 @@ def broken(text: str, indent: str) -> Iterator[str]:
     """
     while len(text) > MAX_COLUMNS:
         places = [
-            (_depth(text[: match.start()]), -match.end(), match)
+            (*_rank(text, match), match)
             for match in BREAK_PATTERN.finditer(text)
             if len(indent) < match.start() + 1 <= MAX_COLUMNS
         ]
         if not places:
             break
-        match = min(places, key=lambda place: place[:2])[2]
+        match = min(places, key=lambda place: place[:3])[3]
         yield text[: match.end()].rstrip()
         text = indent + text[match.end() :]
     yield text
+
+
+def _rank(text: str, match: re.Match[str]) -> tuple[int, bool, int]:
+    """Return the rank of a place to break a line: outer ones first, commas before operators, then the last."""
+    depth = _depth(text[: match.start()])
+    return depth, depth > 0 and not match[0].startswith(","), -match.end()
 
 
 def _depth(text: str) -> int:

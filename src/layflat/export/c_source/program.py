@@ -131,19 +131,23 @@ class Program(Definitions):
             if isinstance(parameter.kind, Number):
                 texts.append(body.number(part, parameter.kind).text)
                 continue
-            if parameter.changed:
-                self._note_changed(body, part)
-            held: Stored = body.hold(part, parameter.name, parameter.kind)
+            held: Stored = (
+                self._changed(body, part, parameter)
+                if parameter.changed
+                else body.hold(part, parameter.name, parameter.kind)
+            )
             texts.append(held.address)
         return texts
 
-    def _note_changed(self, body: Any, value: Value) -> None:
-        """Note that a function changes slots of the function that calls it."""
-        text = value.text if isinstance(value, Stored) else ""
-        if text in body.python_names:
-            body.note_slots(body.python_names[text])
-        elif text in body.parameters:
-            body.changed.add(text)
+    def _changed(self, body: Any, value: Value, parameter: Parameter) -> Stored:
+        """Return slots that a function changes; note that those of the function that calls it change, too."""
+        name = body.name_by_value.get(id(value), "")
+        if name:
+            body.note_slots(name)
+        if isinstance(value, Stored) and not value.borrowed and (not value.constant or name in body.parameters):
+            return value
+        copy: Stored = body.copy_of(parameter.name, value, parameter.kind)
+        return copy
 
     def _inlined(
         self, body: Any, law: Callable[..., Any], names: list[str], values: list[Value], into: tuple[Into, ...]
@@ -185,7 +189,7 @@ class Program(Definitions):
         """Return the result of statements inside another function."""
         inner = Body(self, law, Facts())
         inner.lines, inner.names, inner.unbound, inner.depth = body.lines, body.names, body.unbound, body.depth
-        inner.found, inner.python_names = body.found, {}
+        inner.found = body.found
         inner.parameters = {}
         inner.scopes[0].update(zip(names, values, strict=True))
         for one in nodes[:-1]:

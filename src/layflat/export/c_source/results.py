@@ -26,9 +26,9 @@ class ResultStatements(Statements):
         if node.value is None:
             self.fail("a law returns nothing", "return numbers or named tuples")
         mode = self.facts.mode
-        if mode == "several" and isinstance(node.value, ast.Tuple) and len(node.value.elts) == len(self.outputs):
+        if mode == "several" and len(displayed(node.value)) == len(self.outputs):
             values = []
-            for one, place in zip(node.value.elts, self.outputs, strict=True):
+            for one, place in zip(displayed(node.value), self.outputs, strict=True):
                 values.append(self.value(one, (Into("", place),)))
             value: Value = Parts(tuple(values))
         else:
@@ -109,11 +109,11 @@ class ResultStatements(Statements):
     def labels(self, kinds: tuple[Type, ...]) -> tuple[tuple[str, ...], tuple[str, ...]]:
         """Return names for several results, and those of them that stand for nothing else in the function."""
         count = len(kinds)
-        displays = [node for _, node in self.returned if isinstance(node, ast.Tuple) and len(node.elts) == count]
+        displays = [displayed(node) for _, node in self.returned if len(displayed(node)) == count]
         hints = self.hints if len(self.hints) == count else ("",) * count
         own, names, direct = set(self.kinds) | set(self.parameters), [], []
         for i, kind in enumerate(kinds):
-            node = displays[-1].elts[i] if displays else None
+            node = displays[-1][i] if displays else None
             label = node.id if isinstance(node, ast.Name) else "" if hints[i] == "unused" else hints[i].strip("_")
             label = label or label_of(node) or f"result_{i + 1}"
             if isinstance(node, ast.Name) and len(self.returned) == 1 and self.is_result_alone(node.id, kind):
@@ -138,3 +138,9 @@ class ResultStatements(Statements):
         if isinstance(place.kind, Number):
             return Computed(f"*{place.text}", place.kind, Level.UNARY)
         return Stored(place.text, place.kind, pointer=place.pointer, grouped=place.grouped)
+
+
+def displayed(node: ast.expr) -> list[ast.expr]:
+    """Return the expressions of the items of a tuple; none of any other expression, and of items with a star."""
+    items = node.elts if isinstance(node, ast.Tuple) else []
+    return [] if any(isinstance(one, ast.Starred) for one in items) else items

@@ -59,6 +59,7 @@ class Stored:
     constant: bool = True  # whether nothing changes it any more
     in_struct: bool = False  # whether it is a field of a struct, where a tuple of tuples is an array of structs
     grouped: bool = False  # whether the tuple is a struct of its items
+    borrowed: bool = False  # whether slots copy it, and may be read where it is but not written
 
     @property
     def address(self) -> str:

@@ -63,7 +63,7 @@ class Variables(Calls):
         self.scopes: list[dict[str, Value]] = [{}]
         self.kinds = dict[str, Type]()  # of the names so far
         self.names.taken |= facts.called
-        self.python_names = dict[str, str]()  # by their names in C
+        self.name_by_value = dict[int, str]()  # names that stand for values, by the values' identities
         self.direct: dict[str, Stored] = {}  # places of results by the names that stand for them
         self.reads, self.binds = Counter[str](), Counter[str]()
 
@@ -76,6 +76,7 @@ class Variables(Calls):
         scope = self.scope_of(name)
         self.reads[name] += 1
         if scope is not None:
+            self.name_by_value[id(scope[name])] = name
             return scope[name]
         if name in self.kinds:
             self.found.outliving.add(name)
@@ -108,8 +109,6 @@ class Variables(Calls):
                 self.note_change(name, before)
                 self.note_change(name, value)
         self.scopes[-1][name] = self.constant(name, value)
-        if isinstance(bound := self.scopes[-1][name], Stored | Computed):
-            self.python_names[bound.text] = name
 
     def note_change(self, name: str, value: Value) -> None:
         """Note that a name is assigned again, for the next pass."""
@@ -125,7 +124,6 @@ class Variables(Calls):
         kind, scope = self.facts.changing[name], self.scope_of(name)
         if scope is None:
             self.scopes[-1][name] = self._changing(name, value, kind)
-            self.python_names[getattr(self.scopes[-1][name], "text", "")] = name
             return
         place = scope[name]
         if isinstance(value, Parts) and isinstance(place, Stored) and place.text in self.texts(value):
@@ -154,7 +152,7 @@ class Variables(Calls):
         ):
             self.unbound.discard(value.text)
             return Stored(value.text, kind, constant=False, grouped=value.grouped)
-        return self._copied(name, value, kind)
+        return self.copy_of(name, value, kind)
 
     def is_constant(self, text: str) -> bool:
         """Return whether a variable was declared as a constant."""
@@ -168,8 +166,14 @@ class Variables(Calls):
             return Computed(text, kind)
         return Stored(text, kind, constant=False, grouped=not isinstance(kind, Record) and not is_array(kind))
 
-    def _copied(self, name: str, value: Value, kind: Type) -> Stored:
-        """Declare a variable that holds a copy of a struct or array."""
+    def copy_of(self, name: str, value: Value, kind: Type) -> Stored:
+        """Declare a variable that holds a copy of a struct or array.
+
+        Args:
+            name: its name.
+            value: the struct or array.
+            kind: its type.
+        """
         text = self.names.fresh(name)
         grouped = not isinstance(kind, Record) and not is_array(kind)
         start = self.initializer(value, kind)
@@ -205,7 +209,7 @@ class Variables(Calls):
         kind = self.kind_of(value)
         if not is_array(kind):
             self.fail(f"items of {name!r} are of several types", "use slots of items of one type")
-        return self._copied(name, value, kind)
+        return self.copy_of(name, value, kind)
 
     def alias(self, name: str, value: Stored) -> Value:
         """Return a struct or array under another name: a pointer to it, or a copy if it may change."""
@@ -216,7 +220,7 @@ class Variables(Calls):
         if leaf_count(kind) == 0 or (value.constant and value.text.isidentifier()):
             return value
         if not value.constant:
-            copy = self._copied(name, value, kind)
+            copy = self.copy_of(name, value, kind)
             return Stored(copy.text, kind, grouped=copy.grouped)
         if is_array(kind) and not value.grouped and isinstance(item_type(kind), Number | Record):
             text = self.names.fresh(name)
