@@ -22,13 +22,14 @@ class CompiledEntry(NamedTuple):
     stack: int  # upper bound, without functions of the compiler's library, bytes
 
 
-def portable_entry(entry: Entry, prefix: str, precision: str) -> str:
+def portable_entry(entry: Entry, prefix: str, precision: str, *, small: bool = False) -> str:
     """Return LLVM's portable text of an entry as the C function `prefix_name`.
 
     Args:
         entry: the entry.
         prefix: prefix of all names in C.
         precision: "double" or "single".
+        small: whether long laws that are called in several places stay functions; not for targets of 32 bits.
     """
     from numba import types  # noqa: PLC0415  # only where something is exported
 
@@ -57,7 +58,7 @@ def portable_entry(entry: Entry, prefix: str, precision: str) -> str:
                     passed.append(f"ptr {part}")
     name, integer = f"{prefix}_{entry.name}", bool(entry.result)
     words = ", ".join(taken), ", ".join(passed)
-    text = c_function(name, entry.function, tuple(kinds), *words, addresses=addresses, integer=integer)
+    text = c_function(name, entry.function, tuple(kinds), *words, addresses=addresses, integer=integer, small=small)
     if precision == "single" and not entry.lanes:
         return in_single_precision(in_registers(text, (name,)))
     return text

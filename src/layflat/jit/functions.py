@@ -1,7 +1,9 @@
 """Laws, kernels and choices between laws as Python objects; the compiler is loaded when a kernel first runs."""
 
 import logging
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from contextvars import ContextVar
 from functools import cached_property, partial, update_wrapper
 from pathlib import Path
 from threading import Lock
@@ -26,19 +28,36 @@ def _compiler() -> ModuleType:
     return compiler
 
 
+_laws_inlined = ContextVar("laws_inlined", default=True)
+
+
+@contextmanager
+def laws_as_functions() -> Iterator[None]:
+    """Let what is compiled within call laws rather than inline them, for code that is to be small (see `portable`)."""
+    token = _laws_inlined.set(False)
+    try:
+        yield
+    finally:
+        _laws_inlined.reset(token)
+
+
 class Law:
     """Law: kernels inline `function`; a call from Python runs `called`, its interpreted form."""
 
     def __init__(self, function: Callable[..., Any], called: Callable[..., Any]) -> None:
         update_wrapper(self, function)
         self.py_func, self._called = function, called
+        self._dispatchers: dict[bool, Any] = {}
 
-    @cached_property
+    @property
     def dispatcher(self) -> Any:
-        """Numba's dispatcher of the law; the first access loads the compiler."""
-        return _compiler().compile_inlined(self.py_func)
+        """Numba's dispatcher of the law, another within `laws_as_functions`; the first access loads the compiler."""
+        inlined = _laws_inlined.get()
+        if inlined not in self._dispatchers:
+            self._dispatchers[inlined] = _compiler().compile_law(self.py_func, inlined=inlined)
+        return self._dispatchers[inlined]
 
-    @cached_property
+    @property
     def _numba_type_(self) -> Any:
         return _compiler().dispatcher_type(self.dispatcher)
 
@@ -113,7 +132,7 @@ class PortableKernel:
     @cached_property
     def dispatcher(self) -> Any:
         """Numba's dispatcher of it as a law, which other kernels inline."""
-        return _compiler().compile_inlined(self.py_func)
+        return _compiler().compile_law(self.py_func)
 
     @property
     def _numba_type_(self) -> Any:

@@ -76,7 +76,7 @@ class LawCode:
         if key not in self._objects:
             if entry.name not in self._texts:
                 self._texts[entry.name] = _hidden(
-                    portable_entry(entry, LAW_PREFIX, "double"), f"{LAW_PREFIX}_{entry.name}"
+                    portable_entry(entry, LAW_PREFIX, "double", small=True), f"{LAW_PREFIX}_{entry.name}"
                 )
             self._objects[key] = object_file(entry, self._texts[entry.name], LAW_PREFIX, EXPORT_TARGETS[system.target])
         return self._objects[key]
