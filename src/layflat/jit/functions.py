@@ -33,7 +33,7 @@ _laws_inlined = ContextVar("laws_inlined", default=True)
 
 @contextmanager
 def laws_as_functions() -> Iterator[None]:
-    """Let what is compiled within call laws rather than inline them, for code that is to be small (see `portable`)."""
+    """Compile laws within as functions that are called, not inlined, for code that is to be small (see `portable`)."""
     token = _laws_inlined.set(False)
     try:
         yield
