@@ -1,9 +1,7 @@
 """Laws, kernels and choices between laws as Python objects; the compiler is loaded when a kernel first runs."""
 
 import logging
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
-from contextvars import ContextVar
+from collections.abc import Callable, Mapping
 from functools import cached_property, partial, update_wrapper
 from pathlib import Path
 from threading import Lock
@@ -15,6 +13,7 @@ import numpy as np
 from layflat.errors import CompilerError
 from layflat.jit import stored
 from layflat.jit.cache import cache_folder, included_sources
+from layflat.jit.inlining import LAWS_INLINED
 from layflat.jit.outside import blame_outside
 from layflat.jit.signatures import signature_text, words
 from layflat.lanes import interpreted, lane_by_lane, register_bytes
@@ -28,19 +27,6 @@ def _compiler() -> ModuleType:
     return compiler
 
 
-_laws_inlined = ContextVar("laws_inlined", default=True)
-
-
-@contextmanager
-def laws_as_functions() -> Iterator[None]:
-    """Compile laws within as functions that are called, not inlined, for code that is to be small (see `portable`)."""
-    token = _laws_inlined.set(False)
-    try:
-        yield
-    finally:
-        _laws_inlined.reset(token)
-
-
 class Law:
     """Law: kernels inline `function`; a call from Python runs `called`, its interpreted form."""
 
@@ -52,7 +38,7 @@ class Law:
     @property
     def dispatcher(self) -> Any:
         """Numba's dispatcher of the law, another within `laws_as_functions`; the first access loads the compiler."""
-        inlined = _laws_inlined.get()
+        inlined = LAWS_INLINED.get()
         if inlined not in self._dispatchers:
             self._dispatchers[inlined] = _compiler().compile_law(self.py_func, inlined=inlined)
         return self._dispatchers[inlined]

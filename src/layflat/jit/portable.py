@@ -19,7 +19,7 @@ from numba import carray, njit, types  # type: ignore[attr-defined]
 from numba.extending import intrinsic
 
 from layflat.jit.compiler import INLINE_OPTIONS
-from layflat.jit.functions import laws_as_functions
+from layflat.jit.inlining import laws_as_functions
 from layflat.jit.internals import Compiler, JITCodeLibrary
 from layflat.jit.libraries import NoEnvironments
 from layflat.jit.objects import without_target
