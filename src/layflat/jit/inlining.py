@@ -5,7 +5,7 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 
 LAWS_INLINED = ContextVar("laws_inlined", default=True)
-"""Whether what is compiled inlines laws."""
+"""Choice of the code that is being compiled: true where laws are inlined."""
 
 
 @contextmanager
