@@ -23,6 +23,7 @@ class ExampleBoard(NamedTuple):
     flash: Memory
     ram: Memory
     emulator: str  # command that runs the example
+    emulated: bool = False  # whether double precision is emulated, by libgcc
 
     @property
     def tools(self) -> tuple[str, str]:
@@ -35,10 +36,22 @@ class ExampleBoard(NamedTuple):
         Args:
             values: values of all templates.
         """
-        board = {**values, **self._asdict()}
+        board = {**values, **self._asdict(), "sums": self.has_sums(values["precision"])}
         yield "Makefile", fill_template("Makefile.board", **board)
         for name in ("startup.c", "board.ld") if self.template == "cortex" else ():
             yield name, fill_template(name, **board)
+        if board["sums"]:
+            yield "sums.c", fill_template("sums.c")
+
+    def has_sums(self, precision: str) -> bool:
+        """Return whether its code in a precision needs sums.c."""
+        return self.emulated and precision == "double"
+
+    def with_exact_sums(self, code: bytes) -> bytes:
+        """Return an object file that calls the sums of sums.c in place of libgcc's, where it calls any."""
+        for name in (b"dadd", b"dsub") if self.emulated else ():
+            code = code.replace(b"__aeabi_%b\0" % name, b"layflat_%b\0" % name)  # as long, so that all else stays
+        return code
 
 
 MEMORY_SIZE = 4 << 20  # of flash and of RAM of each board, bytes
@@ -49,7 +62,7 @@ ARM_COMPILER, ARM_QEMU = "arm-none-eabi-gcc", "qemu-system-arm -M {} -nographic 
 def _cortex(name: str, options: str, flash: int = 0, ram: int = 0x20000000) -> ExampleBoard:
     return ExampleBoard(
         name, "cortex", ARM_COMPILER, f"-mthumb {options}", Memory(flash, MEMORY_SIZE), Memory(ram, MEMORY_SIZE),
-        ARM_QEMU.format(name),
+        ARM_QEMU.format(name), emulated="fpv5-d16" not in options,
     )  # fmt: skip
 
 

@@ -52,11 +52,12 @@ def write_c_folder(machine: Machine, folder: Path, *, target: str, precision: st
     interface = CInterface(machine, precision, plant=target == "c")
     check_folder(folder, f"{interface.prefix}.h")
     built = _build(interface, names)
-    texts = list(_texts(built, EXAMPLE_BOARDS.get(target)))
+    board = EXAMPLE_BOARDS.get(target)
+    texts = list(_texts(built, board))
     for name, entries in built.code.items():
         for entry, compiled in entries.items():
             with whole_file(folder / "lib" / name / f"{entry}{EXPORT_TARGETS[name].object_suffix}") as temporary:
-                temporary.write_bytes(compiled.code)
+                temporary.write_bytes(board.with_exact_sums(compiled.code) if board else compiled.code)
             yield folder / "lib" / name / f"{entry}{EXPORT_TARGETS[name].object_suffix}"
     for name, text in texts:
         yield write_text(folder / name, text)
@@ -89,7 +90,8 @@ def _texts(built: _Built, board: Any) -> Iterator[tuple[str, str]]:
         yield "CMakeLists.txt", fill_template("CMakeLists.txt", **values)
     else:
         yield from board.texts(values)
-    yield "README.md", fill_template("README.md", **values, board=None if board is None else board.name)
+    yield "README.md", fill_template("README.md", **values, board=None if board is None else board.name,
+                                     sums=board is not None and board.has_sums(interface.precision))  # fmt: skip
 
 
 def _values(built: _Built) -> dict[str, Any]:
