@@ -17,8 +17,8 @@ trap 'rm -rf "$folder"' EXIT
 cat > "$folder/sum.c" <<'C'
 #include <stdio.h>
 int main(void) {
-    volatile double small = -0x1.0c81566517ef3p-36, large = 0.125;
-    printf("%a\n", small + large);
+    volatile double small = -0x1.0c81566517ef3p-36, large = 0.125, sum = small + large;
+    printf("%08x\n", *(volatile unsigned *)&sum); /* the lower word */
     return 0;
 }
 C
@@ -27,4 +27,4 @@ arm-none-eabi-gcc -O2 --specs=rdimon.specs "$folder/sum.c" -o "$folder/arm"
 here=$("$folder/here")
 arm=$(qemu-arm "$folder/arm")
 echo "here $here, ARM $arm"
-[ "$here" = 0x1.fffffffef37ebp-4 ] && [ "$arm" != "$here" ]
+[ "$here" = ffef37eb ] && [ "$arm" = ffef37ea ]
