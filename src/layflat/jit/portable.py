@@ -38,6 +38,12 @@ COUNTS_OF_REFERENCES = (
     "NRT_MemInfo_call_dtor",
 )  # of views of the caller's arrays, which nobody frees
 
+FROZEN_ARRAYS = re.compile(r"= freeze (\{.*\}) (%[\w.$\"-]+)$", re.MULTILINE)
+"""Arrays frozen as a whole where a loop depends on one: sizes and strides would no longer be known as constants.
+
+Only the fields of their owners are undefined, which nobody reads.
+"""
+
 
 class _PortableLibrary(JITCodeLibrary):
     """Library whose code is neither optimised for this processor nor ever runs here."""
@@ -167,6 +173,7 @@ def _self_contained(text: str) -> str:
 
     Other functions from outside stay declared: `objects.machine_code` refuses those that it does not know.
     """
+    text = FROZEN_ARRAYS.sub(r"= select i1 true, \1 \2, \1 \2", text)
     for name in COUNTS_OF_REFERENCES:
         text = re.sub(
             rf"^declare void @{name}\(.*$|^define .*void @{name}\(.*\{{\n[\s\S]*?^\}}$",

@@ -18,8 +18,8 @@ from tests.export.firmware.boards import BOARDS, WHOLE_CHECK, require_tools
 from tests.export.firmware.supervisors import HostSupervisor, Trace, record_supervisor, replay_inputs
 
 MAX_INSTRUCTIONS = {  # of a cycle
-    ("paper-arm", "cortex-m7", "double"): 10_000,
-    ("paper-arm", "cortex-m4f", "single"): 12_000,
+    ("paper-arm", "cortex-m7", "double"): 9_000,
+    ("paper-arm", "cortex-m4f", "single"): 10_000,
     ("paper-arm", "cortex-m4f", "double"): 200_000,  # emulated
     ("paper-arm-tracking", "cortex-m7", "double"): 40_000,
     ("paper-arm-tracking", "cortex-m4f", "single"): 40_000,

@@ -21,7 +21,7 @@ from layflat.rig.safety.detectors.sample import AIR_LEVEL, MOTION_LEVEL, SENSORS
 from layflat.rig.safety.faults import FAULT_NO, MODE_NO, STATE_NO
 from layflat.rig.safety.ledger import VENT_FROM, VENT_JOINT_FROM
 
-FIRST_LINES, ONE_NUMBER = bounds.SupplyMemory(), (0.0,)
+FIRST_LINES = bounds.SupplyMemory()
 LAST_PRESSURE_AT = offset_of(FIRST_JOINT_MEMORY, "estimator.pressure_0")
 
 
@@ -46,23 +46,28 @@ def reset_detectors(rows):
     rows.memory[RIG_AT.even] = MIN_EVEN_TIME
 
 
+@law
+def stopping_angle(limits, estimate, plans):
+    """Return the angle, rad, at which a joint that stops now is held; NaN where it is unknown.
+
+    With a law that plans its motion it is the angle that braking leads to: a joint that stops at once accelerates the
+    others. It is clipped to the working stroke.
+    """
+    angle, velocity = estimate.averaged_angle, estimate.averaged_velocity
+    if plans > 0.0:
+        angle = angle + 0.5 * velocity * abs(velocity) / limits.braking
+    return min(max(angle, -limits.working), limits.working)
+
+
 @composition
 def hold_joints(rows, at_demands):
-    """Set the demands to constant angles: those at which joints are or can stop, or the present ones.
-
-    With a law that plans its motion a joint is held at the angle that braking leads to: one that stops at once
-    accelerates the others. The angle is clipped to the working stroke.
-    """
+    """Set the demands to constant angles: those at which joints are or can stop, or the present ones."""
     for j in range(len(rows.joints)):
-        angle, velocity, _, _ = read_numbers(FIRST_JOINT_MEMORY.estimate, rows.joints[j, JOINT_AT.estimate :])
+        estimate = read_numbers(FIRST_JOINT_MEMORY.estimate, rows.joints[j, JOINT_AT.estimate :])
+        demand = read_numbers(FIRST_JOINT_MEMORY.demand, rows.joints[j, JOINT_AT.demand :])
         limits = read_numbers(SETTINGS_TEMPLATE.moving, rows.settings[j, SETTING_AT.moving :])
-        if rows.rig[LIMIT_AT.plans] > 0.0:
-            angle = angle + 0.5 * velocity * abs(velocity) / limits.braking
-        if at_demands:
-            (angle,) = read_numbers(ONE_NUMBER, rows.joints[j, JOINT_AT.demand :])
-        else:
-            angle = min(max(angle, -limits.working), limits.working)
-        hold_joint(rows, j, angle)
+        held = stopping_angle(limits, estimate, rows.rig[LIMIT_AT.plans])
+        hold_joint(rows, j, demand.demand if at_demands else held)
 
 
 @composition
