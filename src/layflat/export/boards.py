@@ -36,7 +36,12 @@ class ExampleBoard(NamedTuple):
         Args:
             values: values of all templates.
         """
-        board = {**values, **self._asdict(), "sums": self.has_sums(values["precision"])}
+        board = {
+            **values,
+            **self._asdict(),
+            "sums": self.has_sums(values["precision"]),
+            "packages": COMPILER_PACKAGES[self.compiler],
+        }
         yield "Makefile", fill_template("Makefile.board", **board)
         for name in ("startup.c", "board.ld") if self.template == "cortex" else ():
             yield name, fill_template(name, **board)
@@ -57,6 +62,12 @@ class ExampleBoard(NamedTuple):
 MEMORY_SIZE = 4 << 20  # of flash and of RAM of each board, bytes
 
 ARM_COMPILER, ARM_QEMU = "arm-none-eabi-gcc", "qemu-system-arm -M {} -nographic -semihosting -kernel"
+RISCV_COMPILER = "riscv64-unknown-elf-gcc"
+COMPILER_PACKAGES = {
+    ARM_COMPILER: "gcc-arm-none-eabi and libnewlib-arm-none-eabi",
+    RISCV_COMPILER: "gcc-riscv64-unknown-elf and picolibc-riscv64-unknown-elf",
+}
+"""Debian's packages with the compilers of boards, and their libraries."""
 
 
 def _cortex(name: str, options: str, flash: int = 0, ram: int = 0x20000000) -> ExampleBoard:
@@ -74,7 +85,7 @@ EXAMPLE_BOARDS: dict[str, ExampleBoard] = {
     "riscv32": ExampleBoard(
         "virt",
         "riscv",
-        "riscv64-unknown-elf-gcc",
+        RISCV_COMPILER,
         "-march=rv32imafdc -mabi=ilp32d --specs=picolibc.specs",
         Memory(0x80000000, MEMORY_SIZE),
         Memory(0x80400000, MEMORY_SIZE),
