@@ -25,6 +25,7 @@ from layflat.export import c_folder, export
 from layflat.export.boards import EXAMPLE_BOARDS
 from layflat.export.compiled import portable_entry
 from layflat.export.entries import Entry
+from layflat.export.firmware import folder as firmware
 from layflat.export.host import HostControl
 from layflat.export.recording import RecordedCycles, record
 from layflat.export.targets import EXPORT_TARGETS
@@ -179,6 +180,7 @@ def compiled_once() -> Iterator[None]:
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(c_folder, "portable_entry", text_of)
+        patch.setattr(firmware, "portable_entry", text_of)
         patch.setattr(c_folder, "record", recording_of)
         yield
 

@@ -23,7 +23,9 @@ from tests.export.builds import (
     run_board,
     target_runs_here,
 )
+from tests.export.firmware.folders import check_firmware
 from tests.export.loops import jit_voltages, python_trace
+from tests.rig.devices import patient
 
 TABLES = ("parameters", "settings")
 
@@ -123,3 +125,4 @@ def test_a_microcontroller_computes_the_same(target: str, precision: str, tmp_pa
     export("paper-arm", target, tmp_path / target, precision=precision)
     last = run_board(tmp_path / target, "arm-none-eabi-gcc", "qemu-system-arm")
     assert last == "0 of 400 cycles differ from the recording"
+    check_firmware(tmp_path / target / "firmware", patient(load("paper-arm")))

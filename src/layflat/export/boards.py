@@ -36,17 +36,17 @@ class ExampleBoard(NamedTuple):
         Args:
             values: values of all templates.
         """
-        board = {
-            **values,
-            **self._asdict(),
-            "sums": self.has_sums(values["precision"]),
-            "packages": COMPILER_PACKAGES[self.compiler],
-        }
+        board = {**values, **self.values(values["precision"]), "firmware": False}
         yield "Makefile", fill_template("Makefile.board", **board)
         for name in ("startup.c", "board.ld") if self.template == "cortex" else ():
             yield name, fill_template(name, **board)
         if board["sums"]:
             yield "sums.c", fill_template("sums.c")
+
+    def values(self, precision: str) -> dict[str, Any]:
+        """Return the values of the templates that are the board's, with code in a precision."""
+        packages = COMPILER_PACKAGES[self.compiler]
+        return {**self._asdict(), "sums": self.has_sums(precision), "packages": packages}
 
     def has_sums(self, precision: str) -> bool:
         """Return whether its code in a precision needs sums.c."""

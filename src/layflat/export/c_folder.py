@@ -5,9 +5,11 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from layflat._version import __version__
+from layflat.errors import InputError
 from layflat.export.boards import EXAMPLE_BOARDS
 from layflat.export.c_interface import CInterface
 from layflat.export.compiled import CompiledEntry, compiled_entry, portable_entry
+from layflat.export.firmware.folder import FIRMWARE_TARGETS, firmware_files
 from layflat.export.host import HostControl
 from layflat.export.numbers import c_number
 from layflat.export.recording import DURATION, MOVE_TIME, cycles_of, move_target, record
@@ -53,14 +55,16 @@ def write_c_folder(machine: Machine, folder: Path, *, target: str, precision: st
     check_folder(folder, f"{interface.prefix}.h")
     built = _build(interface, names)
     board = EXAMPLE_BOARDS.get(target)
-    texts = list(_texts(built, board))
+    firmware, no_rig = _firmware(machine, target, precision)
+    texts = list(_texts(built, board, firmware=bool(firmware), no_rig=no_rig))
     for name, entries in built.code.items():
         for entry, compiled in entries.items():
-            with whole_file(folder / "lib" / name / f"{entry}{EXPORT_TARGETS[name].object_suffix}") as temporary:
-                temporary.write_bytes(board.with_exact_sums(compiled.code) if board else compiled.code)
-            yield folder / "lib" / name / f"{entry}{EXPORT_TARGETS[name].object_suffix}"
+            path = folder / "lib" / name / f"{entry}{EXPORT_TARGETS[name].object_suffix}"
+            yield _write(path, board.with_exact_sums(compiled.code) if board else compiled.code)
     for name, text in texts:
         yield write_text(folder / name, text)
+    for name, content in firmware:
+        yield _write(folder / "firmware" / name, content)
 
 
 def _build(interface: CInterface, targets: tuple[str, ...]) -> _Built:
@@ -76,8 +80,27 @@ def _build(interface: CInterface, targets: tuple[str, ...]) -> _Built:
     return _Built(interface, texts, code)
 
 
-def _texts(built: _Built, board: Any) -> Iterator[tuple[str, str]]:
-    """Yield name and content of each text file of a folder."""
+def _write(path: Path, content: str | bytes) -> Path:
+    """Write a text file or an object file, and return its path."""
+    if isinstance(content, str):
+        return write_text(path, content)
+    with whole_file(path) as temporary:
+        temporary.write_bytes(content)
+    return path
+
+
+def _firmware(machine: Machine, target: str, precision: str) -> tuple[list[tuple[str, str | bytes]], str]:
+    """Return name and content of each file of the firmware, and why there are none where the machine can't be a rig."""
+    if target not in FIRMWARE_TARGETS:
+        return [], ""
+    try:
+        return list(firmware_files(machine, target, precision, EXAMPLE_BOARDS[target])), ""
+    except InputError as error:
+        return [], str(error)
+
+
+def _texts(built: _Built, board: Any, *, firmware: bool, no_rig: str) -> Iterator[tuple[str, str]]:
+    """Yield name and content of each text file of a folder, of which the page tells whether there is firmware."""
     interface, prefix = built.interface, built.interface.prefix
     values = _values(built)
     yield f"{prefix}.h", interface.api.header(values["title"], interface.constants(built.stack()), interface.tables)
@@ -90,8 +113,9 @@ def _texts(built: _Built, board: Any) -> Iterator[tuple[str, str]]:
         yield "CMakeLists.txt", fill_template("CMakeLists.txt", **values)
     else:
         yield from board.texts(values)
-    yield "README.md", fill_template("README.md", **values, board=None if board is None else board.name,
-                                     sums=board is not None and board.has_sums(interface.precision))  # fmt: skip
+    sums = board is not None and board.has_sums(interface.precision)
+    about = {"board": None if board is None else board.name, "firmware": firmware, "no_rig": no_rig, "sums": sums}
+    yield "README.md", fill_template("README.md", **values, **about)
 
 
 def _values(built: _Built) -> dict[str, Any]:

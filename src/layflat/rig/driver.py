@@ -121,6 +121,7 @@ class Driver(ABC):
     """Base class of all drivers: it enforces the lifecycle; `_configure` and `_deactivate` do the work."""
 
     late = 0  # delay from `write` until the command reaches the device, control cycles
+    runs_law = False  # whether the device runs the control law itself, and gets requests; known once configured
 
     def __init__(self) -> None:
         self.state = Lifecycle.UNCONFIGURED

@@ -18,11 +18,9 @@ FRAME_HEADER = struct.Struct(">BBH")
 FRAME_CHECKSUM = struct.Struct(">I")
 MAX_FRAME_BYTES = 254  # bytes of a frame between its zeros; what grows longer is none
 
-IDENTIFY_FRAME, COMMAND_FRAME = 0x01, 0x02
-IDENTITY_FRAME, READING_FRAME = (
-    0x81,
-    0x82,
-)  # kinds; the device's have the high bit, so that nobody takes an echo for an answer
+# Kinds; the device's have the high bit, so that nobody takes an echo for an answer.
+IDENTIFY_FRAME, COMMAND_FRAME, REQUEST_FRAME = 0x01, 0x02, 0x03
+IDENTITY_FRAME, READING_FRAME, STATUS_FRAME, SIGNALS_FRAME = 0x81, 0x82, 0x83, 0x84
 
 
 class SerialFrame(NamedTuple):

@@ -12,14 +12,22 @@ import numpy as np
 from layflat.arrays import Array
 from layflat.machine import Machine
 from layflat.rig.clock import NS_PER_SECOND, Deadlines, LoopClock
-from layflat.rig.driver import DeviceState, Driver, LinkError, RigCommand, SensorReading
+from layflat.rig.driver import DeviceState, Driver, LinkError, SensorReading
 from layflat.rig.law import ArmLaw
-from layflat.rig.record import SHARED_COLUMNS
+from layflat.rig.record import SHARED_COLUMNS, RowLayout
+from layflat.rig.safety.remote import LawDevice, RemoteSupervisor
 from layflat.rig.safety.supervisor import HostRequest, Supervisor
 
 ROW_HEADER = Struct(f"{len(SHARED_COLUMNS)}d")  # shared numbers at the start of a row
 MAX_REASONS = 10  # kinds of trouble with the link that become events
 ALIVE_EVERY = 20  # cycles between two checks that the recorder is alive
+
+
+def supervisor_of(machine: Machine, driver: Driver) -> Supervisor | RemoteSupervisor:
+    """Return the supervisor of a machine: one of the loop's own, or that of a device which runs the law itself."""
+    if driver.runs_law and isinstance(driver, LawDevice):
+        return RemoteSupervisor(machine, driver)
+    return Supervisor(machine, ArmLaw(machine, driver.late))
 
 
 class Host(Protocol):
@@ -71,12 +79,11 @@ class RigLoop:
     def __init__(
         self, machine: Machine, driver: Driver, clock: LoopClock, host: Host, recorder: LoopRecorder | None = None
     ) -> None:
-        law = ArmLaw(machine, driver.late)
         self.driver, self.clock, self.host = driver, clock, host
         self.recorder = recorder or LoopRecorder()
-        self.supervisor = Supervisor(machine, law)
+        self._supervisor = supervisor_of(machine, driver)
         self.deadlines = Deadlines(clock, machine.cycle)
-        self.layout = law.layout
+        self.layout = RowLayout.for_machine(machine)
         self.row = np.zeros(self.layout.width)
         self._joints = self.layout.joint_rows(self.row)
         n = len(machine.joints)
@@ -86,6 +93,12 @@ class RigLoop:
         self._recording = True
         self._reported: set[str] = set()  # kinds of trouble with the link that became events
 
+    @property
+    def supervisor(self) -> Supervisor:
+        """Return the supervisor that runs in this loop; where the device has its own, there is none."""
+        assert isinstance(self._supervisor, Supervisor)
+        return self._supervisor
+
     def start_filled(self, reading: SensorReading) -> None:
         """Start with filled hoses, as a simulated run does, and controllers initialized with this reading."""
         self.supervisor.start_filled(reading)
@@ -94,7 +107,7 @@ class RigLoop:
     def run(self) -> None:
         """Cycle until the host has ended and the air is out; finalize the driver at the end, whatever happens."""
         try:
-            while not (self.host.ended and self.supervisor.is_vented):
+            while not (self.host.ended and self._supervisor.is_vented):
                 self.cycle()
         finally:
             self.driver.finalize()
@@ -113,7 +126,7 @@ class RigLoop:
             reading = None
             self._report_once(error.reason)
         answered, seen = perf_counter_ns(), self.clock.now()
-        supervisor, deadlines = self.supervisor, self.deadlines
+        supervisor, deadlines = self._supervisor, self.deadlines
         elapsed = deadlines.cycle if self._seen_at is None else (seen - self._seen_at) / NS_PER_SECOND
         if reading is not None:
             self._reading, self._seen_at = reading, seen
@@ -122,10 +135,7 @@ class RigLoop:
             self._recording = self.recorder.is_alive()
         supervisor.missed, supervisor.recording = deadlines.missed_now > 0, self._recording
         supervisor.cycle(reading, self.host.request(now), elapsed, deadlines.elapsed)
-        voltages = supervisor.voltages.copy()
-        self.driver.write(
-            RigCommand(voltages, supervisor.is_pressurised, supervisor.is_reset_bit_set, supervisor.outputs)
-        )
+        supervisor.send(self.driver)
         self._record(now, (answered - begun) / NS_PER_SECOND)
         self._compute = (perf_counter_ns() - answered) / NS_PER_SECOND
         deadlines.record_compute_time(self._compute)
@@ -135,14 +145,14 @@ class RigLoop:
         kind = "".join(letter for letter in reason if not letter.isdigit())
         if reason and kind not in self._reported and len(self._reported) < MAX_REASONS:
             self._reported.add(kind)
-            self.supervisor.ledger.events.append(f"link: {reason}")
+            self._supervisor.ledger.events.append(f"link: {reason}")
 
     def _record(self, now: int, link: float) -> None:
         """Fill the row, pass it to recorder and host, and record the events of the cycle, which are cleared.
 
         `now` is the begin of the cycle, ns; `link` the duration of its transaction, s.
         """
-        row, reading, supervisor, deadlines = self.row, self._reading, self.supervisor, self.deadlines
+        row, reading, supervisor, deadlines = self.row, self._reading, self._supervisor, self.deadlines
         ledger, begun = supervisor.ledger, deadlines.begun
         since = now - begun if begun is not None else 0
         ROW_HEADER.pack_into(
@@ -150,7 +160,7 @@ class RigLoop:
             self._compute, link, reading.supply, supervisor.is_pressurised, reading.stopped, reading.device,
             supervisor.state, supervisor.fault, supervisor.lost, supervisor.outputs,
         )  # fmt: skip
-        supervisor.core.record(self._joints)
+        supervisor.record(self._joints)
         self.recorder.push(row)
         self.host.publish(row)
         if ledger.events:

@@ -137,6 +137,18 @@ class WarmupLoop:
         self.ring.drain()
 
 
+def _clock_of(machine: Machine, driver: Driver) -> MonotonicClock:
+    """Return the clock of a loop, after the code of its cycle was loaded; where a processor is free it warms that up.
+
+    A device that runs the control law itself leaves so little to the loop that none of it is needed.
+    """
+    if driver.runs_law:
+        return MonotonicClock()
+    warmup = WarmupLoop(machine, driver.late)
+    roomy = machine.cycle * NS_PER_SECOND >= MIN_CYCLE_LEADS * WAKE_LEAD and processors() > 1
+    return PunctualClock(warmup) if roomy else MonotonicClock()
+
+
 def run_loop(
     machine: Machine,
     driver: Callable[[], Driver],
@@ -158,19 +170,16 @@ def run_loop(
     # Ctrl-C goes to all processes of a terminal; the host turns it into a controlled stop.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     try:
-        # Code of the first cycle is loaded in any case, and warmed before every cycle if a processor is free for that.
         device_driver = driver()
-        warmup, roomy = (
-            WarmupLoop(machine, device_driver.late),
-            machine.cycle * NS_PER_SECOND >= MIN_CYCLE_LEADS * WAKE_LEAD and processors() > 1,
-        )
-        clock = PunctualClock(warmup) if roomy else MonotonicClock()
-        shared = Mailbox(mailbox, RowLayout.for_machine(machine))
-        keeper = recorder()
         with ExitStack() as ending:
-            for end in (shared.close, keeper.end, device_driver.finalize):  # the last one first
-                ending.callback(end)
+            ending.callback(device_driver.finalize)
             device_driver.configure().check(machine)
+            clock = _clock_of(machine, device_driver)
+            shared = Mailbox(mailbox, RowLayout.for_machine(machine))
+            ending.callback(shared.close)
+            keeper = recorder()
+            ending.callback(keeper.end)
+            ending.callback(device_driver.finalize)  # before all others; the first one then does nothing
             loop = RigLoop(machine, device_driver, clock, RemoteHost(shared, clock, len(machine.joints)), keeper)
             refused = go_realtime()
             for line in refused:

@@ -2,21 +2,27 @@
 
 import ctypes
 import random
-import shutil
-import subprocess
 from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
 from layflat.export.firmware.station import DEVICE_FOLDER
-from tests.rig.firmwares import firmware
-
-SOURCES = DEVICE_FOLDER
-WAVE, MAX_JOINTS = 32, 7
-uint8, uint16, uint32, int16, int32, c_int, size_t = (
-    ctypes.c_uint8, ctypes.c_uint16, ctypes.c_uint32, ctypes.c_int16, ctypes.c_int32, ctypes.c_int, ctypes.c_size_t,
+from tests.export.firmware.c_devices import (
+    MAX_JOINTS,
+    WAVE,
+    Bench,
+    CBoard,
+    build_library,
+    c_int,
+    int16,
+    int32,
+    size_t,
+    uint8,
+    uint16,
+    uint32,
 )  # fmt: skip
+from tests.rig.firmwares import firmware
 
 
 class Settings(ctypes.Structure):
@@ -29,104 +35,17 @@ class Settings(ctypes.Structure):
     )  # fmt: skip
 
 
-class Samples(ctypes.Structure):
-    _fields_ = (
-        ("time", uint32), ("stopped", c_int), ("supply", uint32), ("angle", uint32 * MAX_JOINTS),
-        ("pressure", uint32 * MAX_JOINTS),
-    )  # fmt: skip
-
-
-class Outputs(ctypes.Structure):
-    _fields_ = (("air", c_int), ("outputs", uint8), ("voltage", uint32 * MAX_JOINTS))
-
-
-class Bench:
-    """Inputs and outputs of a device: what it reads is set, what it does is kept; serves the device in Python, too."""
-
-    def __init__(self, joints: int) -> None:
-        self.time, self.open, self.counts = 0, False, [0] * (1 + 2 * joints)
-        self.joints, self.bytes = joints, b""
-        self.sent, self.driven, self.on, self.switched = b"", [0] * joints, False, 0
-
-    def ticks(self) -> int:
-        return self.time
-
-    def elapsed(self, then: int) -> int:
-        return (self.time - then) & 0xFFFFFFFF
-
-    def received(self) -> bytes:
-        data, self.bytes = self.bytes, b""
-        return data
-
-    def send(self, data: bytes) -> None:
-        self.sent += data
-
-    def stopped(self) -> bool:
-        return self.open
-
-    def supply(self) -> int:
-        return self.counts[0]
-
-    def angle(self, joint: int) -> int:
-        return self.counts[1 + 2 * joint]
-
-    def pressure(self, joint: int) -> int:
-        return self.counts[2 + 2 * joint]
-
-    def drive(self, counts: list[int]) -> None:
-        self.driven = list(counts)
-
-    def air(self, on: bool) -> None:
-        self.on = on
-
-    def switch(self, outputs: int) -> None:
-        self.switched = outputs
-
-    def alive(self) -> None: ...
-
-
 @pytest.fixture(scope="module")
 def library(tmp_path_factory: pytest.TempPathFactory) -> Any:
-    if shutil.which("cc") is None:
-        pytest.skip("needs a C compiler: cc")
-    folder = tmp_path_factory.mktemp("station")
-    (folder / "board.c").write_text(BOARD)
-    path = folder / "station.so"
-    sources = SOURCES / "station.c", SOURCES / "frames.c", folder / "board.c"
-    flags = "-shared -fPIC -O1 -Wall -Wextra -Wpedantic -Wconversion -Werror -fsanitize=undefined -fno-sanitize-recover"
-    subprocess.run(["cc", *flags.split(), f"-I{SOURCES}", *sources, "-o", path], check=True)
-    return ctypes.CDLL(str(path))
+    sources = DEVICE_FOLDER / "station.c", DEVICE_FOLDER / "frames.c"
+    return build_library(tmp_path_factory.mktemp("station"), sources)
 
 
-BOARD = """
-#include "station.h"
-void (*sample)(station_samples *);
-void (*driven)(const station_outputs *);
-size_t (*receive)(uint8_t *, size_t);
-void (*sent)(const uint8_t *, size_t);
-void board_sample(station_samples *samples) { sample(samples); }
-void board_drive(const station_outputs *outputs) { driven(outputs); }
-size_t board_receive(uint8_t *bytes, size_t size) { return receive(bytes, size); }
-void board_send(const uint8_t *bytes, size_t size) { sent(bytes, size); }
-const size_t station_bytes = sizeof(station);
-"""
-
-
-class CStation:
+class CStation(CBoard):
     """Device in C on a bench."""
 
     def __init__(self, library: Any, bench: Bench, settings: Any, wave: list[int]) -> None:
-        self.bench, self.library = bench, library
-        kinds: dict[str, tuple[Any, Any]] = {
-            "sample": (self.sample, ctypes.CFUNCTYPE(None, ctypes.POINTER(Samples))),
-            "driven": (self.driven, ctypes.CFUNCTYPE(None, ctypes.POINTER(Outputs))),
-            "receive": (self.receive, ctypes.CFUNCTYPE(size_t, ctypes.POINTER(uint8), size_t)),
-            "sent": (self.sent, ctypes.CFUNCTYPE(None, ctypes.POINTER(uint8), size_t)),
-        }
-        self.callbacks = []
-        for name, (function, kind) in kinds.items():
-            self.callbacks.append(kind(function))
-            ctypes.c_void_p.in_dll(library, name).value = ctypes.cast(self.callbacks[-1], ctypes.c_void_p).value
+        super().__init__(library, bench)
         s = settings
         self.settings = Settings(
             s.JOINTS, s.VOLTAGE_BITS, s.ANGLE_BITS, s.PRESSURE_BITS, s.SUPPLY_BITS, s.VOLTAGE_LOW, s.VOLTAGE_HIGH,
@@ -135,25 +54,6 @@ class CStation:
         )  # fmt: skip
         self.memory = ctypes.create_string_buffer(size_t.in_dll(library, "station_bytes").value)
         library.station_start(self.memory, ctypes.byref(self.settings))
-
-    def sample(self, samples: Any) -> None:
-        bench, out = self.bench, samples.contents
-        out.time, out.stopped, out.supply = bench.time, bench.open, bench.supply()
-        for j in range(bench.joints):
-            out.angle[j], out.pressure[j] = bench.angle(j), bench.pressure(j)
-
-    def driven(self, outputs: Any) -> None:
-        out = outputs.contents
-        self.bench.on, self.bench.switched = bool(out.air), out.outputs
-        self.bench.driven = list(out.voltage[: self.bench.joints])
-
-    def receive(self, into: Any, size: int) -> int:
-        data, self.bench.bytes = self.bench.bytes[:size], self.bench.bytes[size:]
-        ctypes.memmove(into, data, len(data))
-        return len(data)
-
-    def sent(self, data: Any, size: int) -> None:
-        self.bench.send(bytes(data[:size]))
 
     def step(self) -> None:
         self.library.station_step(self.memory)

@@ -29,9 +29,10 @@ def line(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactor
     require_tools()
     folder, board = tmp_path_factory.mktemp("station"), BOARDS[request.param]._replace(flash=FLASH, ram=RAM)
     (folder / "settings.c").write_text(station_settings(ARM))
-    for header in DEVICE_FOLDER.glob("*.h"):
-        (folder / header.name).write_text(header.read_text())
-    image = link(board, [folder / "settings.c", *sorted(DEVICE_FOLDER.glob("*.c"))], [], folder)
+    for name in ("frames.h", "station.h"):
+        (folder / name).write_text((DEVICE_FOLDER / name).read_text())
+    sources = [DEVICE_FOLDER / f"{name}.c" for name in ("frames", "station", "station_main", "board_mps2")]
+    image = link(board, [folder / "settings.c", *sources], [], folder)
     command = f"qemu-system-arm -M {board.machine} -cpu {board.processor} -nographic -monitor none -serial pty -kernel"
     with subprocess.Popen([*command.split(), image.path], stdout=subprocess.PIPE, text=True) as process:
         assert process.stdout is not None

@@ -36,5 +36,5 @@ def station_settings(machine: Machine) -> str:
         "outputs": str(identity.flags >> OUTPUTS_SHIFT),
     }
     lines = [f"    .{name} = {value}," for name, value in fields.items()]
-    head = ['#include "station.h"', "", "extern const station_settings rig_settings;"]
-    return "\n".join([*head, "const station_settings rig_settings = {", *lines, "};", ""])
+    head = ['#include "station.h"', "", "extern const station_settings machine_station;"]
+    return "\n".join([*head, "const station_settings machine_station = {", *lines, "};", ""])

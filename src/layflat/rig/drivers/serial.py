@@ -4,6 +4,7 @@ import os
 from collections.abc import Sequence
 from contextlib import suppress
 from functools import partial
+from math import nan
 from pathlib import Path
 
 from serial import Serial, SerialException
@@ -11,16 +12,17 @@ from serial.tools.list_ports import comports
 
 from layflat.machine.model import Machine
 from layflat.rig import frames
-from layflat.rig.driver import DriverError, LinkError
+from layflat.rig.driver import DriverError, LinkError, RigCommand, SensorReading
 from layflat.rig.drivers.linked import LinkedDriver, read_pieces
-from layflat.rig.wire import Identity, WireError, next_sequence
+from layflat.rig.safety.requests import DeviceRequest, DeviceStatus, RequestWire, settings_digest
+from layflat.rig.wire import LAW_VERSION, VERSION, Identity, WireError, next_sequence
 
 MAX_IDENTIFY_ATTEMPTS = 10  # requests for the identity; some devices boot when the port is opened
 IDENTIFY_TIMEOUT = 0.2  # for each reply, s
 
 
 class SerialDriver(LinkedDriver):
-    """Driver of a rig at a serial port."""
+    """Driver of a rig at a serial port; a device that runs the control law itself gets requests, and no commands."""
 
     def __init__(self, machine: Machine, path: str) -> None:
         # By its canonical name, so that two names of one port share one lock.
@@ -30,6 +32,39 @@ class SerialDriver(LinkedDriver):
         self._port: Serial | None = None
         self._file = -1
         self._decoder = frames.Decoder()
+        self._requests = RequestWire.for_machine(machine)
+        nothing = [nan] * len(machine.joints)
+        self._request = self._idle_request = DeviceRequest(nothing, nothing, nothing)
+        self.status: DeviceStatus | None = None  # last status of a device that runs the control law
+
+    def request(self, request: DeviceRequest) -> None:
+        """Store a request for the next `read`, to a device that runs the control law."""
+        self._request = request
+
+    def write(self, command: RigCommand) -> None:
+        """Store a command for the next `read`; raise DriverError if the device runs the control law itself."""
+        if self.runs_law:
+            raise self._error("runs its control law itself, and obeys no voltages", "let the loop send requests")
+        super().write(command)
+
+    def _transact(self) -> SensorReading:
+        if not self.runs_law:
+            return super()._transact()
+        self._sequence = next_sequence(self._sequence)
+        kinds = [frames.STATUS_FRAME, *[frames.SIGNALS_FRAME] * self._requests.joints]
+        payload = self._requests.request_bytes(self._request)
+        try:
+            payloads = self._transfer(self._sequence, frames.REQUEST_FRAME, payload, kinds, self._link.timeout)
+            self.status = self._requests.status(payloads)
+        except WireError:
+            raise LinkError("crc") from None
+        return self.status.reading
+
+    def _deactivate(self) -> None:
+        """Request a stop of a device that runs the control law; centre the valves of another, and vent its line."""
+        starts, stops, holds, resets = self._request.edges
+        self._request = self._idle_request._replace(edges=(starts, stops + 1, holds, resets))
+        super()._deactivate()
 
     def _connect(self) -> None:
         """Open the serial port exclusively and drop received bytes; raise DriverError if it can't be opened."""
@@ -45,34 +80,58 @@ class SerialDriver(LinkedDriver):
         for _ in range(MAX_IDENTIFY_ATTEMPTS):
             self._sequence = next_sequence(self._sequence)
             with suppress(LinkError):
-                words = self._request(
-                    self._sequence, frames.IDENTIFY_FRAME, [], frames.IDENTITY_FRAME, IDENTIFY_TIMEOUT
-                )
-                return Identity.from_words(words)
+                words = self._ask(self._sequence, frames.IDENTIFY_FRAME, [], frames.IDENTITY_FRAME, IDENTIFY_TIMEOUT)
+                identity = Identity.from_words(words, (VERSION, LAW_VERSION))
+                self.runs_law = identity.runs_law
+                if self.runs_law and identity.digest != settings_digest(self._machine):
+                    what = (
+                        f"the rig runs a control law that was exported from another machine than {self._machine.name!r}"
+                    )
+                    raise self._error(what, "give the description of this rig, or export it anew (layflat export)")
+                return identity
         what = "answers, but not in frames" if self._decoder.bad else "does not answer"
         raise self._error(what, "see that the firmware runs, and that interface.serial.baud fits")
 
     def _exchange(self, sequence: int, words: list[int]) -> Sequence[int]:
-        return self._request(sequence, frames.COMMAND_FRAME, words, frames.READING_FRAME, self._link.timeout)
+        return self._ask(sequence, frames.COMMAND_FRAME, words, frames.READING_FRAME, self._link.timeout)
 
-    def _request(self, sequence: int, kind: int, words: list[int], expected: int, patience: float) -> Sequence[int]:
-        """Send a frame and return the words of the one that answers it, with this kind and number; others are dropped.
-
-        Raises:
-            LinkError: no such frame came within `patience` seconds; the kind tells what came in its place.
-        """
-        bad, why = self._decoder.bad, "lost"
+    def _ask(self, sequence: int, kind: int, words: list[int], expected: int, patience: float) -> Sequence[int]:
+        """Send words in a frame and return those of the one that answers it; see `_transfer`."""
         try:
-            os.write(self._file, frames.encode(kind, sequence, frames.pack_words(words)))
-            for piece in read_pieces(self._file, partial(os.read, self._file), patience):
-                for frame in self._decoder.feed(piece):
-                    if frame.kind == expected and frame.sequence == sequence:
-                        return frames.unpack_words(frame.payload)
-                    why = "sequence"
-        except OSError:
-            raise LinkError("lost") from None
+            return frames.unpack_words(
+                self._transfer(sequence, kind, frames.pack_words(words), [expected], patience)[0]
+            )
         except WireError:
             raise LinkError("crc") from None
+
+    def _transfer(
+        self, sequence: int, kind: int, payload: bytes, expected: Sequence[int], patience: float
+    ) -> list[bytes]:
+        """Send a frame and return the payloads of those that answer it.
+
+        Args:
+            sequence: number of the transaction; frames with another are dropped.
+            kind: kind of the frame.
+            payload: its content.
+            expected: kinds of the frames that answer it, in turn.
+            patience: time within which they have to come, s.
+
+        Raises:
+            LinkError: they did not come in time; the kind tells what came in their place.
+        """
+        bad, why, payloads = self._decoder.bad, "lost", list[bytes]()
+        try:
+            os.write(self._file, frames.encode(kind, sequence, payload))
+            for piece in read_pieces(self._file, partial(os.read, self._file), patience):
+                for frame in self._decoder.feed(piece):
+                    if frame.sequence != sequence or frame.kind != expected[len(payloads)]:
+                        why = "sequence"
+                        continue
+                    payloads.append(frame.payload)
+                    if len(payloads) == len(expected):
+                        return payloads
+        except OSError:
+            raise LinkError("lost") from None
         raise LinkError("crc" if self._decoder.bad > bad else why)
 
     def _disconnect(self) -> None:

@@ -3,12 +3,13 @@
 A cycle is one call of compiled code (supervision.py); this is its form for Python, with texts for people.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from struct import Struct
 from typing import NamedTuple
 
+from layflat.arrays import Array
 from layflat.machine import Machine
-from layflat.rig.driver import DeviceState, SensorReading
+from layflat.rig.driver import DeviceState, Driver, RigCommand, SensorReading
 from layflat.rig.law import ArmLaw
 from layflat.rig.safety.core import CycleCore
 from layflat.rig.safety.cycle_numbers import CycleInputs
@@ -26,6 +27,25 @@ REFUSAL_TEXTS = {
     RESET_REFUSED: "no reset: the fault is still there",
 }
 """Texts of events that are neither faults nor changes of state."""
+
+
+def event_texts(events: Iterable[tuple[float, float]], state: RigState, names: Sequence[str]) -> Iterator[str]:
+    """Yield the texts of events.
+
+    Args:
+        events: number of each event and its joint, -1 for the machine as a whole.
+        state: state before the first of them.
+        names: names of the joints.
+    """
+    for number, joint in events:
+        if number < STATE_ENTERED:
+            where = "" if joint < 0.0 else f"joint {names[int(joint)]!r}: "
+            yield f"{where}{FAULT_BY_NUMBER[int(number)].title}"
+        elif number in REFUSAL_TEXTS:
+            yield REFUSAL_TEXTS[number]
+        else:
+            before, state = state, STATE_BY_NUMBER[int(number - STATE_ENTERED)]
+            yield f"{before.name.lower()} -> {state.name.lower()}"
 
 
 class HostRequest(NamedTuple):
@@ -137,24 +157,20 @@ class Supervisor:
         core.run()
         self._read_results()
 
+    def send(self, driver: Driver) -> None:
+        """Send the command of this cycle to the device."""
+        command = RigCommand(self.voltages.copy(), self.is_pressurised, self.is_reset_bit_set, self.outputs)
+        driver.write(command)
+
+    def record(self, rows: Array) -> None:
+        """Write the signals of each joint, as in `record.RowLayout`, into rows, (joints, numbers)."""
+        self.core.record(rows)
+
     def _read_results(self) -> None:
         """Read the results of the compiled cycle, and add its events to the ledger."""
         air, reset, outputs, state, mode, vented, fault, lost, events = self._results.tolist()
         self.is_pressurised, self.is_reset_bit_set, self.is_vented = air > 0.0, reset > 0.0, vented > 0.0
         self.outputs, self.fault, self.lost = int(outputs), fault, int(lost)
         if events:
-            self.ledger.events += self._texts(int(events))
+            self.ledger.events += event_texts(self._events[: int(events)].tolist(), self.state, self._names)
         self.state, self.valve_mode = STATE_BY_NUMBER[int(state)], MODE_BY_NUMBER[int(mode)]
-
-    def _texts(self, count: int) -> Iterator[str]:
-        """Yield the texts of the first events of this cycle, which began in the state that it still has."""
-        state = self.state
-        for number, joint in self._events[:count].tolist():
-            if number < STATE_ENTERED:
-                where = "" if joint < 0.0 else f"joint {self._names[int(joint)]!r}: "
-                yield f"{where}{FAULT_BY_NUMBER[int(number)].title}"
-            elif number in REFUSAL_TEXTS:
-                yield REFUSAL_TEXTS[number]
-            else:
-                before, state = state, STATE_BY_NUMBER[int(number - STATE_ENTERED)]
-                yield f"{before.name.lower()} -> {state.name.lower()}"

@@ -6,6 +6,8 @@
 int main(void);
 void reset(void);
 void die(void);
+void uart_received(void);
+void uart_sent(void);
 extern uint32_t stack_top, bss_start, bss_end, data_start, data_end, data_load;
 
 static int32_t semihost(uint32_t operation, const void *arguments) {
@@ -24,13 +26,17 @@ static void end(uint32_t status) {
 
 void die(void) { end(3u); }
 
+/* Interrupts of the first UART, where a program has them. */
+__attribute__((weak)) void uart_received(void) { die(); }
+__attribute__((weak)) void uart_sent(void) { die(); }
+
 struct vectors {
     const uint32_t *stack;
-    void (*handlers[15])(void);
+    void (*handlers[17])(void);
 };
 
 __attribute__((section(".vectors"), used)) static const struct vectors vectors = {
-    &stack_top, {reset, die, die, die, die, die}};
+    &stack_top, {reset, die, die, die, die, die, [15] = uart_received, uart_sent}};
 
 void reset(void) {
     *(volatile uint32_t *)0xE000ED88u |= 0xFu << 20; /* CPACR: numbers in hardware */

@@ -9,8 +9,11 @@
 #define FRAME_MAX_SIZE 256u /* with both zeros, bytes */
 #define FRAME_IDENTIFY 0x01u
 #define FRAME_COMMAND 0x02u
+#define FRAME_REQUEST 0x03u
 #define FRAME_IDENTITY 0x81u
 #define FRAME_READING 0x82u
+#define FRAME_STATUS 0x83u
+#define FRAME_SIGNALS 0x84u
 
 typedef struct {
     uint8_t kind;

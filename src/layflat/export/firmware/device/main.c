@@ -1,11 +1,12 @@
-#include "station.h"
+/* Device that runs the control law and the supervisor itself. */
+#include "controller.h"
 
-extern const station_settings rig_settings;
-static station rig;
+extern const controller_settings machine_controller;
+static controller rig;
 
 int main(void) {
-    station_start(&rig, &rig_settings);
+    controller_start(&rig, &machine_controller);
     for (;;) {
-        station_step(&rig);
+        controller_step(&rig);
     }
 }

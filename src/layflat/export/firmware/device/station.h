@@ -6,6 +6,7 @@
 
 #define STATION_MAX_JOINTS 7u
 #define STATION_WAVE 32u /* steps of the dither */
+#define STATION_IDENTITY_WORDS 14u
 
 typedef struct {
     uint8_t joints;
@@ -34,11 +35,17 @@ typedef struct {
     uint32_t voltage[STATION_MAX_JOINTS]; /* counts */
 } station_outputs;
 
+typedef struct {
+    int air, reset;
+    uint8_t outputs;
+    uint32_t voltage[STATION_MAX_JOINTS]; /* counts, without dither */
+} station_command;
+
 /* The four functions of a board. */
 void board_sample(station_samples *samples);         /* read all sensors, the e-stop and the clock */
 void board_drive(const station_outputs *outputs);    /* drive all outputs, and feed the hardware's watchdog */
 size_t board_receive(uint8_t *bytes, size_t size);   /* take received bytes; return their number */
-void board_send(const uint8_t *bytes, size_t size);
+void board_send(const uint8_t *bytes, size_t size);  /* send bytes; a line that takes long has to be fed elsewhere */
 
 typedef enum { STATION_RUNNING, STATION_CENTRED, STATION_DUMPED } station_state;
 
@@ -55,7 +62,22 @@ typedef struct {
 
 /* Begin with the air out. */
 void station_start(station *self, const station_settings *settings);
-/* Do everything once: call it again and again. */
+/* Do everything once, as a device that obeys the host's voltages: call it again and again. */
 void station_step(station *self);
+
+/* The parts of a step, of which `controller.c` makes its own: read the sensors, and dump while the e-stop is pressed. */
+void station_sample(station *self, station_samples *samples);
+/* Obey a command, which counts as a sign of life. */
+void station_obey(station *self, const station_command *command, const station_samples *samples);
+/* Make safe where no command has come for some time, and drive the outputs. */
+void station_finish(station *self, const station_samples *samples);
+/* Return whether the number of a message comes after the last one, which it then is. */
+int station_is_new(station *self, uint16_t sequence);
+/* Write a number, an identity or a reading, high byte first; return the end. */
+uint8_t *station_put(uint8_t *out, uint32_t number, size_t bytes);
+uint8_t *station_put_identity(const station_settings *settings, uint8_t *out);
+uint8_t *station_put_reading(
+    const station_settings *settings, station_state state, const station_samples *samples, uint8_t *out);
+void station_reply(uint8_t kind, uint16_t sequence, const uint8_t *payload, const uint8_t *end);
 
 #endif
