@@ -235,9 +235,10 @@ def load(code: bytes, name: str, arguments: tuple[Any, ...] = (ctypes.c_void_p,)
     if not code.startswith(_host_format()):
         raise CompilerError(f"machine code of {name} is of another processor or system")
     try:
-        engine = binding.create_mcjit_compiler(
-            binding.parse_assembly(""), binding.Target.from_default_triple().create_target_machine()
-        )
+        # llvmlite's manager places all sections side by side; apart, they can be too far for 32-bit distances, which
+        # ends the process.
+        machine = binding.Target.from_default_triple().create_target_machine()
+        engine = binding.create_mcjit_compiler(binding.parse_assembly(""), machine, use_lmm=True)
         engine.add_object_file(binding.ObjectFileRef.from_data(code))
         engine.finalize_object()
         address = engine.get_function_address(name)
