@@ -93,8 +93,9 @@ COMMAND_LINES = {
     "outputs.py",
     "extras.py",
     "export/boards.py",
+    "export/fmu/libraries.py",
     "tune/tuning.py",
-}  # what is forced; lines of pip; options of a C compiler; the line that repeats a search
+}  # what is forced; lines of pip; options of C compilers; the line that repeats a search
 
 
 def test_messages_of_the_library_name_no_option() -> None:

@@ -124,7 +124,7 @@ console.log(JSON.stringify({ grown, first: [...save(first.state)], alone: [...sa
     [
         ("machine.controller('papers')", 'paper-arm has no law "papers"; it has paper, tracking'),
         ("machine.controller().step(plant.sample())", "wake the controller at readings before its first step"),
-        ("plant.inputs[1].load = NaN; plant.advance()", "the state of joint small became invalid"),
+        ("plant.inputs[1].load = NaN; plant.advance()", "the state of joint large became invalid"),
         ("plant.advance(1.5)", "advance takes a whole number of steps, not 1.5"),
         ("plant.rest([0])", "set takes 2 numbers, not 1"),
         ("restore(plant.state, [1, 2])", "numbers, not 2"),
