@@ -15,7 +15,8 @@ from layflat.physics.driven import MachinePlant
 from layflat.physics.step import STEP
 from layflat.rig.clock import NS_PER_SECOND, VirtualClock
 from layflat.rig.device.virtual import SimulatedDriver, VirtualDevice
-from layflat.rig.driver import DeviceState, SensorReading
+from layflat.rig.device_state import DeviceState
+from layflat.rig.driver import SensorReading
 from layflat.rig.loop import RigLoop
 from layflat.rig.safety.faults import RigState
 from layflat.rig.safety.supervisor import HostRequest

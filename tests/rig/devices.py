@@ -18,7 +18,8 @@ from layflat.rig.device.modbus_server import ModbusStation
 from layflat.rig.device.process import DeviceProcess, ModbusPort, SerialPort
 from layflat.rig.device.serial_server import SerialStation
 from layflat.rig.device.virtual import DeviceLink, ReplyFault, VirtualDevice
-from layflat.rig.driver import Capabilities, DeviceState, RigCommand, SensorReading
+from layflat.rig.device_state import DeviceState
+from layflat.rig.driver import Capabilities, RigCommand, SensorReading
 from layflat.rig.wire import Wire
 
 

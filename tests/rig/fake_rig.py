@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from layflat.machine import Machine
 from layflat.rig.clock import NS_PER_SECOND, VirtualClock
-from layflat.rig.driver import Capabilities, DeviceState, Driver, LinkError, RigCommand, SensorReading
+from layflat.rig.device_state import DeviceState
+from layflat.rig.driver import Capabilities, Driver, LinkError, RigCommand, SensorReading
 from layflat.rig.loop import LoopRecorder, RigLoop
 from layflat.rig.safety.faults import Fault, RigState, ValveMode
 from layflat.rig.safety.supervisor import HostRequest

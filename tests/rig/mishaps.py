@@ -7,7 +7,7 @@ import numpy as np
 
 from layflat.machine import Machine
 from layflat.rig.clock import NS_PER_SECOND
-from layflat.rig.driver import DeviceState
+from layflat.rig.device_state import DeviceState
 from layflat.rig.safety.faults import RigState
 from tests.rig.fake_rig import Array, Rig
 

@@ -5,7 +5,8 @@ from typing import Any
 import numpy as np
 
 from layflat.machine import load
-from layflat.rig.driver import DeviceState, SensorReading
+from layflat.rig.device_state import DeviceState
+from layflat.rig.driver import SensorReading
 from layflat.rig.safety.faults import Fault, RigState, ValveMode
 from layflat.rig.safety.requests import DeviceStatus, RequestWire
 from tests.rig.devices import WIRE

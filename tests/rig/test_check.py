@@ -14,7 +14,8 @@ from layflat.rig.check import check_rig, estimate_noise
 from layflat.rig.clock import VirtualClock
 from layflat.rig.device.failures import get_failure
 from layflat.rig.device.virtual import SimulatedDriver
-from layflat.rig.driver import Capabilities, DeviceState, Lifecycle, RigCommand, SensorReading
+from layflat.rig.device_state import DeviceState
+from layflat.rig.driver import Capabilities, Lifecycle, RigCommand, SensorReading
 from layflat.rig.open_loop import CheckResult
 
 ARM = load("paper-arm")

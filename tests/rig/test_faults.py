@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from layflat.machine import changed, load
-from layflat.rig.driver import DeviceState
+from layflat.rig.device_state import DeviceState
 from layflat.rig.safety.faults import Fault, Reaction, RigState, ValveMode
 from layflat.rig.safety.state_machine import CENTRED_TIME
 from tests.rig.fake_rig import Array, Rig

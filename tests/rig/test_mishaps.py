@@ -5,7 +5,7 @@ import re
 import pytest
 
 from layflat.machine import load
-from layflat.rig.driver import DeviceState
+from layflat.rig.device_state import DeviceState
 from layflat.rig.safety.cycle_numbers import max_events
 from layflat.rig.safety.faults import Fault, Reaction, RigState, ValveMode
 from layflat.rig.safety.state_machine import RESET_HIGH_CYCLES, RESET_LOW_CYCLES

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from layflat.machine import changed, load
-from layflat.rig.driver import DeviceState
+from layflat.rig.device_state import DeviceState
 from layflat.rig.safety.demands import DEMAND_LIMITED, DemandGate, GatedDemand, follow_demand, stop_margin
 from layflat.rig.safety.faults import Fault, RigState, ValveMode
 from layflat.sim.run import rollout

@@ -11,7 +11,8 @@ from hypothesis import strategies as st
 from layflat import changed, load
 from layflat.machine.parameters import control, joints
 from layflat.physics.sensor import Sensor, read_sensor
-from layflat.rig.driver import DeviceState, RigCommand, SensorReading
+from layflat.rig.device_state import DeviceState
+from layflat.rig.driver import RigCommand, SensorReading
 from layflat.rig.wire import SEQUENCE_MODULUS, Converter, Wire, WireError, is_later, next_sequence
 
 ARM = load("paper-arm")

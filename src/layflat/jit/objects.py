@@ -8,6 +8,7 @@ import re
 from collections.abc import Callable
 from functools import cache
 from hashlib import sha256
+from threading import Lock
 from typing import Any, NamedTuple
 
 from llvmlite import binding
@@ -209,7 +210,19 @@ def code_size(code: bytes) -> int:
     return sum(one.size() for one in sections if one.is_text() or CONSTANT_SECTIONS.search(one.name() or b""))
 
 
-_engines: list[Any] = []  # that own loaded code, which stays as long as the process
+_libraries: list[Any] = []  # loaded code, which stays as long as the process
+_linking = Lock()  # one library is linked at a time
+
+
+@cache
+def _linker() -> Any:
+    """Return the linker of this process, which places all sections of an object file side by side.
+
+    Apart, as by LLVM's older loader in a large process, they can be too far for distances of 32 bits.
+    """
+    machine = binding.Target.from_default_triple().create_target_machine()
+    return binding.create_lljit_compiler(machine, use_jit_link=True, suppress_errors=True)
+
 
 FORMAT_BYTES = 20  # at the beginning of an object file: its format and its processor, in that of Linux
 
@@ -234,17 +247,11 @@ def load(code: bytes, name: str, arguments: tuple[Any, ...] = (ctypes.c_void_p,)
     host()
     if not code.startswith(_host_format()):
         raise CompilerError(f"machine code of {name} is of another processor or system")
-    try:
-        # llvmlite's manager places all sections side by side; apart, they can be too far for 32-bit distances, which
-        # ends the process.
-        machine = binding.Target.from_default_triple().create_target_machine()
-        engine = binding.create_mcjit_compiler(binding.parse_assembly(""), machine, use_lmm=True)
-        engine.add_object_file(binding.ObjectFileRef.from_data(code))
-        engine.finalize_object()
-        address = engine.get_function_address(name)
-    except (RuntimeError, ValueError) as error:
-        raise CompilerError(f"machine code of {name} can't be loaded ({error})") from None
-    if not address:
-        raise CompilerError(f"machine code of {name} holds no such function")
-    _engines.append(engine)
-    return ctypes.CFUNCTYPE(None, *arguments)(address)
+    builder = binding.JITLibraryBuilder().add_object_img(code).add_current_process().export_symbol(name)
+    with _linking:
+        try:
+            library = builder.link(_linker(), f"{name} {len(_libraries)}")
+        except RuntimeError as error:
+            raise CompilerError(f"machine code of {name} can't be loaded ({error})") from None
+        _libraries.append(library)
+    return ctypes.CFUNCTYPE(None, *arguments)(library[name])

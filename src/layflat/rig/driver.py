@@ -8,7 +8,7 @@ serial), `write` only stores the command and `read` makes one transaction of bot
 """
 
 from abc import ABC, abstractmethod
-from enum import Enum, IntEnum
+from enum import Enum
 from typing import NamedTuple, Self
 
 from layflat.arrays import Array
@@ -16,6 +16,7 @@ from layflat.errors import InputError, LayflatError
 from layflat.machine import Machine
 from layflat.machine.parameters import valve_and_sensors
 from layflat.rig.abilities import falls_without_air
+from layflat.rig.device_state import DeviceState
 
 
 class Lifecycle(Enum):
@@ -25,14 +26,6 @@ class Lifecycle(Enum):
     INACTIVE = "inactive"
     ACTIVE = "active"
     FINALIZED = "finalized"
-
-
-class DeviceState(IntEnum):
-    """State of the device's own watchdog."""
-
-    RUNNING = 0  # it obeys commands
-    CENTRED = 1  # no command came for some cycles: the valves are centred
-    DUMPED = 2  # none came for longer, or the e-stop is pressed: the air is vented; it obeys again after a `reset`
 
 
 class RigCommand(NamedTuple):

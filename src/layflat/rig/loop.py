@@ -12,7 +12,8 @@ import numpy as np
 from layflat.arrays import Array
 from layflat.machine import Machine
 from layflat.rig.clock import NS_PER_SECOND, Deadlines, LoopClock
-from layflat.rig.driver import DeviceState, Driver, LinkError, SensorReading
+from layflat.rig.device_state import DeviceState
+from layflat.rig.driver import Driver, LinkError, SensorReading
 from layflat.rig.law import ArmLaw
 from layflat.rig.record import SHARED_COLUMNS, RowLayout
 from layflat.rig.safety.remote import LawDevice, RemoteSupervisor

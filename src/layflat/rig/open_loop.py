@@ -11,7 +11,8 @@ from layflat.machine import Machine
 from layflat.machine.parameters import valve_and_sensors
 from layflat.rig.abilities import falls_without_air, find_sinking_joints, vent_time
 from layflat.rig.clock import NS_PER_SECOND, Deadlines, LoopClock
-from layflat.rig.driver import DeviceState, Driver, Lifecycle, LinkError, RigCommand, SensorReading
+from layflat.rig.device_state import DeviceState
+from layflat.rig.driver import Driver, Lifecycle, LinkError, RigCommand, SensorReading
 from layflat.rig.safety.core import RigNumbers
 from layflat.rig.safety.detectors.sample import MOTION_LEVEL
 from layflat.rig.safety.faults import Fault

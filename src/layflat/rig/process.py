@@ -19,7 +19,8 @@ from layflat.errors import LayflatError, OutputError
 from layflat.machine import Machine
 from layflat.parallel import processors
 from layflat.rig.clock import NS_PER_SECOND, WAKE_LEAD, MonotonicClock, PunctualClock, VirtualClock
-from layflat.rig.driver import Capabilities, DeviceState, Driver, RigCommand, SensorReading
+from layflat.rig.device_state import DeviceState
+from layflat.rig.driver import Capabilities, Driver, RigCommand, SensorReading
 from layflat.rig.loop import LoopRecorder, RigLoop
 from layflat.rig.mailbox import Mailbox, RemoteHost, Setpoints
 from layflat.rig.record import SHARED_COLUMNS, RowLayout

@@ -15,7 +15,8 @@ from layflat.errors import LayflatError, MachineError
 from layflat.machine.model import Machine
 from layflat.machine.parameters import joints, valve_and_sensors
 from layflat.physics.sensor import Sensor
-from layflat.rig.driver import Capabilities, DeviceState, DriverError, RigCommand, SensorReading
+from layflat.rig.device_state import DeviceState
+from layflat.rig.driver import Capabilities, DriverError, RigCommand, SensorReading
 
 WORD_BITS = 16
 SEQUENCE_MODULUS = (

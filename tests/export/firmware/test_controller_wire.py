@@ -9,7 +9,8 @@ import pytest
 
 from layflat.machine import load
 from layflat.rig import frames
-from layflat.rig.driver import DeviceState, RigCommand
+from layflat.rig.device_state import DeviceState
+from layflat.rig.driver import RigCommand
 from layflat.rig.safety.faults import RigState
 from layflat.rig.safety.requests import DeviceRequest, DeviceStatus, RequestWire, settings_digest
 from layflat.rig.wire import LAW_VERSION, Identity, Wire, WireError

@@ -13,7 +13,8 @@ import pytest
 from layflat.export.firmware.station import DEVICE_FOLDER, station_settings
 from layflat.machine import load
 from layflat.rig import frames
-from layflat.rig.driver import DeviceState, RigCommand
+from layflat.rig.device_state import DeviceState
+from layflat.rig.driver import RigCommand
 from layflat.rig.drivers.linked import read_pieces
 from layflat.rig.wire import Identity, Wire
 from tests.export.firmware.boards import BOARDS, link, require_tools

@@ -11,7 +11,8 @@ from layflat.machine import load
 from layflat.rig.clock import NS_PER_SECOND, VirtualClock
 from layflat.rig.device.failures import FAILURES_BY_NAME, get_failure
 from layflat.rig.device.virtual import SimulatedDriver, VirtualDevice
-from layflat.rig.driver import DeviceState, LinkError, RigCommand, SensorReading
+from layflat.rig.device_state import DeviceState
+from layflat.rig.driver import LinkError, RigCommand, SensorReading
 from layflat.sim.plant import SteppedPlant
 
 ARM = load("paper-arm-fast")

@@ -13,7 +13,8 @@ from layflat.errors import MachineError
 from layflat.machine import changed, load
 from layflat.rig.clock import NS_PER_SECOND, VirtualClock
 from layflat.rig.device.virtual import VirtualDevice
-from layflat.rig.driver import DeviceState, RigCommand
+from layflat.rig.device_state import DeviceState
+from layflat.rig.driver import RigCommand
 from layflat.sim.plant import SteppedPlant
 
 Array = NDArray[np.float64]

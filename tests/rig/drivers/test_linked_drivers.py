@@ -19,7 +19,8 @@ from layflat.machine.model import Machine
 from layflat.rig.device.exchange import LATE_REPLY_RATIO
 from layflat.rig.device.process import ModbusPort, SerialPort
 from layflat.rig.device.virtual import ReplyFault
-from layflat.rig.driver import Capabilities, DeviceState, Driver, DriverError, Lifecycle, LinkError, RigCommand
+from layflat.rig.device_state import DeviceState
+from layflat.rig.driver import Capabilities, Driver, DriverError, Lifecycle, LinkError, RigCommand
 from layflat.rig.drivers import create_driver
 from layflat.rig.drivers.linked import lock_rig
 from layflat.rig.wire import SEQUENCE_MODULUS

@@ -4,7 +4,8 @@ import pytest
 from layflat.machine import Machine, load, parameters
 from layflat.rig.clock import NS_PER_SECOND, VirtualClock
 from layflat.rig.device.virtual import ReplyFault, SimulatedDriver, VirtualDevice
-from layflat.rig.driver import DeviceState, DriverError, Lifecycle, LinkError, RigCommand
+from layflat.rig.device_state import DeviceState
+from layflat.rig.driver import DriverError, Lifecycle, LinkError, RigCommand
 from layflat.sim import rollout
 from layflat.sim.plant import SteppedPlant
 from tests.physics.controllers import Controller

@@ -12,7 +12,8 @@ from contextlib import suppress
 import numpy as np
 import pytest
 
-from layflat.rig.driver import DeviceState, Driver, LinkError, RigCommand, SensorReading
+from layflat.rig.device_state import DeviceState
+from layflat.rig.driver import Driver, LinkError, RigCommand, SensorReading
 from layflat.rig.drivers import create_driver
 from tests.rig.devices import ARM, WIRE
 from tests.rig.firmwares import firmware

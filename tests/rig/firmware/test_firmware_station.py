@@ -15,7 +15,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from layflat.rig import frames
-from layflat.rig.driver import DeviceState, RigCommand, SensorReading
+from layflat.rig.device_state import DeviceState
+from layflat.rig.driver import RigCommand, SensorReading
 from layflat.rig.wire import Identity
 from tests.programs import missing_reason
 from tests.rig.devices import ARM, WIRE

@@ -11,7 +11,7 @@ from layflat.export.entries import Argument, Entry, number_of
 from layflat.export.header import Constant, Table
 from layflat.lanes import Like, read_numbers
 from layflat.machine import Machine, parameters
-from layflat.rig.driver import DeviceState
+from layflat.rig.device_state import DeviceState
 from layflat.rig.law import ArmLaw
 from layflat.rig.named import NamedRows
 from layflat.rig.safety.core import RigNumbers

@@ -21,7 +21,7 @@ from layflat.pages.look.theme import clamp_number, finite_number
 from layflat.pages.panel.desk import Controls, Desk
 from layflat.pages.panel.moves import SequenceStep, active_outputs, read_target
 from layflat.pages.panel.search import SEARCH_TIMEOUT, find_angles
-from layflat.rig.driver import DeviceState
+from layflat.rig.device_state import DeviceState
 from layflat.rig.session import RigSnapshot
 
 Jogs = list[tuple[int, int]]

@@ -21,7 +21,8 @@ from layflat.physics.driven import MachinePlant
 from layflat.physics.sensor import read_sensor
 from layflat.rig.abilities import falls_without_air
 from layflat.rig.clock import NS_PER_SECOND, LoopClock
-from layflat.rig.driver import Capabilities, DeviceState, Driver, Lifecycle, LinkError, RigCommand, SensorReading
+from layflat.rig.device_state import DeviceState
+from layflat.rig.driver import Capabilities, Driver, Lifecycle, LinkError, RigCommand, SensorReading
 from layflat.rig.wire import Wire
 
 ARRIVAL_PRESSURE = 1.0  # distance from its target at which a line has arrived, Pa

@@ -14,7 +14,7 @@ from layflat.arrays import Array
 from layflat.errors import InputError
 from layflat.files import whole_file
 from layflat.rig.clock import NS_PER_SECOND
-from layflat.rig.driver import DeviceState
+from layflat.rig.device_state import DeviceState
 from layflat.rig.recorder.bag import CYCLE_TYPE, LOG_TYPE, MACHINE_ATTACHMENT, METADATA, MessageCodec, parse_meanings
 from layflat.rig.recorder.repair import check_magic
 from layflat.rig.recorder.ring import Event

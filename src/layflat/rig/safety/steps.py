@@ -8,7 +8,7 @@ control law, those from MODEL_STEP on behind it. Functions take `CycleRows`.
 
 from layflat.jit import composition
 from layflat.lanes import read_numbers
-from layflat.rig.driver import DeviceState
+from layflat.rig.device_state import DeviceState
 from layflat.rig.safety.cycle import is_voltage_good
 from layflat.rig.safety.cycle_numbers import INPUT_AT, JOINT_AT, LIMIT_AT, RIG_AT
 from layflat.rig.safety.demands import DEMAND_REFUSED

@@ -9,7 +9,8 @@ from typing import NamedTuple
 
 from layflat.arrays import Array
 from layflat.machine import Machine
-from layflat.rig.driver import DeviceState, Driver, RigCommand, SensorReading
+from layflat.rig.device_state import DeviceState
+from layflat.rig.driver import Driver, RigCommand, SensorReading
 from layflat.rig.law import ArmLaw
 from layflat.rig.safety.core import CycleCore
 from layflat.rig.safety.cycle_numbers import CycleInputs

@@ -17,7 +17,7 @@ from layflat.rig.abilities import (
 )
 from layflat.rig.clock import NS_PER_SECOND
 from layflat.rig.device.virtual import VirtualDevice
-from layflat.rig.driver import DeviceState
+from layflat.rig.device_state import DeviceState
 from layflat.rig.safety.faults import RigState
 from layflat.rig.safety.limits import plans_motion
 from layflat.rig.trials.cases import FAULT_CASES, HOST_GONE, FaultCase

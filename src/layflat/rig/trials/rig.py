@@ -15,7 +15,8 @@ from layflat.rig.abilities import falls_without_air, max_gravity_torques
 from layflat.rig.clock import NS_PER_SECOND
 from layflat.rig.device.process import DeviceProcess
 from layflat.rig.device.virtual import VirtualDevice
-from layflat.rig.driver import DeviceState, Driver
+from layflat.rig.device_state import DeviceState
+from layflat.rig.driver import Driver
 from layflat.rig.loop import LoopRecorder, RigLoop
 from layflat.rig.safety.detectors.following import advance_expected_angle
 from layflat.rig.safety.faults import RigState
