@@ -13,13 +13,13 @@ import pytest
 from layflat.errors import InputError
 from layflat.machine import load
 from layflat.rig.safety.faults import RigState
-from layflat.rig.session import RigLoopError, RigSession
+from layflat.rig.session import STARTS_WITHIN, RigLoopError, RigSession
 from tests.rig import fake_drivers as drivers
 
 ARM = load("paper-arm")
 
 
-def wait(condition: Callable[[], bool], seconds: float = 60.0) -> None:
+def wait(condition: Callable[[], bool], seconds: float = STARTS_WITHIN) -> None:
     until = time.monotonic() + seconds
     while not condition():
         assert time.monotonic() < until

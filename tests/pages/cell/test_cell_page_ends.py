@@ -22,7 +22,7 @@ def browser() -> Iterator[Any]:
 def test_without_images_the_rest_is_shown(few: Path, tmp_path: Path, browser: Any) -> None:
     with watching(few, tmp_path / "out", "--picks", "1", opengl=False) as (served, ended):
         page = served.page(browser)
-        until(lambda: "The run has ended: 1 of 1 picks." in text(page, "end"))
+        until(lambda: "The run has ended: 1 of 1 picks." in text(page, "end"), 120.0)
         assert "1 of 1 pick correct" in text(page, "end")
         assert "No image can be rendered" in text(page, "no-images")
         assert not page.locator("#cell-overview").is_visible()

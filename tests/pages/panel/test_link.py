@@ -12,7 +12,7 @@ from layflat.errors import LayflatError
 from layflat.machine import changed, load
 from layflat.pages.panel.link import LinkState, RigLink
 from layflat.rig.drivers import create_driver
-from layflat.rig.session import HostLease, RigSession
+from layflat.rig.session import STARTS_WITHIN, HostLease, RigSession
 
 ARM = load("paper-arm")
 NOBODY = "modbus://127.0.0.1:1"
@@ -30,7 +30,7 @@ def link(tmp_path: Path) -> Iterator[RigLink]:
     folder = tmp_path / "not" / "there"
     link = RigLink(ARM, lambda machine: (partial(simulated_rig, machine), "simulated"), folder, HostLease())
     try:
-        until(lambda: link.is_at_rest)
+        until(lambda: link.is_at_rest, STARTS_WITHIN)
         yield link
     finally:
         link.close()

@@ -8,6 +8,7 @@ from typing import Any
 
 import pytest
 
+from layflat.rig.session import STARTS_WITHIN
 from tests.cli.served_rig import LAYFLAT, ServedRig
 from tests.pages.browsers import PATIENT_ARM, Served, chromium, link_from
 from tests.pages.panel.driving import pressed, ready, state, until
@@ -42,7 +43,7 @@ def test_a_rig_and_a_server_that_go_away_are_told_and_the_rig_is_safe(
 ) -> None:
     assert server.stdout is not None
     page = Served(server, link_from(server.stdout)).page(browser)
-    until(lambda: is_reset(page), 90.0)  # its kernels may have to be compiled first
+    until(lambda: is_reset(page), STARTS_WITHIN)
     port = rig.address.rpartition(":")[2]
     assert rig.end() == 0
     until(lambda: "Link lost" in page.inner_text("main"), 15.0)

@@ -14,6 +14,7 @@ import pytest
 
 from layflat.rig.recorder.run import read_run
 from layflat.rig.safety.faults import RigState
+from layflat.rig.session import STARTS_WITHIN
 from tests.pages.browsers import PATIENT, PATIENT_ARM, PATIENT_HOST, Served, chromium, kill_pages, launched, served
 from tests.pages.panel.driving import (
     angle,
@@ -58,7 +59,7 @@ def page(panel: Served, browser: Any) -> Iterator[Any]:
     page = panel.page(browser)
     try:
         until(lambda: drives(page), 30.0)
-        until(lambda: vented(page), 60.0)
+        until(lambda: vented(page), STARTS_WITHIN)
         yield page
         logging.getLogger(__name__).warning(page.inner_text("body"))  # shown where a test has failed
         until(lambda: vented(page), 30.0)
