@@ -55,7 +55,7 @@ def test_sums_are_those_of_this_computer(tmp_path: Path) -> None:
     board, pairs = EXAMPLE_BOARDS["cortex-m4f"], operands()
     compiler, emulator = map(needing, board.tools)
     for name in ("startup.c", "board.ld", "sums.c"):
-        (tmp_path / name).write_text(fill_template(name, title="sums", **board._asdict()))
+        (tmp_path / name).write_text(fill_template(name, title="sums", firmware=False, **board._asdict()))
     table = ", ".join(f"{{ UINT64_C({a}), UINT64_C({b}) }}" for a, b in pairs)
     (tmp_path / "main.c").write_text(PROGRAM % table)
     strict = ["-std=c99", "-O2", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror"]

@@ -216,9 +216,11 @@ def test_a_thousand_instances_leave_no_memory(fmus: dict[str, Fmu]) -> None:
     def resident() -> int:
         return int(statm.read_text().split()[1]) * os.sysconf("SC_PAGESIZE")
 
-    for _ in range(100):
-        live()
-    before = resident()
-    for _ in range(1000):
-        live()
-    assert resident() - before < 500_000
+    def growth() -> int:
+        before = resident()
+        for _ in range(1000):
+            live()
+        return resident() - before
+
+    # What Python and its libraries allocate comes at once; a leak of instances comes every time.
+    assert min(growth() for _ in range(3)) < 100_000

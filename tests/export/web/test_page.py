@@ -197,7 +197,7 @@ def test_a_machine_that_breaks_starts_again_with_a_message(visit: Any) -> None:
     one.value("simulation.plant.state.joints[0].state.motion.velocity = NaN")
     alert = one.page.get_by_role("alert")
     alert.wait_for()
-    assert "the state of joint large became invalid" in alert.inner_text()
+    assert "the state of joint small became invalid" in alert.inner_text()
     one.until("simulation.time > 0.5")
 
 
