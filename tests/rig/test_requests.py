@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from layflat import changed, load
 from layflat.rig.safety.faults import Fault, RigState, ValveMode
 from layflat.rig.safety.requests import DeviceRequest, settings_digest
+from layflat.rig.safety.supervisor import HostRequest
 from layflat.rig.wire import WireError
 from tests.rig.statuses import ARM, REQUESTS, status
 
@@ -90,3 +91,22 @@ def test_another_machine_has_another_digest(path: str, value: float) -> None:
     assert settings_digest(ARM) == settings_digest(load("paper-arm"))
     assert settings_digest(changed(ARM, path, value)) != settings_digest(ARM)
     assert settings_digest(ARM) != settings_digest(load("paper-arm-tracking"))
+
+
+def test_edges_are_counted_outputs_switched_and_demands_replaced() -> None:
+    first = DeviceRequest.first(2)
+    moved = first.following(
+        HostRequest([0.1, nan], start=True, switched=[(1, True), (0, False)], age=0.02, since=0.01),
+        recording=True, events=3,
+    )  # fmt: skip
+    assert moved.edges == (1, 0, 0, 0)
+    assert (moved.outputs, moved.switches, moved.events, moved.age, moved.since) == (0b10, 0b11, 3, 0.02, 0.01)
+    assert moved.demands[0] == 0.1
+    assert np.isnan([*moved.velocities, *moved.accelerations]).all()
+    ended = moved.following(
+        HostRequest([0.2, 0.3], stop=True, reset=True, hold=True, velocities=[1.0, 2.0], switched=[(1, False)]),
+        recording=False, events=4,
+    )  # fmt: skip
+    assert ended.edges == (1, 1, 1, 1)
+    assert (ended.outputs, ended.switches, ended.recording, ended.age) == (0, 0b01, False, 0.0)
+    assert list(ended.velocities) == [1.0, 2.0]

@@ -51,25 +51,15 @@ class ScriptedHost(LoopRecorder):
     ended = False
 
     def __init__(self, joints: int) -> None:
-        nothing = [nan] * joints
-        self.wanted = HostRequest(nothing)
-        self.heard = DeviceRequest(nothing, nothing, nothing)
+        self.wanted = HostRequest([nan] * joints)
+        self.heard = DeviceRequest.first(joints)
         self.lines: list[str] = []
         self.recording = True
 
     def request(self, _: int) -> HostRequest:
-        wanted, heard = self.wanted, self.heard
+        wanted = self.wanted
         self.wanted = wanted._replace(start=False, stop=False, hold=False, reset=False, switched=())
-        asked = wanted.start, wanted.stop, wanted.hold, wanted.reset
-        starts, stops, holds, resets = (count + edge for count, edge in zip(heard.edges, asked, strict=True))
-        outputs, switches = heard.outputs, heard.switches
-        for number, on in wanted.switched:
-            outputs, switches = outputs & ~(1 << number) | on << number, switches ^ 1 << number
-        nothing = [nan] * len(wanted.demands)
-        self.heard = DeviceRequest(
-            wanted.demands, wanted.velocities or nothing, wanted.accelerations or nothing,
-            (starts, stops, holds, resets), outputs, switches, self.recording, 0, wanted.age, wanted.since,
-        )  # fmt: skip
+        self.heard = self.heard.following(wanted, recording=self.recording, events=0)
         return wanted
 
     def publish(self, row: Array) -> None: ...

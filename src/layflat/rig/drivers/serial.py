@@ -4,7 +4,6 @@ import os
 from collections.abc import Sequence
 from contextlib import suppress
 from functools import partial
-from math import nan
 from pathlib import Path
 
 from serial import Serial, SerialException
@@ -33,8 +32,7 @@ class SerialDriver(LinkedDriver):
         self._file = -1
         self._decoder = frames.Decoder()
         self._requests = RequestWire.for_machine(machine)
-        nothing = [nan] * len(machine.joints)
-        self._request = self._idle_request = DeviceRequest(nothing, nothing, nothing)
+        self._request = self._idle_request = DeviceRequest.first(len(machine.joints))
         self.status: DeviceStatus | None = None  # last status of a device that runs the control law
 
     def request(self, request: DeviceRequest) -> None:

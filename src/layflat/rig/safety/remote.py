@@ -68,8 +68,7 @@ class RemoteSupervisor:
         self.lost, self.outputs = 0, 0  # replies lost in succession; digital outputs that are on, as bits
         self._reported = RigState.OFF
         self.valve_mode, self._vented = ValveMode.CENTRE, True
-        nothing = [nan] * len(self._names)
-        self._request = DeviceRequest(nothing, nothing, nothing)
+        self._request = DeviceRequest.first(len(self._names))
         self._events: int | None = None  # number of the device's events so far; None before the first status
         layout = RowLayout.for_machine(machine)
         self._signals = np.full((len(self._names), len(layout.by_joint) - 1), nan)
@@ -144,19 +143,10 @@ class RemoteSupervisor:
 
     def _forward(self, request: HostRequest) -> None:
         """Send the host's request; a start only while no link fault is latched, and a stop while one is."""
-        ledger, last = self.ledger, self._request
+        ledger = self.ledger
         start = request.start and not ledger.is_link_lost
         if request.start and not start:
             ledger.events.append(REFUSAL_TEXTS[START_BARRED])
-        edges = start, request.stop or ledger.is_link_lost, request.hold, request.reset
-        starts, stops, holds, resets = (count + edge for count, edge in zip(last.edges, edges, strict=True))
-        outputs, switches = last.outputs, last.switches
-        for number, on in request.switched:
-            outputs, switches = outputs & ~(1 << number) | on << number, switches ^ 1 << number
-        nothing = [nan] * len(self._names)
-        self._request = DeviceRequest(
-            request.demands, request.velocities or nothing, request.accelerations or nothing,
-            (starts, stops, holds, resets), outputs, switches, self.recording, self._events or 0, request.age,
-            request.since,
-        )  # fmt: skip
+        forwarded = request._replace(start=start, stop=request.stop or ledger.is_link_lost)
+        self._request = self._request.following(forwarded, recording=self.recording, events=self._events or 0)
         self._device.request(self._request)

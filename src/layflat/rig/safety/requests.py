@@ -5,6 +5,7 @@ The tables in docs/rig-wires.md are those of this module.
 
 import struct
 from collections.abc import Sequence
+from math import nan
 from typing import NamedTuple, Self
 from zlib import crc32
 
@@ -17,6 +18,7 @@ from layflat.rig.driver import SensorReading
 from layflat.rig.record import RowLayout
 from layflat.rig.safety.faults import Fault, RigState, ValveMode
 from layflat.rig.safety.limits import joint_settings, rig_settings
+from layflat.rig.safety.supervisor import HostRequest
 from layflat.rig.wire import Wire, WireError
 
 EDGE_BITS = 4  # of each count of edges
@@ -41,6 +43,32 @@ class DeviceRequest(NamedTuple):
     events: int = 0  # number of events of the device that have been received
     age: float = 0.0  # time since the last message of the host, s
     since: float = 0.0  # time since the target instant of the demands, s
+
+    @classmethod
+    def first(cls, joints: int) -> Self:
+        """Return the request of a host that has not requested anything yet."""
+        nothing = [nan] * joints
+        return cls(nothing, nothing, nothing)
+
+    def following(self, request: HostRequest, *, recording: bool, events: int) -> Self:
+        """Return the request after this one.
+
+        Args:
+            request: what the host requests in a cycle; its edges are added to the counts.
+            recording: whether rows reach the disk.
+            events: number of events of the device that have been received.
+        """
+        edges = request.start, request.stop, request.hold, request.reset
+        starts, stops, holds, resets = (count + edge for count, edge in zip(self.edges, edges, strict=True))
+        outputs, switches = self.outputs, self.switches
+        for number, on in request.switched:
+            outputs, switches = outputs & ~(1 << number) | on << number, switches ^ 1 << number
+        nothing = [nan] * len(request.demands)
+        return self._replace(
+            demands=request.demands, velocities=request.velocities or nothing,
+            accelerations=request.accelerations or nothing, edges=(starts, stops, holds, resets), outputs=outputs,
+            switches=switches, recording=recording, events=events, age=request.age, since=request.since,
+        )  # fmt: skip
 
 
 class DeviceStatus(NamedTuple):
