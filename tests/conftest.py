@@ -12,6 +12,9 @@ from tests.programs import missing_program_lines, skip_without
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as there are tests on all cores, threads would wait for each other
 
+for variable in ("MAKEFLAGS", "MFLAGS", "MAKELEVEL", "MAKEOVERRIDES"):
+    os.environ.pop(variable, None)  # what a test makes prints the same where make runs the tests
+
 settings.register_profile("layflat", deadline=None, derandomize=True, max_examples=60)
 settings.load_profile("layflat")
 
