@@ -42,6 +42,12 @@ def test_make_builds_and_compares(folder: Path) -> None:
     assert done.stdout.splitlines()[-1].startswith("0 of ")
 
 
+def test_cmake_builds_and_compares(folder: Path) -> None:
+    run([needing("cmake"), "-S", ".", "-B", "built"], folder)
+    run(["cmake", "--build", "built"], folder)
+    assert run(["./built/example"], folder).splitlines()[-1].startswith("0 of ")
+
+
 @pytest.mark.parametrize("compiler", COMPILERS)
 def test_all_numbers_are_those_of_the_host(folder: Path, compiler: str) -> None:
     assert list(different_cycles(load("paper-arm"), folder, "double", compiler)) == []
