@@ -10,7 +10,8 @@ import pytest
 import xarray
 
 from layflat.errors import OutputError
-from layflat.files import check_file, check_folder, whole_file
+from layflat.files import check_file, check_folder, whole_file, whole_folder
+from layflat.outputs import OutputCommand, run_command
 from layflat.sim.dataset import save_run
 
 
@@ -117,3 +118,50 @@ def test_a_file_in_place_of_a_folder_is_named(tmp_path: Path) -> None:
         with pytest.raises(OutputError) as caught:
             check_folder(folder)
         assert str(caught.value) == f"{tmp_path / 'file'}: can't write here (it is a file); give the name of a folder"
+
+
+def fill(folder: Path, text: str, fault: BaseException | None = None) -> None:
+    with whole_folder(folder, {"part"}) as temporary:
+        (temporary / "part").mkdir()
+        (temporary / "part" / "text").write_text(text, encoding="utf-8")
+        if fault is not None:
+            raise fault
+
+
+def test_a_folder_appears_whole(tmp_path: Path) -> None:
+    for folder in (tmp_path / "new" / "one", tmp_path / "empty"):
+        if folder.name == "empty":
+            folder.mkdir()
+        fill(folder, "x")
+        assert (folder / "part" / "text").read_text(encoding="utf-8") == "x"
+        assert [path.name for path in folder.parent.iterdir() if path.name.startswith(".")] == []
+
+
+@pytest.mark.parametrize("fault", [KeyboardInterrupt(), ValueError("broken"), OutputError("full")])
+def test_a_failure_leaves_no_part_of_a_folder(tmp_path: Path, fault: BaseException) -> None:
+    with pytest.raises(type(fault)):
+        fill(tmp_path / "one", "x", fault)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_only_force_replaces_a_folder_and_only_one_of_its_kind(tmp_path: Path) -> None:
+    fill(tmp_path / "one", "old")
+    with pytest.raises(OutputError, match="one: is not empty, it holds 'part'; give a new folder, or --force"):
+        fill(tmp_path / "one", "new")
+    with run_command(OutputCommand("make", ("make", "--force"))):
+        with pytest.raises(ValueError, match="broken"):
+            fill(tmp_path / "one", "new", ValueError("broken"))
+        assert (tmp_path / "one" / "part" / "text").read_text(encoding="utf-8") == "old"
+        fill(tmp_path / "one", "new")
+        assert (tmp_path / "one" / "part" / "text").read_text(encoding="utf-8") == "new"
+        (tmp_path / "one" / "mine").write_text("mine", encoding="utf-8")
+        with pytest.raises(OutputError, match=r"one: is not empty, it holds 'mine'; give a new folder$"):
+            fill(tmp_path / "one", "new")
+    assert [path.name for path in tmp_path.iterdir()] == ["one"]
+
+
+@pytest.mark.usefixtures("nearly_full")
+def test_a_full_disk_is_told_for_a_folder_too(tmp_path: Path) -> None:
+    with pytest.raises(OutputError, match="free some space"):
+        fill(tmp_path / "one", "x" * 10000)
+    assert list(tmp_path.iterdir()) == []

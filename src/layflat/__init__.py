@@ -37,6 +37,7 @@ _PUBLIC_NAMES = {
     "size_joint": "layflat.design:size_joint",
     "tune": "layflat.tune",
     "units": "layflat.description.units",
+    "write_lerobot": "layflat.identify.logs:write_lerobot",
 }
 
 __all__ = list(_PUBLIC_NAMES)

@@ -17,6 +17,7 @@ from layflat.errors import MissingExtraError as MissingExtraError
 from layflat.errors import OutputError as OutputError
 from layflat.experiments import reproduce as reproduce
 from layflat.identify.logs import read_log as read_log
+from layflat.identify.logs import write_lerobot as write_lerobot
 from layflat.machine import Machine as Machine
 from layflat.machine import changed as changed
 from layflat.machine import load as load

@@ -2,14 +2,15 @@
 
 import errno
 import os
+import shutil
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from contextlib import contextmanager, suppress
 from filecmp import cmp
 from pathlib import Path
 
 from layflat.errors import LayflatError, OutputError
-from layflat.outputs import check_reachable, check_replaceable, record_output, replaced_record
+from layflat.outputs import check_reachable, check_replaceable, is_forced, record_output, replaced_record
 
 DISK_FULL_ERRORS = {errno.ENOSPC, errno.EFBIG, getattr(errno, "EDQUOT", errno.ENOSPC)}
 """Error numbers of a disk, a file or a quota that is full."""
@@ -84,15 +85,55 @@ def write_text(path: Path, text: str, *, owned: bool = False) -> Path:
     return path
 
 
+@contextmanager
+def whole_folder(folder: Path, names: Collection[str]) -> Iterator[Path]:
+    """Yield a temporary folder to write to; move it to `folder` when the block succeeds, remove it otherwise.
+
+    Args:
+        folder: new or empty folder; with --force one that holds nothing but such results.
+        names: names of what such a folder holds.
+
+    Raises:
+        OutputError: the folder holds something, or can't be made or written, or the disk is full.
+    """
+    check_reachable(folder)
+    check_vacant(folder, names)
+    temporary: Path | None = None
+    try:
+        folder.parent.mkdir(parents=True, exist_ok=True)
+        temporary = Path(tempfile.mkdtemp(prefix=f".{folder.name}-", dir=folder.parent))
+        new = temporary / "new"
+        new.mkdir()
+        yield new
+        old = temporary / "old"
+        try:
+            if folder.exists():
+                folder.replace(old)
+            new.replace(folder)
+        finally:
+            if old.exists() and not folder.exists():
+                old.replace(folder)
+    except LayflatError:
+        raise
+    except Exception as error:
+        failure = _write_error(error, folder, temporary)
+        if failure is None:
+            raise
+        raise failure from error
+    finally:
+        if temporary is not None:
+            shutil.rmtree(temporary, ignore_errors=True)
+
+
 def _write_error(error: Exception, path: Path, temporary: Path | None) -> OutputError | None:
-    """Return the OutputError that explains an error while writing a file; None if the error has another cause.
+    """Return the OutputError that explains an error while writing a file or folder; None if it has another cause.
 
     Another cause is that of an OSError of another file, or of an error without a number while a trial write succeeds.
     Libraries raise errors of their own on a full disk, without its number: a trial write shows the cause.
     """
     cause = error if isinstance(error, OSError) and error.errno is not None else _try_write(temporary)
-    other = temporary is not None and cause is not None and cause.filename not in {None, str(temporary), str(path)}
-    if cause is None or other:
+    own = temporary is None or cause is None or cause.filename in {None, str(path)}
+    if cause is None or not (own or Path(str(cause.filename)).is_relative_to(str(temporary))):
         return None
     full = cause.errno in DISK_FULL_ERRORS
     right = "free some space, or give another folder" if full else "give a folder that you may write to"
@@ -100,11 +141,14 @@ def _write_error(error: Exception, path: Path, temporary: Path | None) -> Output
 
 
 def _try_write(temporary: Path | None) -> OSError | None:
-    """Append `TRIAL_BYTES` to a temporary file and return the error; None if it succeeds or there is no file."""
+    """Append `TRIAL_BYTES` to a temporary file, or one in a folder, and return the error.
+
+    None if it succeeds, or there is no file.
+    """
     if temporary is None:
         return None
     try:
-        with temporary.open("ab") as file:
+        with (temporary / "trial" if temporary.is_dir() else temporary).open("ab") as file:
             file.write(TRIAL_BYTES)
             file.flush()
             os.fsync(file.fileno())
@@ -166,3 +210,19 @@ def check_folder(folder: Path, *names: str, costly: bool = False) -> Path:
             with suppress(OSError):  # it was never made, or another process writes here by now
                 parent.rmdir()
     return folder
+
+
+def check_vacant(folder: Path, names: Collection[str]) -> None:
+    """Check that results which are a whole folder can be written there; raise OutputError otherwise.
+
+    Args:
+        folder: missing, empty or, with --force, one that holds nothing but `names`.
+        names: names of what such a folder holds.
+    """
+    if folder.exists() and not folder.is_dir():
+        raise OutputError("is no folder", where=str(folder), right="give the name of a new folder")
+    content = sorted(path.name for path in folder.iterdir()) if folder.exists() else []
+    foreign = [name for name in content if name not in names]
+    if content and (foreign or not is_forced()):
+        right = "give a new folder" if foreign else "give a new folder, or --force to replace what it holds"
+        raise OutputError(f"is not empty, it holds {(foreign or content)[0]!r}", where=str(folder), right=right)

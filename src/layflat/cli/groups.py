@@ -45,6 +45,7 @@ logs = LazyTyper(
             "info": "recorded",
             "plot": "recorded",
             "export": "recorded",
+            "lerobot": "lerobot",
             "repair": "recorded",
         }
     },

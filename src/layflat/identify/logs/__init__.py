@@ -4,6 +4,7 @@ from layflat.identify.logs.checks import find_issues
 from layflat.identify.logs.checks.channels import raise_first_error
 from layflat.identify.logs.formats import read_table
 from layflat.identify.logs.guess import guess_mapping
+from layflat.identify.logs.lerobot import write_lerobot
 from layflat.identify.logs.mapping import read_mapping, write_mapping
 from layflat.identify.logs.read import read_log
 from layflat.sim.dataset import save_run
@@ -16,5 +17,6 @@ __all__ = [
     "read_mapping",
     "read_table",
     "save_run",
+    "write_lerobot",
     "write_mapping",
 ]

@@ -163,9 +163,16 @@ def read_netcdf(path: Path) -> FileContent:
         problem = "has no variable of time" + (f", and its groups ({', '.join(groups)}) are not read" if groups else "")
         right = 'give a file with variables over a dimension "time"'
         raise InputError(problem, where=str(path), right=right)
+    content = list_dataset(data, dimension)
+    left_out = {f"group {name}": "variables in groups are not read: put them at the top" for name in groups}
+    return content._replace(words={**content.words, **left_out})
+
+
+def list_dataset(data: "xarray.Dataset", dimension: str = "time") -> FileContent:
+    """Return the columns of a data set's variables over a dimension, those of joints as "angle.elbow"."""
     cells: dict[str, Cells] = {}
     units: dict[str, str] = {}
-    left_out = {f"group {name}": "variables in groups are not read: put them at the top" for name in groups}
+    left_out: dict[str, str] = {}
     for name, stored in data.variables.items():
         variable = stored.transpose(dimension, ...) if dimension in stored.dims else stored
         reason = _exclusion_reason(str(name), variable, data, dimension)
