@@ -160,6 +160,35 @@ def test_only_force_replaces_a_folder_and_only_one_of_its_kind(tmp_path: Path) -
     assert [path.name for path in tmp_path.iterdir()] == ["one"]
 
 
+def test_the_working_folder_can_be_filled_and_replaced(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    with run_command(OutputCommand("make", ("make", "--force"))):
+        for text in ("old", "new"):
+            fill(Path(), text)
+            assert [path.name for path in tmp_path.iterdir()] == ["part"]
+            assert (tmp_path / "part" / "text").read_text(encoding="utf-8") == text
+
+
+@pytest.mark.parametrize("fault", [KeyboardInterrupt(), OSError("broken")])
+def test_a_folder_keeps_its_content_where_the_new_one_does_not_arrive(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, fault: BaseException
+) -> None:
+    fill(tmp_path / "one", "old")
+    replace, calls = Path.replace, []
+
+    def fail_once(self: Path, target: Path) -> Path:
+        calls.append(target)
+        if len(calls) == 2:  # the old part has left
+            raise fault
+        return replace(self, target)
+
+    monkeypatch.setattr(Path, "replace", fail_once)
+    with run_command(OutputCommand("make", ("make", "--force"))), pytest.raises(type(fault)):
+        fill(tmp_path / "one", "new")
+    assert (tmp_path / "one" / "part" / "text").read_text(encoding="utf-8") == "old"
+    assert [path.name for path in (tmp_path / "one").iterdir()] == ["part"]
+
+
 @pytest.mark.usefixtures("nearly_full")
 def test_a_full_disk_is_told_for_a_folder_too(tmp_path: Path) -> None:
     with pytest.raises(OutputError, match="free some space"):

@@ -4,7 +4,7 @@ import errno
 import os
 import shutil
 import tempfile
-from collections.abc import Collection, Iterator
+from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager, suppress
 from filecmp import cmp
 from pathlib import Path
@@ -33,7 +33,6 @@ def whole_file(path: Path, *, owned: bool = False) -> Iterator[Path]:
             replaced and has another content.
     """
     check_reachable(path)
-    temporary: Path | None = None
     refused: OutputError | None = None
     if not owned:
         try:
@@ -42,11 +41,7 @@ def whole_file(path: Path, *, owned: bool = False) -> Iterator[Path]:
             if not path.is_file():
                 raise
             refused = error  # unless the new content is the same
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        handle, name = tempfile.mkstemp(prefix=f".{path.stem}-", suffix=path.suffix, dir=path.parent)
-        temporary = Path(name)
-        os.close(handle)
+    with _temporary_path(path, path.parent, _make_file) as temporary:
         yield temporary
         if refused is not None:
             if cmp(temporary, path, shallow=False):
@@ -57,6 +52,25 @@ def whole_file(path: Path, *, owned: bool = False) -> Iterator[Path]:
         temporary.replace(path)
         if not owned:
             record_output(path, replaced)
+
+
+@contextmanager
+def _temporary_path(path: Path, folder: Path, make: Callable[[Path, Path], Path]) -> Iterator[Path]:
+    """Yield a temporary path for what becomes `path`, and remove it at the end.
+
+    Args:
+        path: path of the result, for messages.
+        folder: folder of the temporary path, which is made.
+        make: function that makes a file or folder for a path in a folder, and returns the new path.
+
+    Raises:
+        OutputError: in place of an error that writing caused.
+    """
+    temporary: Path | None = None
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        temporary = make(path, folder)
+        yield temporary
     except LayflatError:
         raise
     except Exception as error:
@@ -65,8 +79,22 @@ def whole_file(path: Path, *, owned: bool = False) -> Iterator[Path]:
             raise
         raise failure from error
     finally:
-        if temporary is not None:
+        if temporary is not None and temporary.is_dir():
+            shutil.rmtree(temporary, ignore_errors=True)
+        elif temporary is not None:
             temporary.unlink(missing_ok=True)
+
+
+def _make_file(path: Path, folder: Path) -> Path:
+    """Make an empty hidden file with a name like that of `path` in a folder, and return its path."""
+    handle, name = tempfile.mkstemp(prefix=f".{path.stem}-", suffix=path.suffix, dir=folder)
+    os.close(handle)
+    return Path(name)
+
+
+def _make_folder(path: Path, folder: Path) -> Path:
+    """Make an empty hidden folder with a name like that of `path` in a folder, and return its path."""
+    return Path(tempfile.mkdtemp(prefix=f".{path.name}-", dir=folder))
 
 
 def write_text(path: Path, text: str, *, owned: bool = False) -> Path:
@@ -98,31 +126,39 @@ def whole_folder(folder: Path, names: Collection[str]) -> Iterator[Path]:
     """
     check_reachable(folder)
     check_vacant(folder, names)
-    temporary: Path | None = None
-    try:
-        folder.parent.mkdir(parents=True, exist_ok=True)
-        temporary = Path(tempfile.mkdtemp(prefix=f".{folder.name}-", dir=folder.parent))
+    exists = folder.exists()
+    home = folder if exists else folder.parent
+    with _temporary_path(folder, home, _make_folder) as temporary:
         new = temporary / "new"
         new.mkdir()
         yield new
-        old = temporary / "old"
-        try:
-            if folder.exists():
-                folder.replace(old)
+        if exists:
+            _exchange_content(folder, new, temporary / "old", names)
+        else:
             new.replace(folder)
-        finally:
-            if old.exists() and not folder.exists():
-                old.replace(folder)
-    except LayflatError:
+
+
+def _exchange_content(folder: Path, new: Path, old: Path, names: Collection[str]) -> None:
+    """Move what `new` holds to a folder, and what the folder holds of these names to `old`; all of it, or nothing.
+
+    The folder itself stays: it may be the working folder or a disk of its own, which can't be moved.
+    """
+    old.mkdir()
+    arrived: list[Path] = []
+    try:
+        for name in names:
+            if (folder / name).exists():
+                (folder / name).replace(old / name)
+        for part in list(new.iterdir()):
+            arrived.append(part)
+            part.replace(folder / part.name)
+    except BaseException:
+        for part in arrived:
+            if not part.exists():
+                (folder / part.name).replace(part)
+        for part in list(old.iterdir()):
+            part.replace(folder / part.name)
         raise
-    except Exception as error:
-        failure = _write_error(error, folder, temporary)
-        if failure is None:
-            raise
-        raise failure from error
-    finally:
-        if temporary is not None:
-            shutil.rmtree(temporary, ignore_errors=True)
 
 
 def _write_error(error: Exception, path: Path, temporary: Path | None) -> OutputError | None:
