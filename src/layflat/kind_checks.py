@@ -9,11 +9,10 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
-import numpy as np
-
 from layflat.errors import KindError
 from layflat.jit import Law
 from layflat.jit.outside import NO_FAILURES, first_line, place_in_kinds
+from layflat.lazy import numpy as np
 
 
 class MisfitError(Exception):

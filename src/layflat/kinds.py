@@ -9,7 +9,6 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeVar
 
-import numpy as np
 from pydantic import BaseModel, GetCoreSchemaHandler
 from pydantic_core import core_schema
 
@@ -19,6 +18,7 @@ from layflat.errors import KindError
 from layflat.jit import ByKind, Law, by_kind
 from layflat.kind_checks import naming_law, place_of
 from layflat.lanes import leaves, mapped
+from layflat.lazy import numpy as np
 
 REQUIRED_ENTRY: Any = object()  # default of an entry that a kind has to define
 

@@ -5,6 +5,12 @@ import sys
 
 import pytest
 
+from layflat.export.targets import EXPORT_TARGETS
+from layflat.jit import objects
+from wheels.prebuilt import PROCESSORS
+
+NOTHING = "define void @nothing() {\n  ret void\n}\n"
+
 FAR_HOLE = """
 import ctypes, mmap
 from layflat.jit import objects
@@ -45,3 +51,14 @@ def test_parts_of_an_object_file_lie_side_by_side() -> None:
     """Distances between them have 32 bits; nothing else keeps free places of a large process from being farther."""
     done = subprocess.run([sys.executable, "-c", FAR_HOLE], capture_output=True, text=True, check=True)
     assert int(done.stdout) < 1 << 24
+
+
+COMPUTERS = {name: one.processor for name, one in EXPORT_TARGETS.items() if name.startswith(("linux", "win", "mac"))}
+
+
+@pytest.mark.parametrize("name", [*PROCESSORS, *COMPUTERS])
+def test_the_start_of_object_files_is_what_llvm_writes(name: str) -> None:
+    processor = (PROCESSORS | COMPUTERS)[name]
+    start = objects.object_start(processor.triple)
+    assert start
+    assert objects.machine_code(NOTHING, ("nothing",), processor).startswith(start)

@@ -112,8 +112,8 @@ def test_nothing_has_to_be_written_to_read_a_description(tmp_path: Path) -> None
     assert float(done.stdout) == pytest.approx(0.4064)
 
 
-def test_a_description_is_read_without_the_compiler_and_without_pint() -> None:
-    heavy = ("numba", "llvmlite", "pint", "scipy", "xarray", "matplotlib")
+def test_a_description_is_read_without_the_compiler_numpy_and_pint() -> None:
+    heavy = ("numba", "llvmlite", "numpy", "pint", "scipy", "xarray", "matplotlib")
     code = f"import sys; from layflat.machine import load; load('paper-arm'); print({{*{heavy}}} & {{*sys.modules}})"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "set()"

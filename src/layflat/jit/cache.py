@@ -22,6 +22,7 @@ WITHOUT_LAWS = (
     "files.py",
     "kind_checks.py",
     "kinds.py",
+    "lazy.py",
     "outputs.py",
     "parallel.py",
 )

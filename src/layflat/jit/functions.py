@@ -8,8 +8,6 @@ from threading import Lock
 from types import ModuleType
 from typing import Any
 
-import numpy as np
-
 from layflat.errors import CompilerError
 from layflat.jit import stored
 from layflat.jit.cache import cache_folder, included_sources
@@ -17,6 +15,7 @@ from layflat.jit.inlining import LAWS_INLINED
 from layflat.jit.outside import blame_outside
 from layflat.jit.signatures import signature_text, words
 from layflat.lanes import interpreted, lane_by_lane, register_bytes
+from layflat.lazy import numpy as np
 
 LOG = logging.getLogger(__name__)
 

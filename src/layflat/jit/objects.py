@@ -224,13 +224,21 @@ def _linker() -> Any:
     return binding.create_lljit_compiler(machine, use_jit_link=True, suppress_errors=True)
 
 
-FORMAT_BYTES = 20  # at the beginning of an object file: its format and its processor, in that of Linux
+ELF_START = b"\x7fELF\2\1\1" + bytes(9) + b"\1\0"  # of 64 bits, least byte first, an object file
+MACH_O_START = b"\xcf\xfa\xed\xfe"  # likewise
+OBJECT_STARTS = {
+    r"x86_64-.*-linux-": ELF_START + b"\x3e\0",
+    r"aarch64-.*-linux-": ELF_START + b"\xb7\0",
+    r"x86_64-.*-windows-": b"\x64\x86",
+    r"x86_64-apple-": MACH_O_START + b"\7\0\0\1",
+    r"arm64-apple-": MACH_O_START + b"\x0c\0\0\1",
+}
+"""First bytes of object files, their format and processor, by a pattern of LLVM's triple."""
 
 
-@cache
-def _host_format() -> bytes:
-    """Return the first bytes of this computer's object files; LLVM ends the process if it loads those of another."""
-    return bytes(_target_machine(host()).emit_object(binding.parse_assembly("")))[:FORMAT_BYTES]
+def object_start(triple: str) -> bytes:
+    """Return the first bytes of a processor's object files; b"" if they are not known."""
+    return next((start for pattern, start in OBJECT_STARTS.items() if re.match(pattern, triple)), b"")
 
 
 def load(code: bytes, name: str, arguments: tuple[Any, ...] = (ctypes.c_void_p,)) -> Callable[..., None]:
@@ -244,8 +252,7 @@ def load(code: bytes, name: str, arguments: tuple[Any, ...] = (ctypes.c_void_p,)
     Raises:
         CompilerError: it is no object file of this processor with such a function.
     """
-    host()
-    if not code.startswith(_host_format()):
+    if not code.startswith(object_start(host().triple)):  # LLVM would end the process
         raise CompilerError(f"machine code of {name} is of another processor or system")
     builder = binding.JITLibraryBuilder().add_object_img(code).add_current_process().export_symbol(name)
     with _linking:

@@ -7,9 +7,8 @@ apart; a `Like` is constant and has no words.
 from collections.abc import Iterator
 from typing import Any
 
-import numpy as np
-
 from layflat.lanes import Like
+from layflat.lazy import numpy as np
 
 
 class UnportableError(TypeError):

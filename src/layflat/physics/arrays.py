@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from typing import Any
 
-import numpy as np
+from layflat.lazy import numpy as np
 
 __all__ = ["itemwise"]
 

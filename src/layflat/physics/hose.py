@@ -18,10 +18,8 @@ Because the same K stands for torque and for volume, a joint built from it conse
 from math import cos, pi, sin
 from typing import Any, NamedTuple
 
-import numpy as np
-from numpy.polynomial.polynomial import polyfit
-
 from layflat.jit import by_kind, law
+from layflat.lazy import numpy as np
 from layflat.physics.arrays import itemwise
 
 STROKE_NODES = 41  # contact angles at which a roller's stroke is fitted, closest at both ends of the travel
@@ -141,7 +139,7 @@ class HoseGeometry(NamedTuple):
         t = 0.5 - 0.5 * np.cos(np.linspace(0.0, pi, STROKE_NODES))
         alphas = [self.wrap - share * S * r / (self.peel_ratio * self.cylinder_radius) for share in t]
         K = np.array([self.torque(alpha, r) for alpha in alphas])
-        return PolynomialStroke(*(k / S**i for i, k in enumerate(polyfit(t, K, 4))))
+        return PolynomialStroke(*(k / S**i for i, k in enumerate(np.polynomial.polynomial.polyfit(t, K, 4))))
 
     def even_stroke(self, r: float) -> ConstantStroke:
         """Return K of a cam with travel and mean torque of a roller of radius r (m)."""

@@ -10,15 +10,16 @@ A joint between its hoses is a mass between air springs.
 """
 
 from math import sqrt
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
-from layflat.arrays import Array
+from layflat.lazy import numpy as np
 from layflat.physics.air import GAMMA
 from layflat.physics.arms import dynamics
 from layflat.physics.hose import swept_volume, torque_per_pressure
 from layflat.physics.joint import HoseParameters, JointParameters, Surroundings, has_second
+
+if TYPE_CHECKING:
+    from layflat.arrays import Array
 
 CONFIGURATION_SAMPLES = 16  # number of random configurations in which mass matrices are computed
 
@@ -39,7 +40,7 @@ def natural_rates(arm: Any, joints: tuple[JointParameters, ...], around: Surroun
     return sqrt(_max_eigenvalue(stiffness, mobilities)), _max_eigenvalue(damping, mobilities)
 
 
-def _max_eigenvalue(of_joints: Array, mobilities: Array) -> float:
+def _max_eigenvalue(of_joints: "Array", mobilities: "Array") -> float:
     """Return the maximum eigenvalue of M^-1 diag(of_joints) over stacked inverses of M; 0 where none is positive.
 
     A search may try links that can't be bodies, whose masses are negative.
@@ -66,7 +67,7 @@ def _joint_damping(joint: JointParameters, around: Surroundings) -> Any:
     return joint.viscous_friction + (a.base + b.base) + (a.slope + b.slope) * gauge
 
 
-def _mass_matrices(arm: Any, configurations: Array) -> Array:
+def _mass_matrices(arm: Any, configurations: "Array") -> "Array":
     """Return mass matrices (configurations, runs, joints, joints), kg m2; runs is 1 where all have the same."""
     n = configurations.shape[1]
     upper, _, _ = dynamics(arm, 0.0, tuple(configurations.T[..., None]), (0.0,) * n)

@@ -11,12 +11,13 @@ Noise is the same for the same seed.
 
 from collections.abc import Iterator
 from math import floor
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
-import numpy as np
-
-from layflat.arrays import Array
 from layflat.jit import law
+from layflat.lazy import numpy as np
+
+if TYPE_CHECKING:
+    from layflat.arrays import Array
 
 
 class Sensor(NamedTuple):
@@ -39,7 +40,7 @@ def read_sensor(sensor, y, normal):
 NOISE_BLOCK = 256  # samples of noise that are drawn at once where their number is not known
 
 
-def sensor_noise(seed: int | None, samples: int, joints: int) -> Array:
+def sensor_noise(seed: int | None, samples: int, joints: int) -> "Array":
     """Return standard normal samples of angle and pressure sensors, (samples, joints, 2).
 
     Args:
@@ -51,7 +52,7 @@ def sensor_noise(seed: int | None, samples: int, joints: int) -> Array:
     return np.zeros(shape) if seed is None else np.random.default_rng(seed).standard_normal(shape)
 
 
-def noise_samples(seed: int | None, joints: int) -> Iterator[Array]:
+def noise_samples(seed: int | None, joints: int) -> "Iterator[Array]":
     """Yield the samples of `sensor_noise`, (joints, 2), one after the other and without end."""
     rng = None if seed is None else np.random.default_rng(seed)
     zeros = np.zeros((NOISE_BLOCK, joints, 2))

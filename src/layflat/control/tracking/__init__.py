@@ -15,7 +15,6 @@ from collections.abc import Callable
 from math import pi, radians
 from typing import Annotated, Any, Literal, get_args
 
-import numpy as np
 from pydantic import Field
 
 from layflat.control.kind import ControlKind, ControllerPart
@@ -27,6 +26,7 @@ from layflat.control.tracking.model import ObserverTuning, PlantModel, step_coun
 from layflat.control.tracking.torques import Feedback
 from layflat.description import units as u
 from layflat.errors import MachineError
+from layflat.lazy import numpy as np
 from layflat.physics.air import GAMMA, GAS_CONSTANT, REFERENCE_DENSITY, REFERENCE_TEMPERATURE
 from layflat.physics.arrays import itemwise
 from layflat.physics.flow import effective_pressure

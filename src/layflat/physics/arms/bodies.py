@@ -1,12 +1,16 @@
 """An arm as rigid bodies, each in its own frame: for other engines and for drawing."""
 
-from collections.abc import Sequence
+from __future__ import annotations
+
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import numpy as np
+from layflat.lazy import numpy as np
 
-from layflat.arrays import Array
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from layflat.arrays import Array
 
 
 @dataclass(frozen=True)

@@ -16,12 +16,12 @@ Source: the planar two-link arm of any textbook, e.g. Spong 2020 (key spong2020)
 from collections.abc import Sequence
 from typing import Annotated, Any, Literal, NamedTuple
 
-import numpy as np
 from pydantic import Field
 
 from layflat.description import units as u
 from layflat.jit import composition, law
 from layflat.lanes import halves, join
+from layflat.lazy import numpy as np
 from layflat.physics.arms.bodies import RigidArm, RigidLink, lump_bodies, point_mass_body, rotation_from_angles
 from layflat.physics.arms.kind import NO_TORQUE, ArmKind, ArmLaws, ArmPart
 from layflat.physics.trig import sincos

@@ -19,13 +19,13 @@ the motion's size takes an equal part of the loss; the more elements, the smooth
 from collections.abc import Sequence
 from typing import Annotated, Any, Literal, NamedTuple, Self
 
-import numpy as np
 from pydantic import Field, model_validator
 
 from layflat.description import ordered
 from layflat.description import units as u
 from layflat.jit import law
 from layflat.lanes import each, in_lanes, total
+from layflat.lazy import numpy as np
 from layflat.physics.hysteresis.kind import HysteresisKind, LossesPart, split_by_pressure
 
 

@@ -18,13 +18,13 @@ weight, their times in geometric progression, do the same from the first time to
 from collections.abc import Sequence
 from typing import Annotated, Literal, NamedTuple, Self
 
-import numpy as np
 from pydantic import Field, model_validator
 
 from layflat.description import ordered
 from layflat.description import units as u
 from layflat.jit import law
 from layflat.lanes import each, select
+from layflat.lazy import numpy as np
 from layflat.physics.hysteresis import elasto_slip
 from layflat.physics.hysteresis.elasto_slip import ElementTorques
 from layflat.physics.hysteresis.kind import HysteresisKind, LossesPart, split_by_pressure

@@ -8,12 +8,12 @@
 from math import pi
 from typing import Annotated, Literal, NamedTuple
 
-import numpy as np
 from pydantic import Field
 
 from layflat.description import Part
 from layflat.description import units as u
 from layflat.jit import law
+from layflat.lazy import numpy as np
 from layflat.physics.arrays import itemwise
 from layflat.physics.driver import advance_dither, half_dither_change, scale_dither, start_dither
 from layflat.physics.flow import laminar_slope

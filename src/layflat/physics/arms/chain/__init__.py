@@ -11,8 +11,7 @@ the described frames.
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
-import numpy as np
-
+from layflat.lazy import numpy as np
 from layflat.physics.arms.bodies import (
     RigidArm,
     RigidLink,

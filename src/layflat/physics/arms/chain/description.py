@@ -2,12 +2,12 @@
 
 from typing import Annotated, Any, Literal, Self
 
-import numpy as np
 from pydantic import Field, model_validator
 
 from layflat.description import Part
 from layflat.description import units as u
 from layflat.description.names import Key
+from layflat.lazy import numpy as np
 from layflat.physics.arms.kind import MAX_JOINTS, ArmPart
 
 TRIANGLE_INEQUALITY_TOLERANCE = (
