@@ -11,7 +11,7 @@ from layflat.jit import stored
 from tests.cli.commands import layflat
 
 DIGEST = "0123456789abcdef"
-HEAVY = ("numba", "dask", "distributed", "pyarrow.dataset")
+HEAVY = ("numba", "dask", "distributed", "pyarrow")
 
 COMMAND = """
 import sys

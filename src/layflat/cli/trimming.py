@@ -1,8 +1,8 @@
 """Commands without what large packages do for other users: it takes as long as the rest of a short command.
 
-xarray imports each package of arrays that is installed, dask with its scheduler among them, although commands hand it
-plain arrays alone. Matplotlib writes the documentation of every method that sets properties, which nobody reads in a
-command.
+xarray imports each package of arrays that is installed, dask with its scheduler among them, and pandas imports Arrow,
+although commands hand them plain arrays alone. Matplotlib writes the documentation of every method that sets
+properties, which nobody reads in a command.
 """
 
 import gc
@@ -12,6 +12,7 @@ from contextlib import contextmanager
 
 GC_THRESHOLD = 100_000  # new objects between two searches for garbage
 ARRAY_PACKAGES = ("dask", "pint", "cupy", "sparse", "cubed")  # that xarray looks for
+TABLE_PACKAGES = ("pyarrow",)  # that pandas looks for; 40 MB of memory
 
 
 @contextmanager
@@ -27,12 +28,13 @@ def hide_packages(*names: str) -> Iterator[None]:
 
 
 def trim_imports() -> None:
-    """Import xarray without `ARRAY_PACKAGES` and matplotlib without documentation, and search for garbage less often.
+    """Import xarray, pandas and matplotlib without what a command does not need, and search for garbage less often.
 
-    It is for the process of a command, before anything else imports them.
+    Left out are `ARRAY_PACKAGES`, `TABLE_PACKAGES`, and matplotlib's documentation. It is for the process of a command,
+    before anything else imports them.
     """
     gc.set_threshold(GC_THRESHOLD)  # else a sixth of the time is spent on objects that stay
-    with hide_packages(*ARRAY_PACKAGES):
+    with hide_packages(*ARRAY_PACKAGES, *TABLE_PACKAGES):
         from xarray.namedarray.pycompat import array_type  # noqa: PLC0415
         from xarray.namedarray.utils import module_available  # noqa: PLC0415
 

@@ -71,7 +71,7 @@ class HostSupervisor:
         self._settings, self._inputs, self.memory, self.results, self._workspace = (
             np.array(list(leaves(part)), self.real) for part in parts
         )
-        self._start = self.memory.copy()
+        self._start = self.memory.copy(), self.results.copy()
 
     def cycle(self, inputs: Array) -> Array:
         """Return memory and results after a cycle."""
@@ -82,7 +82,7 @@ class HostSupervisor:
 
     def take_over(self, core: CycleCore) -> None:
         """Run the cycles of a rig's loop from its start."""
-        self.memory[:] = self._start
+        self.memory[:], self.results[:] = self._start
         places = changed_numbers(core)
         ends = np.cumsum([place.size for place in places])[:-1]
 
