@@ -146,8 +146,11 @@ def test_a_failure_leaves_no_part_of_a_folder(tmp_path: Path, fault: BaseExcepti
 
 def test_only_force_replaces_a_folder_and_only_one_of_its_kind(tmp_path: Path) -> None:
     fill(tmp_path / "one", "old")
-    with pytest.raises(OutputError, match="one: is not empty, it holds 'part'; give a new folder, or --force"):
+    said = "one: is not empty, it holds 'part'; give a new folder, or --force"
+    with run_command(OutputCommand("make", ("make",))), pytest.raises(OutputError, match=said):
         fill(tmp_path / "one", "new")
+    with pytest.raises(OutputError, match=r"one: is not empty, it holds 'part'; give a new folder$"):
+        fill(tmp_path / "one", "new")  # from Python, where nothing is forced
     with run_command(OutputCommand("make", ("make", "--force"))):
         with pytest.raises(ValueError, match="broken"):
             fill(tmp_path / "one", "new", ValueError("broken"))

@@ -10,7 +10,7 @@ from filecmp import cmp
 from pathlib import Path
 
 from layflat.errors import LayflatError, OutputError
-from layflat.outputs import check_reachable, check_replaceable, is_forced, record_output, replaced_record
+from layflat.outputs import check_reachable, check_replaceable, check_vacant, record_output, replaced_record
 
 DISK_FULL_ERRORS = {errno.ENOSPC, errno.EFBIG, getattr(errno, "EDQUOT", errno.ENOSPC)}
 """Error numbers of a disk, a file or a quota that is full."""
@@ -246,19 +246,3 @@ def check_folder(folder: Path, *names: str, costly: bool = False) -> Path:
             with suppress(OSError):  # it was never made, or another process writes here by now
                 parent.rmdir()
     return folder
-
-
-def check_vacant(folder: Path, names: Collection[str]) -> None:
-    """Check that results which are a whole folder can be written there; raise OutputError otherwise.
-
-    Args:
-        folder: missing, empty or, with --force, one that holds nothing but `names`.
-        names: names of what such a folder holds.
-    """
-    if folder.exists() and not folder.is_dir():
-        raise OutputError("is no folder", where=str(folder), right="give the name of a new folder")
-    content = sorted(path.name for path in folder.iterdir()) if folder.exists() else []
-    foreign = [name for name in content if name not in names]
-    if content and (foreign or not is_forced()):
-        right = "give a new folder" if foreign else "give a new folder, or --force to replace what it holds"
-        raise OutputError(f"is not empty, it holds {(foreign or content)[0]!r}", where=str(folder), right=right)

@@ -12,7 +12,7 @@ Where no command runs, in Python, a function writes to the path that it is given
 import json
 import os
 import shlex
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -128,6 +128,24 @@ def check_replaceable(path: Path, *, costly: bool = False) -> None:
         return
     if costly or record.name != command.name:
         raise OutputError(f"holds what `{record.line}` wrote", where=str(path), right=REPLACE_ADVICE)
+
+
+def check_vacant(folder: Path, names: Collection[str]) -> None:
+    """Check that results which are a whole folder can be written there; raise OutputError otherwise.
+
+    Args:
+        folder: missing, empty or, with --force, one that holds nothing but `names`.
+        names: names of what such a folder holds.
+    """
+    if folder.exists() and not folder.is_dir():
+        raise OutputError("is no folder", where=str(folder), right="give the name of a new folder")
+    content = sorted(path.name for path in folder.iterdir()) if folder.exists() else []
+    foreign = [name for name in content if name not in names]
+    if content and (foreign or not is_forced()):
+        right = "give a new folder"
+        if not foreign and _running is not None:
+            right += f", or {FORCE} to replace what it holds"
+        raise OutputError(f"is not empty, it holds {(foreign or content)[0]!r}", where=str(folder), right=right)
 
 
 def replaced_record(path: Path) -> OutputRecord | None:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from layflat import extras
 from layflat.arrays import Array, Picture
 from layflat.errors import InputError, OutputError
-from layflat.files import check_vacant, whole_folder
+from layflat.files import whole_folder
 from layflat.lerobot.layout import (
     EPISODES_PATH,
     INFO_PATH,
@@ -34,6 +34,7 @@ from layflat.lerobot.statistics import (
     vector_statistics,
 )
 from layflat.lerobot.video import CameraVideo
+from layflat.outputs import check_vacant
 
 MAX_FPS = 1000  # frames a second
 
