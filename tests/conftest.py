@@ -36,6 +36,7 @@ def pytest_collection_finish() -> None:
     """Let the collector never look again at what the tests' modules hold, half a gigabyte that stays to the end."""
     gc.collect()
     gc.freeze()
+    gc.enable()  # importing the command line switches it off until a command begins
 
 
 @pytest.hookimpl(wrapper=True, tryfirst=True)
