@@ -99,6 +99,8 @@ main()
         ("motion plan tour paper-arm", "motion"),
         ("cell pack --picks 1", "cell"),
         ("arm view paper-arm", "view"),
+        ("foxglove run.mcap", "foxglove"),
+        ("foxglove run.nc --out new.mcap", "foxglove"),
         ("arm view paper-arm --png arm.png", "view"),
     ],
 )

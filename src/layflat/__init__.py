@@ -21,6 +21,7 @@ _PUBLIC_NAMES = {
     "design_joint": "layflat.design:design_joint",
     "ensemble": "layflat.sim.ensemble:ensemble",
     "export": "layflat.export",
+    "foxglove": "layflat.foxglove",
     "identify": "layflat.identify",
     "inverse_kinematics": "layflat.motion:inverse_kinematics",
     "load": "layflat.machine:load",

@@ -1,4 +1,5 @@
 from layflat import export as export
+from layflat import foxglove as foxglove
 from layflat import identify as identify
 from layflat import plot as plot
 from layflat import tune as tune

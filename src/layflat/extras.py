@@ -17,6 +17,7 @@ EXTRA_PACKAGES: Mapping[str, Mapping[str, str]] = {
             "pymodbus": "pymodbus", "serial": "pyserial", "cobs": "cobs"},
     "gpu": {"numba_cuda": "numba-cuda"},
     "cluster": {"pyarrow": "pyarrow", "pandas": "pandas", "dask": "dask", "distributed": "distributed"},
+    "foxglove": {"foxglove": "foxglove-sdk"},
     "hyddown": {"yaml": "PyYAML"},
     "motion": {"ruckig": "ruckig"},
     "export": {"ziglang": "ziglang"},

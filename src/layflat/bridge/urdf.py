@@ -46,9 +46,10 @@ def to_urdf(machine: str | Path | Machine, folder: str = "") -> str:
     _add_mujoco_options(robot, arm.gravity, pieces)
     for of in ("link", "joint"):
         SubElement(SubElement(robot, "material", name=of), "color", rgba=format_numbers(COLOURS[of]))
-    parent = _add_link(robot, "base", None)
-    for name, link, drawn, body in zip(machine.joints, arm.links, pieces, bodies, strict=True):
-        child = _add_link(robot, f"{name}-link", (link.mass, link.centre, link.inertia))
+    base, *children, tool = link_names(machine)
+    parent = _add_link(robot, base, None)
+    for name, child, link, drawn, body in zip(machine.joints, children, arm.links, pieces, bodies, strict=True):
+        _add_link(robot, child, (link.mass, link.centre, link.inertia))
         for at, piece in enumerate(drawn):
             _add_visuals(robot[-1], piece, f"{name}-{at}", meshes)
         _add_visuals(robot[-1], body, f"{name}-{JOINT_BODY_NAME}", meshes)
@@ -56,9 +57,9 @@ def to_urdf(machine: str | Path | Machine, folder: str = "") -> str:
         SubElement(joint, "axis", xyz=format_numbers(link.axis))
         _add_limits(joint, machine, name, link.armature)
         parent = child
-    ends = ["tool", "payload"] if machine.arm.payload > 0.0 else ["tool"]
+    ends = [tool, "payload"] if machine.arm.payload > 0.0 else [tool]
     weights = {
-        "tool": MASSLESS_BODY,
+        tool: MASSLESS_BODY,
         "payload": (
             machine.arm.payload,
             np.zeros(3),
@@ -69,6 +70,11 @@ def to_urdf(machine: str | Path | Machine, folder: str = "") -> str:
         _add_joint(robot, f"{end}-fixed", "fixed", parent, _add_link(robot, end, weights[end]), arm.tool, arm.tool_axes)
     indent(robot)
     return '<?xml version="1.0"?>\n' + tostring(robot, encoding="unicode") + "\n"
+
+
+def link_names(machine: Machine) -> list[str]:
+    """Return the names of an arm's links: base, that which each joint moves, and tool."""
+    return ["base", *(f"{name}-link" for name in machine.joints), "tool"]
 
 
 def unread_meshes(pieces: Iterable[Iterable[Piece]]) -> list[str]:

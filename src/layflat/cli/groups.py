@@ -78,7 +78,7 @@ app = LazyTyper(
         "Measure": {"excite": "identify", "log": logs, "identify": "identify"},
         "Run a rig": {"rig": rigs, "panel": "pages"},
         "Pack in a cell": {"cell": cells},
-        "Run elsewhere": {"export": "export"},
+        "Run elsewhere": {"export": "export", "foxglove": "foxglove"},
         "Research": {"reproduce": "reproduce", "beyond": "reproduce"},
         "Help": {"docs": "describe", "cache": "cache", "completion": "completion"},
     },

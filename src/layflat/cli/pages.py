@@ -13,6 +13,7 @@ import typer
 from layflat import extras
 from layflat.cli.common import MACHINE_HELP, MachineName, Out, expanded, naming_options
 from layflat.cli.completers import complete_name
+from layflat.cli.foxglove import FoxglovePort, showing_in_foxglove
 from layflat.cli.groups import app
 from layflat.cli.rig import VirtualRig, driver_at, stopping
 from layflat.errors import LayflatError
@@ -100,6 +101,7 @@ def open_panel(
         str | None,
         typer.Option(metavar="ADDRESS", help="modbus://HOST:PORT or serial:///dev/NAME; default: a virtual rig"),
     ] = None,
+    foxglove: FoxglovePort = None,
     out: Out = Path("build/panel"),
 ) -> None:
     """Open the page on which an operator runs a rig.
@@ -114,11 +116,12 @@ def open_panel(
     require_posix("panel")
     extras.require("panel", where="panel")
     described, place = load(machine), page.endpoint()
-    with stopping() as stopped, _rig(described, driver) as rig:
+    with stopping() as stopped, showing_in_foxglove(described, foxglove) as show, _rig(described, driver) as rig:
         from layflat.pages.panel.desk import Desk  # noqa: PLC0415
         from layflat.pages.panel.page import panel_page  # noqa: PLC0415  # it needs the extra
 
         with Desk(described, rig, check_folder(out)) as desk:
+            show(desk.link.snapshot)
             page.serve(lambda: panel_page(desk), place, described, stopped, idle=lambda: desk.link.is_at_rest)
 
 

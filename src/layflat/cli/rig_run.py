@@ -11,6 +11,7 @@ import typer
 
 from layflat.cli.bars import COMPILING_TEXT, busy
 from layflat.cli.common import MachineName, Out, naming_options, print_table
+from layflat.cli.foxglove import FoxglovePort, showing_in_foxglove
 from layflat.cli.groups import rigs
 from layflat.cli.moves import parse_steps, print_missed, print_moves
 from layflat.cli.rig import FAULT_EXIT, INTERRUPT_EXIT, Address, driver_at, stopping
@@ -50,6 +51,7 @@ def run(
     duration: Annotated[
         str | None, typer.Option(help="from the end of the soft start; default: 3 s after the last move")
     ] = None,
+    foxglove: FoxglovePort = None,
     out: Out = Path("build/rig"),
 ) -> None:
     """Run a machine on a rig: soft start, moves, controlled stop.
@@ -71,9 +73,10 @@ def run(
     plan_from = _plans(described, demand or [], duration)
     check_folder(out)
     early: EarlyEndError | None = None
-    with stopping() as stopped:
+    with stopping() as stopped, showing_in_foxglove(described, foxglove) as show:
         with busy(f"connecting to {driver} {COMPILING_TEXT}"):
             rig = RecordedSession.in_folder(described, factory, name, out, f"{described.name}-rig")
+        show(rig.session.snapshot)
         with rig, _status(rig):
             performance = PlanRunner(rig, stopped)
             try:

@@ -73,15 +73,15 @@ class RigSnapshot:
     """Row of one cycle, its numbers by name."""
 
     def __init__(self, layout: RowLayout, row: Array) -> None:
-        self._layout, self.row = layout, row
+        self.layout, self.row = layout, row
 
     def __getitem__(self, name: str) -> Array:
         """Return a shared number, (), or those of all joints, (joints,)."""
-        return self._layout.named(self.row, name)
+        return self.layout.named(self.row, name)
 
     def values_or(self, name: str, default: float) -> Array:
         """Return a signal of all joints, (joints,); the default for each where the control law does not report it."""
-        return self[name] if name in self._layout.by_joint else np.full(len(self._layout.joints), default)
+        return self[name] if name in self.layout.by_joint else np.full(len(self.layout.joints), default)
 
     @property
     def state(self) -> RigState:
@@ -99,7 +99,7 @@ class RigSnapshot:
         if self.fault is Fault.NONE:
             return "stopped by the loop"
         each = list(self["joint_fault"])
-        where = f"joint {self._layout.joints[each.index(self.fault)]!r}: " if self.fault in each else ""
+        where = f"joint {self.layout.joints[each.index(self.fault)]!r}: " if self.fault in each else ""
         return where + self.fault.title
 
 

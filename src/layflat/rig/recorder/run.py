@@ -42,6 +42,10 @@ FIRST_FAULTS = [fault.name for fault in Fault if fault is not Fault.MODEL_DOUBTE
 DECODE_ERRORS = (ValueError, struct.error, KeyError, IndexError, NotImplementedError)
 
 
+class ForeignLogError(InputError):
+    """MCAP file that holds no cycles of a rig."""
+
+
 @dataclass(frozen=True)
 class Recording:
     """Content of an MCAP log of a rig."""
@@ -56,7 +60,12 @@ class Recording:
 
 
 def read_recording(path: Path) -> Recording:
-    """Read a log of the recorder; raise InputError if it can't be read, is not whole, or is no log of a rig."""
+    """Read a log of the recorder.
+
+    Raises:
+        ForeignLogError: it is no log of a rig.
+        InputError: it can't be read, or is not whole.
+    """
     extras.require("rig", "mcap", where=str(path))
     from mcap.exceptions import McapError  # noqa: PLC0415
     from mcap.reader import make_reader  # noqa: PLC0415
@@ -78,7 +87,7 @@ def _decode_recording(reader: "McapReader", path: Path) -> Recording:
     """Return the recording in an MCAP log, with names and fault numbers of older versions replaced.
 
     Raises:
-        InputError: it holds no cycles of a rig.
+        ForeignLogError: it holds no cycles of a rig.
     """
     from mcap_ros2.decoder import DecoderFactory  # noqa: PLC0415
 
@@ -93,7 +102,7 @@ def _decode_recording(reader: "McapReader", path: Path) -> Recording:
     if not cycles:
         shown = f"only {', '.join(sorted(schemas))}" if schemas else "no messages"
         right = "give a log of `layflat rig`; `layflat log map` starts a mapping for others"
-        raise InputError(f"holds no cycles of a rig, {shown}", where=str(path), right=right)
+        raise ForeignLogError(f"holds no cycles of a rig, {shown}", where=str(path), right=right)
 
     def decoded(kind: str, messages: list["Message"]) -> list[Any]:
         decode = DecoderFactory().decoder_for("cdr", schemas[kind]) if messages else None
