@@ -18,6 +18,7 @@ NOT_RUN = {
     "layflat docs": "shows pages until its reader is through",
     "layflat motion learn": "takes half a minute or more",
     "layflat cell pack": "takes a minute or more",
+    "layflat foxglove": "serves until Ctrl-C",
     "layflat panel": "serves until Ctrl-C",
     "layflat reproduce": "takes minutes",
     "layflat rig": "moves in real time",

@@ -77,7 +77,7 @@ class Viewer:
         from websockets.sync.client import connect
         from websockets.typing import Subprotocol
 
-        self._socket = connect(address, subprotocols=[Subprotocol(SUBPROTOCOL)], max_size=None)
+        self._socket = connect(address, subprotocols=[Subprotocol(SUBPROTOCOL)], max_size=None, max_queue=None)
         assert self._socket.subprotocol == SUBPROTOCOL
         self.info: dict[str, Any] = {}
         self.topics: dict[str, list[tuple[int, Any]]] = defaultdict(list)

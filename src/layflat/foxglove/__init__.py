@@ -18,9 +18,15 @@ from layflat.lazy import lazy_getattr
 if TYPE_CHECKING:
     from layflat.foxglove.file import write_mcap
     from layflat.foxglove.playback import Playback
+    from layflat.foxglove.rig import RigServer
 
-__all__ = ["Playback", "write_mcap"]
+__all__ = ["Playback", "RigServer", "write_mcap"]
 
 __getattr__ = lazy_getattr(
-    __name__, {"Playback": "layflat.foxglove.playback:Playback", "write_mcap": "layflat.foxglove.file:write_mcap"}
+    __name__,
+    {
+        "Playback": "layflat.foxglove.playback:Playback",
+        "RigServer": "layflat.foxglove.rig:RigServer",
+        "write_mcap": "layflat.foxglove.file:write_mcap",
+    },
 )
