@@ -21,11 +21,8 @@ from layflat.errors import InputError, MissingExtraError
 from layflat.files import whole_file, write_text
 from layflat.machine import Machine, load
 
-FORMATS = {".xml": to_mjcf, ".urdf": to_urdf}
-"""Writers by the suffix of a file."""
-
 MIN_MUJOCO_VERSION = (4, 0, 1)  # 4.0.0 solves some sparse models wrongly, without a warning
-URDF, MJCF = ".urdf", ".xml"
+URDF, MJCF = ".urdf", ".xml"  # suffixes of files
 NEGLIGIBLE_INERTIA_CHANGE = 1e-9  # relative change of an inertia that is not reported
 DEFAULT_GRAVITY_RANGE = (9.7, 9.9)  # m/s2 against z: default of tools where a file has no gravity
 
@@ -106,11 +103,20 @@ def arm_spec(machine: Machine, *, passive: bool = False) -> Any:
     return mj.MjSpec.from_string(tree_text(tree), assets=meshes.contents())
 
 
-def save_arm(machine: str | Path | Machine, path: str | Path) -> list[Path]:
-    """Write the arm as .xml (MJCF) or .urdf, and meshes to a folder beside it; return the paths, that of the arm first.
+def save_arm(machine: str | Path | Machine, path: str | Path, *, ros2_control: bool = False) -> list[Path]:
+    """Write the arm as .xml (MJCF) or .urdf, and meshes to a folder beside it.
+
+    Args:
+        machine: the machine.
+        path: path of the file.
+        ros2_control: whether a URDF has the block by which controllers of ROS 2 drive the joints.
+
+    Returns:
+        The paths, that of the arm first.
 
     Raises:
-        InputError: another suffix, the arm is of a kind without bodies, or a mesh is not there or can't be read.
+        InputError: another suffix, the block in MJCF, an arm of a kind without bodies, or a mesh is not there or can't
+            be read.
         MissingExtraError: a mesh has to be converted, and the extra is not installed.
         OutputError: it can't be written there.
     """
@@ -118,15 +124,16 @@ def save_arm(machine: str | Path | Machine, path: str | Path) -> list[Path]:
     if not isinstance(path, (str, Path)):
         raise InputError(f"{shown(path)} is no path", where="path", right="give one such as arm.xml or arm.urdf")
     path = Path(path)
-    if path.suffix not in FORMATS:
+    if path.suffix not in {URDF, MJCF}:
         raise InputError(
             f"{path.name!r} has an unknown format", where="path", right="give a name such as arm.xml or arm.urdf"
         )
+    if ros2_control and path.suffix != URDF:
+        raise InputError("is for URDF alone", where="ros2_control", right=f"leave it out, or give {path.stem}.urdf")
     folder = f"{path.stem}-{path.suffix.removeprefix('.')}-meshes"  # not those that the description names
-    text = FORMATS[path.suffix](machine, folder)
-    meshes = Meshes(
-        (piece for pieces in link_pieces(machine) for piece in pieces), folder, engine=path.suffix == ".xml"
-    )
+    is_urdf = path.suffix == URDF
+    text = to_urdf(machine, folder, ros2_control=ros2_control) if is_urdf else to_mjcf(machine, folder)
+    meshes = Meshes((piece for pieces in link_pieces(machine) for piece in pieces), folder, engine=not is_urdf)
     written = []
     for name, content in meshes.contents().items():
         with whole_file(path.parent / name) as temporary:

@@ -10,6 +10,7 @@ from layflat.arrays import Array
 from layflat.bridge.meshes import Meshes, is_refused_by_mujoco
 from layflat.bridge.mjcf import format_numbers, max_filling_velocity, max_supply_torque, nearest_inertia
 from layflat.bridge.pieces import COLOURS, JOINT_BODY_NAME, Piece, joint_pieces, link_pieces, rigid_arm
+from layflat.bridge.ros2_control import add_ros2_control
 from layflat.machine import Machine, load
 from layflat.physics.arms.bodies import angles_from_rotation, inertia_matrix
 
@@ -23,7 +24,7 @@ MASSLESS_BODY = (
 BASE_AXES = np.eye(3)
 
 
-def to_urdf(machine: str | Path | Machine, folder: str = "") -> str:
+def to_urdf(machine: str | Path | Machine, folder: str = "", *, ros2_control: bool = False) -> str:
     """Return the arm as URDF: bodies as in `arm_spec`, drawn whole, with limits, friction and damping of the joints.
 
     Limits are the stops; the working stroke is in `safety_controller`. `effort` is the maximum torque at supply
@@ -33,6 +34,7 @@ def to_urdf(machine: str | Path | Machine, folder: str = "") -> str:
     Args:
         machine: the machine.
         folder: folder of its meshes, relative to the text's file (see `save_arm`); default: NAME-meshes.
+        ros2_control: whether to add the block by which controllers of ROS 2 drive the joints.
 
     Raises:
         InputError: the arm is of a kind without bodies, or a mesh is not there.
@@ -68,6 +70,8 @@ def to_urdf(machine: str | Path | Machine, folder: str = "") -> str:
     }
     for end in ends:
         _add_joint(robot, f"{end}-fixed", "fixed", parent, _add_link(robot, end, weights[end]), arm.tool, arm.tool_axes)
+    if ros2_control:
+        add_ros2_control(robot, machine)
     indent(robot)
     return '<?xml version="1.0"?>\n' + tostring(robot, encoding="unicode") + "\n"
 

@@ -24,10 +24,13 @@ IMPORT_OPTIONS = {name: f"--{name}" for name in ("joints", "to", "tool", "name",
 """Options of an import by its arguments."""
 
 
-@arms.register("export", "picking-arm --out arm.xml", "picking-arm --out arm.urdf")
+@arms.register("export", "picking-arm --out arm.xml", "picking-arm --out arm.urdf --ros2-control")
 def export_arm(
     machine: MachineName,
     out: Annotated[Path, typer.Option("--out", "-o", metavar="FILE", help="ends in .xml (MJCF) or .urdf")],
+    ros2_control: Annotated[
+        bool, typer.Option("--ros2-control", help="with the block by which controllers of ROS 2 drive the joints")
+    ] = False,
 ) -> None:
     """Export a machine's arm as MJCF (MuJoCo) or URDF.
 
@@ -40,8 +43,8 @@ def export_arm(
 
     described = load(machine)
     check_file(out)
-    with naming_options({"path": "--out"}):
-        written = save_arm(described, out)
+    with naming_options({"path": "--out", "ros2_control": "--ros2-control"}):
+        written = save_arm(described, out, ros2_control=ros2_control)
     for line in conversion_losses(described, out.suffix):
         typer.echo(line)
     for path in written:
