@@ -8,7 +8,7 @@ KERNELS := tests/physics/test_driven.py tests/physics/test_line.py tests/physics
   tests/physics/arms/chain/test_chain_description.py tests/control/tracking/test_tracking_description.py \
   tests/identify/benches/rod/test_rod_laws.py
 # One after the other, as what was compiled stays in memory; more processes than processors, as tests of rigs and pages wait.
-PARTS := "tests/[a-h]*/" "tests/[i-o]*/" "tests/[p-z]*"
+PARTS := "tests/[a-h]*/" "tests/[i-o]*/" "tests/[p-z]* layflat-ros2/tests"
 SIDE_BY_SIDE := -n 3 --dist loadscope --no-loadscope-reorder
 NEWEST := build/newest-numba/venv/bin/python
 V ?= 3.13

@@ -17,6 +17,7 @@ from lint.findings import Finding, Words
 from lint.pages import check_page, find_phrases
 
 ROOT = Path(__file__).parents[1]
+SOURCES = ("src", "layflat-ros2/src")
 EXCEPTED = re.compile(r"#.*\blanguage: \S")
 MIN_PARAMETERS = 3  # of a public function that needs an Args section
 SYMBOL_DECORATORS = {"law", "composition", "kernel", "portable_kernel"}  # their modules have a table of symbols
@@ -148,7 +149,7 @@ def check_classes(modules: Iterable[Module], words: Words) -> Iterator[Finding]:
 def check_repository(root: Path = ROOT, words: Words | None = None) -> list[Finding]:
     """Return the findings of the package under `src` and of the pages, without those in `words.pending`."""
     words = words or Words.read()
-    paths = sorted(path.relative_to(root) for path in (root / "src").rglob("*.py"))
+    paths = sorted(path.relative_to(root) for room in SOURCES for path in (root / room).rglob("*.py"))
     modules = [Module(path, (root / path).read_text(encoding="utf-8")) for path in paths]
     found = [one for module in modules for one in check_module(module, words)]
     found += check_classes(modules, words)

@@ -15,7 +15,7 @@ SECTIONS = {
         "docs/motion", "docs/learning", "docs/identification", "docs/logs", "docs/rig", "docs/panel", "docs/foxglove",
         "docs/packing",
         "docs/bridge", "docs/speed", "docs/cell", "docs/cell-vision", "docs/kinds", "docs/browser",
-        "firmware/README",
+        "firmware/README", "layflat-ros2/README",
     ],
     "Reference": [
         "reference/interface", "reference/commands", "reference/descriptions", "docs/conventions", "docs/rig-faults",

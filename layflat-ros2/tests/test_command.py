@@ -1,0 +1,96 @@
+"""The command with a virtual rig in real time: air, a trajectory, the end."""
+
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from layflat.rig.recorder.run import read_run
+from layflat_ros2.command import app
+from protocol_server import Peer, ProtocolServer
+from test_trajectory import goal_of
+
+COMMAND = [sys.executable, "-c", "from layflat_ros2.command import main; main()"]
+ENVIRONMENT = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)}
+# A loop that waits for a busy processor is no failure here.
+PATIENT = 'extends = "paper-arm-tracking"\nname = "patient"\n[safety]\nsetpoint_age = "0.3 s"\n'
+
+
+@contextmanager
+def started(*words: str, cwd: Path) -> Iterator[subprocess.Popen[str]]:
+    with subprocess.Popen(
+        [*COMMAND, *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=ENVIRONMENT, cwd=cwd
+    ) as command:
+        try:
+            yield command
+        finally:
+            command.kill()
+
+
+def test_a_virtual_rig_follows_a_trajectory(tmp_path: Path) -> None:
+    (tmp_path / "patient.toml").write_text(PATIENT, encoding="utf-8")
+    with ProtocolServer() as server, Peer(server.address) as peer:
+        words = ("patient.toml", "--driver", "simulated", "--rosbridge", server.address, "--out", "logs")
+        with started(*words, cwd=tmp_path) as command:
+            peer.wait(lambda: "/layflat/follow_joint_trajectory" in server.types, 180.0)
+            peer.subscribe("/layflat/joint_states", "/diagnostics")
+            assert peer.call("/layflat/start")["success"]
+            peer.wait(
+                lambda: [
+                    one for one in peer.messages("/diagnostics") if one["status"][0]["message"].startswith("ready")
+                ],
+                240.0,
+            )
+            begin = peer.messages("/layflat/joint_states")[-1]["position"]
+            target = (np.array(begin) + 0.15).tolist()
+            goal = peer.send_goal("/layflat/follow_joint_trajectory", goal_of([target], [1.5]))
+            result = peer.result(goal, 60.0)
+            assert result["error_string"] == ""
+            assert result["status"] == 4
+            assert peer.messages("/layflat/joint_states")[-1]["position"] == pytest.approx(target, abs=0.03)
+            command.send_signal(signal.SIGINT)
+            output, errors = command.communicate(timeout=60)
+    assert command.returncode == 0, errors
+    assert output.splitlines()[-1] == "wrote logs/patient-rig.mcap"
+    measured = read_run(tmp_path / "logs/patient-rig.mcap")["measured_angle"].to_numpy()
+    states = np.array([one["position"] for one in peer.messages("/layflat/joint_states")])
+    assert np.isin(states, measured).all()
+
+
+@pytest.mark.parametrize(
+    ("words", "text"),
+    [
+        (
+            ["paper-arm", "--driver", "simulated", "--rosbridge", "ws://127.0.0.1:9"],
+            "--rosbridge: no rosbridge at ws://",
+        ),
+        (["paper-arm", "--driver", "simulated", "--namespace", "arm"], "--namespace: 'arm' is no namespace of ROS"),
+        (["paper-arm", "--driver", "simulated", "--rate", "1000"], "--rate: 1000 Hz; give 0.1 to 200"),
+        (["paper-arms", "--driver", "simulated"], "paper-arms"),
+        (["paper-arm", "--driver", "usb"], ""),
+    ],
+)
+def test_mistakes_are_one_line(words: list[str], text: str, tmp_path: Path) -> None:
+    done = subprocess.run(
+        [*COMMAND, *words], capture_output=True, text=True, env=ENVIRONMENT, cwd=tmp_path, check=False
+    )
+    assert done.returncode == 2
+    (line,) = done.stderr.splitlines()
+    assert line.startswith(f"layflat-ros2: {text}")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_commands_of_the_page_can_be_typed() -> None:
+    from typer.main import get_command
+
+    page = (Path(__file__).parents[1] / "README.md").read_text(encoding="utf-8")
+    lines = [line.split()[1:] for line in page.splitlines() if line.startswith("layflat-ros2 ")]
+    assert len(lines) == 2
+    for words in lines:
+        get_command(app).make_context("layflat-ros2", words)
