@@ -34,7 +34,7 @@ def test_editors_see_the_names_that_there_are() -> None:
         ("rollot", "did you mean rollout?"),
         ("Mashine", "did you mean Machine"),
         ("openrun", "did you mean open_run"),
-        ("xyz", "it offers DesignError, "),
+        ("xyz", "it offers Batch, DesignError, "),
     ],
 )
 def test_another_name_says_which_is_near(name: str, told: str) -> None:

@@ -7,6 +7,7 @@ from layflat._version import __version__ as __version__
 from layflat.lazy import lazy_getattr
 
 _PUBLIC_NAMES = {
+    "Batch": "layflat.sim.batch:Batch",
     "DesignError": "layflat.errors:DesignError",
     "DivergedError": "layflat.errors:DivergedError",
     "InputError": "layflat.errors:InputError",

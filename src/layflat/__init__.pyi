@@ -29,6 +29,7 @@ from layflat.sim import Scenario as Scenario
 from layflat.sim import open_run as open_run
 from layflat.sim import rollout as rollout
 from layflat.sim import save as save
+from layflat.sim.batch import Batch as Batch
 from layflat.sim.ensemble import ensemble as ensemble
 from layflat.sim.run_metrics import metrics as metrics
 

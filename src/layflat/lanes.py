@@ -111,6 +111,21 @@ def select(condition: Any, yes: Any, no: Any) -> Any:
     return yes if condition else no
 
 
+def select_leaves(condition: Any, yes: Any, no: Any) -> Any:
+    """Return `yes` where the condition holds, else `no`, leaf by leaf.
+
+    Args:
+        condition: boolean, or lanes of booleans.
+        yes: nested tuple of as many lanes as the condition has; numbers without lanes.
+        no: tuple of the same type.
+    """
+    if not isinstance(condition, Lanes):
+        return yes if condition else no
+    if isinstance(yes, Lanes):
+        return Lanes(a if holds else b for holds, a, b in zip(condition, yes, no, strict=True))
+    return _rebuild(yes, [select_leaves(condition, a, b) for a, b in zip(yes, no, strict=True)])
+
+
 def anywhere(number: Any) -> bool:
     """Return whether a number is not zero in at least one lane."""
     return any(number) if isinstance(number, Lanes) else number != 0.0

@@ -300,15 +300,25 @@ def control(machine: Machine, *, closed_loop: bool = True) -> Any:
     Raises:
         MachineError: the machine has no valve or sensors, or, in closed loop, no controller or gains.
     """
-    valve, _, _ = valve_and_sensors(machine)
+    valve_and_sensors(machine)
     law = machine.control_law
     lacking = law.gains is not None and any(joint.gains is None for joint in machine.joints.values())
     if not closed_loop and (machine.controller is None or lacking):
-        return Settings(tuple(idle_gains(valve) for _ in machine.joints))
+        return idle_control(machine)
     if machine.controller is None:
         raise MachineError("has no controller", where=machine.origin, right="copy that of paper-arm, gains included")
     modelled = (partial(plant, machine),) if law.models_plant else ()
     return CONTROL_LAWS.parameters(machine.controller, machine, *modelled)
+
+
+def idle_control(machine: Machine) -> Settings:
+    """Return the settings of a law that only observes: all its gains are zero.
+
+    Raises:
+        MachineError: the machine has no valve or sensors.
+    """
+    valve, _, _ = valve_and_sensors(machine)
+    return Settings(tuple(idle_gains(valve) for _ in machine.joints))
 
 
 def air_observer_parameters(machine: Machine, name: str) -> AirObserverParameters:

@@ -161,12 +161,12 @@ def drive_joint(joint, state, line, acting, gains, command, shares, around, cycl
 
 
 @composition
-def control_cycle(joints, settings, memory, states, loop, around, time, cycle, h):
-    """Step the control law at a time (s); return the readings, the law's memory and its report, and set the drives.
+def control_cycle(joints, settings, memory, states, loop, around, cycle):
+    """Step the control law; return the readings, the law's memory and its report, and set the drives.
 
     Args: joints (slots); settings and memory of the control law; states (slots); `LoopState` with this cycle's
-    `acting` and `noise`, whose drives, voltages, lines, waves and shares are updated; `Surroundings`; time at the
-    start of the cycle, s; control cycle, s; step h of the plant, s.
+    `acting`, `noise` and whole `waves`, whose drives, voltages, lines, waves and shares are updated; `Surroundings`;
+    control cycle, s.
     """
     zero = 0.0 * states[0].motion.angle
     sensed = sense_all(joints, states, loop.noise)
@@ -178,9 +178,7 @@ def control_cycle(joints, settings, memory, states, loop, around, time, cycle, h
         loop.drives[j], loop.voltages[j], loop.lines[j] = drive_joint(
             joint, state, loop.lines[j], loop.acting[j], loop.injections[j], commands[j], shares, around, cycle
         )
-        loop.waves[j] = weaken_wave(
-            joint.valve, start_wave(joint.valve, time, h), shares.dither * loop.acting[j].dither
-        )
+        loop.waves[j] = weaken_wave(joint.valve, loop.waves[j], shares.dither * loop.acting[j].dither)
     return sensed, in_lanes(after, zero), in_lanes(report, zero)
 
 
@@ -264,8 +262,10 @@ def run_span(machine, span, timing, ports, run):
             break
         ports.load(run, air, machine.around, loop.acting, loop.noise, k)
         around = machine.around[0]
+        for j in range(len(joints)):
+            loop.waves[j] = start_wave(joints[j].valve, timing.cycle * k, h)
         sensed, machine.memory[0], report = control_cycle(
-            joints, machine.settings, machine.memory[0], states, loop, around, timing.cycle * k, timing.cycle, h
+            joints, machine.settings, machine.memory[0], states, loop, around, timing.cycle
         )
         stops = False
         for i in range(timing.records):

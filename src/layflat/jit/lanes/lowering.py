@@ -98,6 +98,21 @@ def _select(context: Any, builder: Any, sig: Any, args: Any) -> Any:  # noqa: AR
     return builder.select(*args)
 
 
+@lower_builtin(lanes.select_leaves, types.Any, types.Any, types.Any)
+def _select_leaves(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    return _selected(context, builder, sig.return_type, *args)
+
+
+def _selected(context: Any, builder: Any, kind: Any, condition: Any, yes: Any, no: Any) -> Any:
+    """Emit the choice between two values of a type, leaf by leaf."""
+    if not isinstance(kind, types.BaseTuple):
+        return builder.select(condition, yes, no)
+    items = zip(kind.types, cgutils.unpack_tuple(builder, yes), cgutils.unpack_tuple(builder, no), strict=True)
+    return context.make_tuple(
+        builder, kind, [_selected(context, builder, part, condition, a, b) for part, a, b in items]
+    )
+
+
 @lower_builtin(lanes.epsilon, types.Float)
 @lower_builtin(lanes.epsilon, LanesType)
 def _epsilon(context: Any, builder: Any, sig: Any, args: Any) -> Any:  # noqa: ARG001

@@ -226,6 +226,7 @@ register_typing((*ARITHMETIC_INSTRUCTIONS, *EXTREME_SIGNS, *INTRINSIC_NAMES, ope
 register_typing(COMPARISON_SIGNS, _comparison_signature)
 register_typing(LOGIC_INSTRUCTIONS, _logic_signature)
 register_typing([lanes.select], _select_signature)
+register_typing([lanes.select_leaves], lambda _condition, yes, no: yes if yes == no else None)
 register_typing([lanes.epsilon], lambda _: types.float64)
 register_typing([lanes.anywhere], lambda _: types.boolean)
 register_typing([lanes.join], joined_type)

@@ -47,6 +47,7 @@ class Cases:
     count: int  # of runs
     number: type[np.floating[Any]] = np.float64  # type in which the runs are computed
     plausible: bool = True  # whether scenarios that are not plausible for the machine are refused
+    idle: bool = False  # whether the control law only observes, whatever the scenarios
     _arrays: dict[tuple[int, ...], tuple[ScenarioArrays, Array, Array]] = field(
         default_factory=dict, init=False, repr=False
     )
@@ -74,7 +75,11 @@ class Cases:
             KindError: the control law can't be compiled.
         """
         closed_loop = all(scenario.closed_loop for scenario in self.scenarios)
-        settings = parameters.control(self.controller, closed_loop=closed_loop)
+        settings = (
+            parameters.idle_control(self.controller)
+            if self.idle
+            else parameters.control(self.controller, closed_loop=closed_loop)
+        )
         CONTROL_LAWS.kind_of(settings).check_compiled("in ensembles and studies")
         return Case(
             parameters.arm(self.machine),

@@ -155,8 +155,11 @@ def _with_air_alone(state):
 
 
 @composition
-def _initial_states(arm, like, runs, first, around):
-    """Return the initial states of the joints, in lanes: at rest at each run's angles (rad) and pressures (Pa)."""
+def initial_states(arm, like, runs, first, around):
+    """Return the initial states of the joints, in lanes: at rest at each run's angles (rad) and pressures (Pa).
+
+    Of `runs` only `angles` and `pressures` are read.
+    """
     zero = 0.0 * around.ambient_pressure
     angles, firsts, seconds = slots(like, zero), slots(like, zero), slots(like, zero)
     for j in range(len(like)):
@@ -183,7 +186,7 @@ def run_lanes(case, first, runs, scenarios, moves, timing, results, watch):
         injections[j] = read_lanes(NO_INJECTION, runs.injections[j, :, first:], zero)
     instants = CycleSpan(0, scenarios.by_joint.shape[1] + 1)
     around = _surroundings(group, case.air, instants.first)
-    rest = _initial_states(case.arm, like, runs, first, around)
+    rest = initial_states(case.arm, like, runs, first, around)
     joints, states = slots(like), slots(rest)
     machine = MachineState(
         case.arm,

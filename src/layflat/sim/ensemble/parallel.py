@@ -119,9 +119,9 @@ def ensemble(
     from layflat.sim.results import METRICS  # noqa: PLC0415
 
     kept = METRICS if metrics is None else _check_names(metrics, METRICS, "metric", "metrics")
-    number, columns = _number(precision), _columns(traces)
+    number, columns = number_type(precision), _columns(traces)
     prepared = prepare_cases(
-        load(machine), _check_scenarios(scenario), {} if vary is None else _check_vary(vary), runs,
+        load(machine), _check_scenarios(scenario), {} if vary is None else check_vary(vary), runs,
         controller=None if controller is None else load(controller), number=number,
     )  # fmt: skip
     if number is np.float32:
@@ -180,6 +180,11 @@ def simulate_traces(
     return results.traces
 
 
+def lane_bytes(joints: int) -> int:
+    """Return the maximum size in bytes of the lanes of an arm of so many joints."""
+    return NARROW_BYTES if joints > MAX_WIDE_JOINTS else MAX_REGISTER_BYTES
+
+
 def _check_scenarios(scenarios: Scenario | Sequence[Scenario] | None) -> list[Scenario]:
     """Return the scenarios as a list, one that does nothing by default; raise InputError unless each is a scenario."""
     if scenarios is None:
@@ -191,8 +196,12 @@ def _check_scenarios(scenarios: Scenario | Sequence[Scenario] | None) -> list[Sc
     return [check_scenario(scenario) for scenario in scenarios]
 
 
-def _check_vary(vary: Any) -> Mapping[str, Any]:
-    """Return the table of what varies; raise InputError unless it is a mapping whose keys are paths."""
+def check_vary(vary: Any) -> Mapping[str, Any]:
+    """Return the table of what varies.
+
+    Raises:
+        InputError: it is no mapping, or a key in it is no text.
+    """
     if not isinstance(vary, Mapping):
         right = 'give {"arm.payload": [1.0, 2.0]}'
         raise InputError(f"{shown(vary)} is no table of what varies", where="vary", right=right)
@@ -211,8 +220,12 @@ def _read_band(value: Value, quantity: u.Quantity, where: str) -> float:
     return band
 
 
-def _number(precision: str) -> type[np.floating[Any]]:
-    """Return the type of numbers of a precision; raise InputError if there is none."""
+def number_type(precision: str) -> type[np.floating[Any]]:
+    """Return the type of numbers of a precision, "double" or "single".
+
+    Raises:
+        InputError: there is no such precision.
+    """
     if not isinstance(precision, str) or precision not in NUMBER_TYPES:
         raise InputError(f"{shown(precision)} is not a precision", where="precision", right='use "double" or "single"')
     return NUMBER_TYPES[precision]
@@ -296,9 +309,7 @@ def _run_on_threads(
     workers: int, prepared: Cases, timing: Timing, bands: tuple[float, float], results: Results
 ) -> Iterator[int]:
     """Simulate all runs in blocks on threads, fill in `results`, and yield the number of runs of each block."""
-    like = Like.from_tuple(
-        prepared.case, NARROW_BYTES if len(prepared.case.joints) > MAX_WIDE_JOINTS else MAX_REGISTER_BYTES
-    )
+    like = Like.from_tuple(prepared.case, lane_bytes(len(prepared.case.joints)))
 
     def work(rows: NDArray[np.int64]) -> int:
         """Simulate runs, store their results, and return their number."""
