@@ -1,14 +1,18 @@
-"""Small portable code: long laws that are called in several places stay functions, and no bit changes."""
+"""Small portable code: long laws that are called in several places stay functions, laws of items get all in lanes.
+
+No bit changes.
+"""
 
 import ctypes
+from typing import NamedTuple
 
 import numpy as np
 from numba import types
 
-from layflat.jit import law
+from layflat.jit import composition, law
 from layflat.jit.objects import code_size, host, load, machine_code
 from layflat.jit.portable import c_function
-from layflat.lanes import select
+from layflat.lanes import each, select
 
 CALLS = 6
 
@@ -53,3 +57,56 @@ def test_small_code_has_the_same_bits_in_less_space() -> None:
     assert np.array_equal(results[1], results[0])
     assert results[0][1:].tolist() == [long(0.3 + shift) for shift in (0.0, 0.1, 0.2, 0.3, 0.4, 0.5)]
     assert len({*results[0][1:].tolist()}) == CALLS
+
+
+class Share(NamedTuple):
+    """Named tuple of two numbers."""
+
+    of: float
+    rest: float
+
+
+@law
+def parted(share, x, shared):  # type: ignore[no-untyped-def]
+    """Return a named tuple, a truth, and a number that is the same for all."""
+    y = max(four_times(x) * share.of - shared.rest, share.rest)
+    return Share(y, x / share.of), (y > 0.2) & (x < shared.of), 7.0
+
+
+@law
+def branched(x, truth):  # type: ignore[no-untyped-def]
+    """Return a number by a branch, which lanes do not take."""
+    if truth:
+        return 2.0 * x
+    return -x
+
+
+@composition
+def of_items(shares, numbers, shared):  # type: ignore[no-untyped-def]
+    after, truths, same = each(parted, shares, numbers, shared)
+    return after, each(branched, numbers, truths), same
+
+
+def entry_of_items(numbers):  # type: ignore[no-untyped-def]
+    xs = numbers[0], numbers[1], numbers[2]
+    shares = (Share(xs[0], 0.25), Share(xs[1], xs[2]), Share(0.75, -xs[0]))
+    after, signed, same = of_items(shares, xs, Share(0.5, 0.125))
+    for j in range(3):
+        numbers[j + 3], numbers[j + 6], numbers[j + 9] = after[j].of, after[j].rest, signed[j]
+    numbers[12] = same[0] + same[1] + same[2]
+
+
+def test_items_in_lanes_have_the_same_bits_in_less_space() -> None:
+    sizes, results = [], []
+    for small in (False, True):
+        text = c_function("f", entry_of_items, (types.CPointer(types.float64),), "ptr %a", "ptr %a", small=small)
+        code = machine_code(text, ("f",), host(), ordered=False)
+        numbers = np.array([0.3, 0.8, 0.45, *[0.0] * 10])
+        load(code, "f", (ctypes.c_void_p,))(numbers.ctypes.data)
+        sizes.append(code_size(code))
+        results.append(numbers)
+    assert sizes[1] < 0.8 * sizes[0]
+    assert np.array_equal(results[1], results[0])
+    alone = np.array([0.3, 0.8, 0.45, *[0.0] * 10])
+    entry_of_items(alone)
+    assert np.array_equal(alone, results[0])

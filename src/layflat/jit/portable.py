@@ -28,7 +28,7 @@ from layflat.lanes import Like
 C_ROOTS = {"sqrt": ("double", "f64"), "sqrtf": ("float", "f32")}
 """Roots that numba calls of the C library; as instructions they are the same bits everywhere, and set no errno."""
 
-MAX_REPEATED_LINES = 200
+MAX_REPEATED_LINES = 100
 """Lines of LLVM's text of a law that small code still repeats wherever it is called: calls of shorter ones, which copy
 their arguments, gained no size and took a third more time for an arm of four joints in space."""
 

@@ -91,7 +91,7 @@ def test_the_library_of_windows_repeats_the_run(tmp_path: Path) -> None:
 
     library = tmp_path / "arm.dll"
     library.write_bytes(
-        libraries.link_libraries(linker, model.header("{token}"), objects, tmp_path / "linked")[windows]
+        libraries.link_libraries(linker, "2.0", model.header("{token}"), objects, tmp_path / "linked")[windows]
     )
     driver = tmp_path / "driver.exe"
     subprocess.run([*zig.command, "-target", windows.triple, "-O2", str(DRIVER), "-o", str(driver)], check=True)

@@ -21,9 +21,7 @@ def binaries(libraries: Mapping[System, bytes], version: str, identifier: str) -
     """
     by_folder: dict[str, list[tuple[System, bytes]]] = {}
     for system, library in libraries.items():
-        folder = system.folder if version == "3.0" else system.folder_2
-        by_folder.setdefault(folder, []).append((system, library))
-    by_folder.pop("", None)
+        by_folder.setdefault(system.folder_of(version), []).append((system, library))
     return {
         f"binaries/{folder}/{identifier}{items[0][0].suffix}": join_libraries([library for _, library in items])
         for folder, items in by_folder.items()

@@ -15,6 +15,8 @@ from layflat.errors import CompilerError, MissingExtraError
 
 SOURCE_FOLDER = Path(__file__).parent / "source"
 
+FMI_SOURCES = {"2.0": ("fmi2",), "3.0": ("fmi3", "fmi3_absent")}  # C files of a version of FMI alone
+
 C_FLAGS = ("-std=c11", "-Os", "-ffp-contract=off", "-fvisibility=hidden", "-fPIC")
 
 NO_UNWINDING = ("-fno-unwind-tables", "-fno-asynchronous-unwind-tables")  # no exception ever passes an FMU
@@ -36,6 +38,10 @@ class System:
     folder: str  # in binaries/, by FMI 3.0
     folder_2: str  # likewise by FMI 2.0; empty: it has none
     suffix: str
+
+    def folder_of(self, version: str) -> str:
+        """Return its folder in binaries/ by a version of FMI; empty: it has none."""
+        return self.folder if version == "3.0" else self.folder_2
 
 
 LINKED_SYSTEMS = (
@@ -80,12 +86,13 @@ def find_linker() -> Linker:
 
 
 def link_libraries(
-    linker: Linker, header: str, objects: Callable[[System], Mapping[str, bytes]], folder: Path
+    linker: Linker, version: str, header: str, objects: Callable[[System], Mapping[str, bytes]], folder: Path
 ) -> dict[System, bytes]:
-    """Return the libraries of an FMU, both of FMI 2.0 and 3.0.
+    """Return the libraries of an FMU, for the systems that its version of FMI has.
 
     Args:
         linker: compiler and systems.
+        version: a key of `FMI_SOURCES`.
         header: content of model.h.
         objects: function that returns the object files of the laws for a system, by name.
         folder: for files on the way, which stay.
@@ -93,13 +100,19 @@ def link_libraries(
     Raises:
         CompilerError: the compiler fails.
     """
-    written = [(system, objects(system)) for system in linker.systems]
+    systems = [system for system in linker.systems if system.folder_of(version)]
+    of_others = [name for other, names in FMI_SOURCES.items() if other != version for name in names]
+    sources = [path for path in sorted(SOURCE_FOLDER.glob("*.c")) if path.stem not in of_others]
+    written = [(system, objects(system)) for system in systems]
     with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
-        linked = pool.map(lambda item: _link(linker, item[0], header, item[1], folder / item[0].folder), written)
-    return dict(zip(linker.systems, linked, strict=True))
+        linked = pool.map(lambda item: _link(linker, item[0], sources, header, item[1], folder), written)
+    return dict(zip(systems, linked, strict=True))
 
 
-def _link(linker: Linker, system: System, header: str, objects: Mapping[str, bytes], folder: Path) -> bytes:
+def _link(
+    linker: Linker, system: System, sources: list[Path], header: str, objects: Mapping[str, bytes], folder: Path
+) -> bytes:
+    folder = folder / system.folder
     folder.mkdir(parents=True)
     (folder / "model.h").write_text(header, encoding="utf-8")
     for name, code in objects.items():
@@ -107,7 +120,6 @@ def _link(linker: Linker, system: System, header: str, objects: Mapping[str, byt
     library, laws = folder / f"library{system.suffix}", [f"{name}.o" for name in objects]
     command = [*linker.command, *(("-target", system.triple) if linker.cross else ())]
     compiled = [*command, *C_FLAGS, f"-I{folder}", f"-I{SOURCE_FOLDER}"]
-    sources = sorted(SOURCE_FOLDER.glob("*.c"))
 
     def run(words: Iterable[str | Path]) -> None:
         done = subprocess.run([*map(str, words)], cwd=folder, capture_output=True, text=True, check=False)
@@ -117,7 +129,7 @@ def _link(linker: Linker, system: System, header: str, objects: Mapping[str, byt
             raise CompilerError(f"{linker.title} can't link the FMU's library for {system.title} ({reason})")
 
     if linker.cross and system.suffix == ".dll":
-        sources.append(SOURCE_FOLDER / "windows" / "runtime.c")
+        sources = [*sources, SOURCE_FOLDER / "windows" / "runtime.c"]
         for source in sources:
             run([*compiled, "-c", source, "-o", f"source-{source.stem}.o"])
         run([*command, "-shared", "-s", *laws, *(f"source-{source.stem}.o" for source in sources), *WINDOWS_LINKED,

@@ -102,9 +102,9 @@ def _write_scope(model: FmuModel, code: LawCode, linker: Linker, folder: Path, n
     sources = [path.read_text(encoding="utf-8") for path in sorted(SOURCE_FOLDER.rglob("*.[ch]"))]
     codes = [code for system in linker.systems for code in objects(system).values()]
     token = _token([model.header(""), *sources], codes)
-    with TemporaryDirectory(prefix="layflat-fmu-") as place:
-        libraries = link_libraries(linker, model.header(token), objects, Path(place))
     for version, end in FMI_VERSIONS.items():
+        with TemporaryDirectory(prefix="layflat-fmu-") as place:
+            libraries = link_libraries(linker, version, model.header(token), objects, Path(place))
         contents = {
             "modelDescription.xml": model_description(model, version, identifier, title, token),
             "documentation/index.html": documentation_page(model, version, title),

@@ -114,7 +114,7 @@ def lanes_type(count: int, number: Any) -> Any:
 def joined_type(first: Any, second: Any) -> Any:
     """Return the type of `join(first, second)`."""
     if isinstance(first, types.BaseTuple):
-        return _tuple_like(first, [joined_type(a, b) for a, b in zip(first.types, second.types, strict=True)])
+        return tuple_like(first, [joined_type(a, b) for a, b in zip(first.types, second.types, strict=True)])
     return LanesType(number_in(first), 2 * getattr(first, "count", 1))
 
 
@@ -126,7 +126,7 @@ def register_lanes(count: int) -> int:
 def abreast_type(item: Any, count: int) -> Any:
     """Return the type of `count` items of one type side by side; single numbers have spare lanes (`register_lanes`)."""
     if isinstance(item, types.BaseTuple):
-        return _tuple_like(item, [abreast_type(leaf, count) for leaf in item.types])
+        return tuple_like(item, [abreast_type(leaf, count) for leaf in item.types])
     return lanes_type(count * item.count if isinstance(item, LanesType) else register_lanes(count), number_in(item))
 
 
@@ -147,7 +147,7 @@ def first_leaf(kind: Any) -> Any:
 def part_type(joined: Any, count: int) -> Any:
     """Return the type of each of `count` parts, of `size_of_part` lanes each; of a tuple, leaf by leaf."""
     if isinstance(joined, types.BaseTuple):
-        return _tuple_like(joined, [part_type(leaf, count) for leaf in joined.types])
+        return tuple_like(joined, [part_type(leaf, count) for leaf in joined.types])
     return lanes_type(size_of_part(getattr(joined, "count", 1), count), number_in(joined))
 
 
@@ -159,7 +159,7 @@ def size_of_part(lanes: int, count: int) -> int:
 def half_type(joined: Any) -> Any:
     """Return the type of either of `halves(joined)`; numbers keep theirs."""
     if isinstance(joined, types.BaseTuple):
-        return _tuple_like(joined, [half_type(leaf) for leaf in joined.types])
+        return tuple_like(joined, [half_type(leaf) for leaf in joined.types])
     if not isinstance(joined, LanesType):
         return joined
     return lanes_type(joined.count // 2, joined.number)
@@ -168,11 +168,12 @@ def half_type(joined: Any) -> Any:
 def spread_type(kind: Any, lanes: Any) -> Any:
     """Return a type with every number in it broadcast to lanes."""
     if isinstance(kind, types.BaseTuple):
-        return _tuple_like(kind, [spread_type(leaf, lanes) for leaf in kind.types])
+        return tuple_like(kind, [spread_type(leaf, lanes) for leaf in kind.types])
     return lanes
 
 
-def _tuple_like(like: Any, items: list[Any]) -> Any:
+def tuple_like(like: Any, items: list[Any]) -> Any:
+    """Return the type of a tuple of items of some types, named as another one."""
     return types.BaseTuple.from_types(items, getattr(like, "instance_class", None))
 
 

@@ -1,7 +1,7 @@
 /* Noise of the sensors: the samples of numpy.random.default_rng(seed).standard_normal().
 
    Seeds are mixed as by NumPy's SeedSequence; numbers are PCG64's (O'Neill 2014, XSL-RR 128/64); normal ones follow
-   from the ziggurat of Marsaglia and Tsang (2000) with NumPy's tables, which model.h holds. */
+   from the ziggurat of Marsaglia and Tsang (2000) with NumPy's table of widths, which model.h holds. */
 #include <math.h>
 
 #include "core.h"
@@ -67,15 +67,30 @@ static double tail(generator *self, int negative) {
     }
 }
 
+/* Sizes below which a sample of a layer lies under the curve; to the bit those of NumPy's table. */
+static uint64_t inside(unsigned layer) {
+    if (layer == 1) return 0;
+    const double next = layer ? ziggurat_width[layer - 1] : ziggurat_end * 0x1p-52;
+    const double size = next / ziggurat_width[layer] * 0x1p52;
+    return (uint64_t)(size + 0x1p52 - 0x1p52); /* to the nearest integer, as size is less than 0x1p52 */
+}
+
+/* Height of the curve at a layer's end, where NumPy's table has a last bit of its own in a few layers: it would decide
+   between numbers that are as close as the exponential function's errors. */
+static double height(unsigned layer) {
+    const double end = ziggurat_width[layer] * 0x1p52;
+    return layer ? exp(-0.5 * end * end) : 1.0;
+}
+
 double noise_normal(generator *self) {
     for (;;) {
         const uint64_t word = next_word(self), size = (word >> 9) & 0x000FFFFFFFFFFFFFu;
         const unsigned layer = (unsigned)(word & 0xFFu);
         const double distance = (double)size * ziggurat_width[layer], x = (word >> 8) & 1u ? -distance : distance;
-        if (size < ziggurat_inside[layer]) return x;
+        if (size < inside(layer)) return x;
         if (layer == 0) return tail(self, (int)((size >> 8) & 1u));
-        const double span = ziggurat_height[layer - 1] - ziggurat_height[layer];
-        if (span * next_fraction(self) + ziggurat_height[layer] < exp(-0.5 * x * x)) return x;
+        const double lower = height(layer), span = height(layer - 1) - lower;
+        if (span * next_fraction(self) + lower < exp(-0.5 * x * x)) return x;
     }
 }
 #endif
