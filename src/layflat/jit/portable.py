@@ -30,7 +30,7 @@ C_ROOTS = {"sqrt": ("double", "f64"), "sqrtf": ("float", "f32")}
 
 MAX_REPEATED_LINES = 100
 """Lines of LLVM's text of a law that small code still repeats wherever it is called: calls of shorter ones, which copy
-their arguments, gained no size and took a third more time for an arm of four joints in space."""
+their arguments, gain no size."""
 
 COUNTS_OF_REFERENCES = (
     "NRT_incref",
