@@ -53,6 +53,22 @@ def test_memory_keeps_its_layout() -> None:
     assert [computed(body, value) for value in (0.25, 1.0)] == [0.25, 1.0]
 
 
-def test_numbers_side_by_side_in_memory_are_refused() -> None:
+def test_lanes_in_memory_keep_the_places_of_their_numbers() -> None:
+    body = """  %s = alloca [3 x double]
+  %second = getelementptr i8, ptr %s, i64 8
+  %a = insertelement <2 x double> <double 3.000000e+00, double 5.000000e+00>, double %x, i64 0
+  store <2 x double> %a, ptr %second, align 8
+  store double 2.000000e+00, ptr %s
+  %1 = load <2 x double>, ptr %s, align 8, !tbaa !0
+  %b = extractelement <2 x double> %1, i64 0
+  %c = extractelement <2 x double> %1, i64 1
+  %y = fmul double %b, %c
+"""
+    assert computed(body.replace(", !tbaa !0", ""), 1.25) == 2.5
+    third = body.replace("load <2 x double>, ptr %s, align 8, !tbaa !0", "load <2 x double>, ptr %second")
+    assert computed(third, 1.25) == 6.25
+
+
+def test_tuples_in_memory_are_refused() -> None:
     with pytest.raises(CompilerError, match="side by side"):
-        in_single_precision(HEAD + "  store <2 x double> zeroinitializer, ptr %out\n" + TAIL)
+        in_single_precision(HEAD + "  store [2 x double] zeroinitializer, ptr %out\n" + TAIL)

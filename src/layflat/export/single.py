@@ -5,6 +5,7 @@ Every operation then rounds to single precision. Laws that take lanes have a for
 """
 
 import re
+from itertools import count
 
 import numpy as np
 
@@ -22,6 +23,8 @@ DECLARATION_PATTERN = re.compile(r"declare .*?(@[\w.]+)\(")
 DOUBLE_PATTERN = re.compile(r"\bdouble\b")
 # Memory keeps its layout: each number takes half of its place.
 PLACE_PATTERN = re.compile(r"= (?:alloca|getelementptr)\b")
+VECTOR_LOAD_PATTERN = re.compile(r"^  (%\S+) = load <(\d+) x double>, ptr ([^,\n]+).*$", re.MULTILINE)
+VECTOR_STORE_PATTERN = re.compile(r"^  store (<(\d+) x double> .+), ptr ([^,\n]+).*$", re.MULTILINE)
 SEVERAL_IN_MEMORY_PATTERN = re.compile(r"^@.*\bdouble\b.*|^.*\b(?:load|store) [<\[{].*\bdouble\b.*", re.MULTILINE)
 _DOUBLE_EPSILON, _SINGLE_EPSILON = epsilon(0.0), float(np.finfo(np.float32).eps)
 PRECISION_CONSTANTS = {
@@ -39,8 +42,11 @@ def in_single_precision(text: str) -> str:
         text: LLVM's text of code that reads and writes single precision, and computes in double.
 
     Raises:
-        CompilerError: it reads or writes several numbers of double precision at once, or a table of them.
+        CompilerError: it reads or writes a tuple of numbers of double precision at once, or a table of them.
     """
+    numbers = count()
+    text = VECTOR_LOAD_PATTERN.sub(lambda match: _loaded_one_by_one(match, f"one.{next(numbers)}"), text)
+    text = VECTOR_STORE_PATTERN.sub(lambda match: _stored_one_by_one(match, f"one.{next(numbers)}"), text)
     several = SEVERAL_IN_MEMORY_PATTERN.search(text)
     if several:
         raise CompilerError(f"no single precision for numbers side by side in memory: {several[0].strip()}")
@@ -53,6 +59,35 @@ def in_single_precision(text: str) -> str:
         if function is not None:
             declared.add(function[1])
     return "\n".join(lines)
+
+
+def _loaded_one_by_one(match: re.Match[str], name: str) -> str:
+    """Return the loads of a vector's numbers, each from its own place; their names begin with a given one."""
+    vector, width, address = match[1], int(match[2]), match[3]
+    lines, before = [], "poison"
+    for i in range(width):
+        after = vector if i == width - 1 else f"%{name}.vector.{i}"
+        lines += [
+            f"  %{name}.place.{i} = getelementptr i8, ptr {address}, i64 {8 * i}",
+            f"  %{name}.number.{i} = load double, ptr %{name}.place.{i}, align 8",
+            f"  {after} = insertelement <{width} x double> {before}, double %{name}.number.{i}, i64 {i}",
+        ]
+        before = after
+    return "\n".join(lines)
+
+
+def _stored_one_by_one(match: re.Match[str], name: str) -> str:
+    """Return the stores of a vector's numbers likewise."""
+    vector, width, address = match[1], int(match[2]), match[3]
+    return "\n".join(
+        line
+        for i in range(width)
+        for line in (
+            f"  %{name}.number.{i} = extractelement {vector}, i64 {i}",
+            f"  %{name}.place.{i} = getelementptr i8, ptr {address}, i64 {8 * i}",
+            f"  store double %{name}.number.{i}, ptr %{name}.place.{i}, align 8",
+        )
+    )
 
 
 def _in_single(line: str) -> str:
