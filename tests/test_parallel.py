@@ -92,6 +92,16 @@ def test_whoever_gives_up_ends_work_that_goes_on_and_begins_no_more(
     assert capfd.readouterr() == ("", "")
 
 
+@pytest.mark.parametrize("ended", range(500, 1000, 100))
+def test_a_pool_of_short_work_ends_with_an_error(ended: int) -> None:
+    """Its end comes as a signal at any line of a worker, mostly between one piece of work and the next."""
+    with suppress(ZeroDivisionError), process_pool(2) as submit:
+        jobs = [submit(abs, number) for number in range(3000)]
+        assert jobs[ended].result() == ended
+        raise ZeroDivisionError
+    assert all(job.done() for job in jobs)
+
+
 @pytest.mark.skipif(os.name != "posix", reason="needs groups of processes")
 def test_ctrl_c_at_a_terminal_does_not_reach_a_pool() -> None:
     with process_pool(1) as submit:

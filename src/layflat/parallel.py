@@ -114,9 +114,9 @@ def process_pool(processes: int | None = None, first: Callable[[], object] | Non
 
 
 class _Worker:
-    """State of a process of a pool."""
+    """State of a process of a pool: plain values, since a signal's handler can't wait for the lock of an `Event`."""
 
-    ending: Event
+    is_ending = False  # the whole pool
     at_work = False
 
 
@@ -124,7 +124,6 @@ def _initialize_worker(ending: Event, first: Callable[[], object] | None) -> Non
     """Initialize a worker process: ignore Ctrl-C, interrupt work at SIGTERM or once `ending` is set; call `first`."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, _interrupt)
-    _Worker.ending = ending
     Thread(target=_interrupt_at_end, args=(ending,), daemon=True).start()
     if first is not None:
         first()
@@ -133,6 +132,7 @@ def _initialize_worker(ending: Event, first: Callable[[], object] | None) -> Non
 def _interrupt_at_end(ending: Event) -> None:
     """Wait until `ending` is set, and then simulate SIGTERM in the main thread."""
     ending.wait()
+    _Worker.is_ending = True
     interrupt_main(signal.SIGTERM)
 
 
@@ -140,16 +140,16 @@ def _interrupt(*_: object) -> None:
     """Handle SIGTERM in a worker: interrupt its work; without work exit, unless the whole pool is ending."""
     if _Worker.at_work:
         raise KeyboardInterrupt
-    if not _Worker.ending.is_set():
+    if not _Worker.is_ending:
         raise SystemExit(128 + signal.SIGTERM)
 
 
 def _run_unless_ending(work: Callable[..., Any], *arguments: Any) -> Any:
     """Return the result of work in a worker; raise KeyboardInterrupt if the pool is ending."""
-    if _Worker.ending.is_set():
-        raise KeyboardInterrupt
-    _Worker.at_work = True
     try:
+        _Worker.at_work = True  # before the flag is read: the end of the pool is either read or interrupts
+        if _Worker.is_ending:
+            raise KeyboardInterrupt
         return work(*arguments)
     finally:
         _Worker.at_work = False
