@@ -14,11 +14,12 @@ from layflat.cell import load
 from layflat.cell.work.observer import Delivery, Verdict, VisionErrors
 from layflat.cli import app
 from layflat.cli.pack_run import PackRequest, _run_and_report, nothing_packed
-from layflat.errors import CameraError, CellError, InputError
+from layflat.errors import CameraError, CellError, InputError, MissingExtraError
 from layflat.pages.cell.link import PageLink
 from layflat.pages.cell.snapshot import RunSnapshot
 from tests.cli.commands import refused
 from tests.cli.few_tomatoes import FEW
+from tests.lerobot import reading
 
 pytest.importorskip("mujoco")
 
@@ -65,6 +66,42 @@ def test_a_run_leaves_results_a_film_and_a_sheet(few: str, tmp_path: Path) -> No
     known = ["--calibration", str(out / "calibration.toml")]
     refused = CliRunner().invoke(app, ["cell", "pack", "--cell", str(moved), *known, "--out", str(tmp_path / "moved")])
     assert isinstance(refused.exception, CameraError)
+
+
+def test_a_run_leaves_a_lerobot_data_set(few: str, tmp_path: Path) -> None:
+    asked = ["cell", "pack", "--cell", few, "--picks", "1", "--out", str(tmp_path / "out"), "--film", "none"]
+    done = CliRunner().invoke(
+        app, [*asked, "--lerobot", str(tmp_path / "data"), "--lerobot-fps", "25"], env={"MUJOCO_GL": "nothing"}
+    )
+    assert done.exception is None, done.output
+    assert f"wrote {tmp_path / 'data'}" in done.output.splitlines()
+    assert len(reading.episodes(tmp_path / "data")) == 1
+    assert reading.info(tmp_path / "data")["fps"] == 25
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (
+            ["--lerobot", "data", "--lerobot-fps", "30"],
+            "--lerobot-fps: 30 frames a second fall between control cycles of 5 ms",
+        ),
+        (["--lerobot-fps", "20"], "--lerobot-fps: is for a data set; add --lerobot, or leave it out"),
+        (["--lerobot", "data", "--study"], "--lerobot: cannot be combined with --study; leave one of them out"),
+        (["--lerobot", "./out", "--out", "out"], "--lerobot: is the folder of the other results; give one of its own"),
+        (["--lerobot", "."], ".: is not empty, it holds 'few.toml'; give a new folder"),
+        (["--lerobot", "few.toml"], "few.toml: is no folder; give the name of a new folder"),
+    ],
+)
+def test_a_data_set_that_can_not_be_made_is_refused_before_the_run(few: str, words: list[str], said: str) -> None:
+    assert said in refused("cell", "pack", "--cell", "few.toml", *words, cwd=Path(few).parent)
+
+
+def test_a_missing_package_is_named_before_the_run(few: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "pyarrow", None)
+    failed = CliRunner().invoke(app, ["cell", "pack", "--cell", few, "--lerobot", "data"])
+    assert isinstance(failed.exception, MissingExtraError)
+    assert "layflat[logs]" in str(failed.exception)
 
 
 def test_a_study_has_a_row_for_each_seed(few: str, tmp_path: Path) -> None:

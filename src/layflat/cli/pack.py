@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from layflat.cli.bars import steps_bar
-from layflat.cli.common import expanded, print_table
+from layflat.cli.common import expanded, naming_options, print_table
 from layflat.cli.completers import complete_choice, complete_name
 from layflat.cli.groups import cells
 from layflat.cli.pack_run import (
@@ -73,6 +73,46 @@ class StudyOptions:
     ] = ""
 
 
+@dataclass(frozen=True)
+class DatasetOptions:
+    """Options about a LeRobot data set of a run (see `expanded`)."""
+
+    lerobot: Annotated[
+        Path | None,
+        typer.Option(metavar="DIR", help="write each pick as an episode of a LeRobot data set; needs the extra `logs`"),
+    ] = None
+    lerobot_fps: Annotated[int, typer.Option(help="its frames a second")] = 10
+
+    def check(self, cell: Cell, study: bool, out: Path) -> None:
+        """Check these options before a run.
+
+        Args:
+            cell: cell that packs.
+            study: whether a study of many seeds is requested.
+            out: folder of the other results.
+
+        Raises:
+            InputError: a rate without a data set, or one at which frames fall between control cycles; a data set of a
+                study, or among the other results.
+            MissingExtraError: pyarrow is not installed.
+            OutputError: the folder is not empty.
+        """
+        if self.lerobot is None:
+            if self.lerobot_fps != DatasetOptions.lerobot_fps:
+                raise InputError("is for a data set", where="--lerobot-fps", right="add --lerobot, or leave it out")
+            return
+        if study:
+            raise InputError("cannot be combined with --study", where="--lerobot", right="leave one of them out")
+        if self.lerobot.resolve() == out.resolve():
+            raise InputError("is the folder of the other results", where="--lerobot", right="give one of its own")
+        from layflat.cell.work.episodes import cycles_per_frame  # noqa: PLC0415
+        from layflat.lerobot.writer import check_target  # noqa: PLC0415
+
+        check_target(self.lerobot)
+        with naming_options({"fps": "--lerobot-fps"}):
+            cycles_per_frame(cell.machine.cycle, self.lerobot_fps)
+
+
 @cells.register("list", "")
 def list_cells() -> None:
     """List the built-in packing cells."""
@@ -108,6 +148,7 @@ def pack_produce(
     watch: Watch = False,
     *,
     study: StudyOptions,
+    dataset: DatasetOptions,
 ) -> None:
     """Pack produce in a physical scene.
 
@@ -124,6 +165,7 @@ def pack_produce(
     _check_page(watch, study.study, page)
     described = load(cell)
     place = out or Path("build/pack-study" if study.study else "build/pack")
+    dataset.check(described, study.study, place)
     pictures = [] if study.study else [f"film.{film or 'mp4'}", SHEET_FILE]
     check_folder(place, RESULTS_FILE, *([] if calibration else [CALIBRATION_FILE]), *pictures, costly=True)
     if study.study:
@@ -131,7 +173,9 @@ def pack_produce(
         packed = range(seed, seed + (study.seeds or DEFAULT_SEEDS))
         _run_study(described, calibration, packed, picks or DEFAULT_STUDY_PICKS, place, machines)
         return
-    request = PackRequest(described, seed, picks or DEFAULT_PICKS, place, film or "mp4")
+    request = PackRequest(
+        described, seed, picks or DEFAULT_PICKS, place, film or "mp4", dataset.lerobot, dataset.lerobot_fps
+    )
     if watch:
         run_with_page(request, calibration, page)
         return

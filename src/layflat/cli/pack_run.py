@@ -4,6 +4,7 @@ With `layflat cell pack --watch` a page in the browser shows the run.
 """
 
 from collections.abc import Callable
+from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -37,6 +38,8 @@ class PackRequest:
     picks: int
     out: Path
     film: str  # its kind, or "none"
+    dataset: Path | None = None  # folder of a LeRobot data set, if any
+    dataset_fps: int = 0  # its frames a second
 
     @property
     def results(self) -> Path:
@@ -85,21 +88,26 @@ def calibration_of(
 def run_once(
     request: PackRequest, calibration: "Calibration | None", *observers: "Observer"
 ) -> "tuple[PackingRun, list[Path]]":
-    """Pack once; return the run, and the paths of its film and contact sheet where images can be rendered."""
+    """Pack once; return the run, and the paths of its film and sheet, where images can be rendered, and data set."""
+    from layflat.cell.work.episodes import record_episodes  # noqa: PLC0415
     from layflat.cell.work.film_and_sheet import record_film_and_sheet  # noqa: PLC0415
     from layflat.cell.work.observer import Observers, PickCounter  # noqa: PLC0415
     from layflat.cell.work.run import run_packing  # noqa: PLC0415
 
-    cell, seed, picks = request.cell, request.seed, request.picks
-    with steps_bar(f"picks in {cell.name!r}", picks) as advance:
-        counters = PickCounter(advance), *observers
-        if calibration is None:
-            return run_packing(cell, seed, picks, calibration, Observers(*counters)), []
-        path = None if request.film == "none" else request.out / f"film.{request.film}"
-        sheet = request.out / SHEET_FILE
-        with record_film_and_sheet(path, sheet, f"{cell.name}, seed {seed}", calibration) as pictures:
-            run = run_packing(cell, seed, picks, calibration, Observers(*counters, pictures))
-        return run, [sheet] if path is None else [path, sheet]
+    cell, seed, picks, dataset = request.cell, request.seed, request.picks, request.dataset
+    sheet = request.out / SHEET_FILE
+    film = None if request.film == "none" else request.out / f"film.{request.film}"
+    with steps_bar(f"picks in {cell.name!r}", picks) as advance, ExitStack() as stack:
+        watching = [PickCounter(advance), *observers]
+        if dataset is not None:
+            fps, pictures = request.dataset_fps, calibration is not None
+            watching.append(stack.enter_context(record_episodes(dataset, cell, fps, pictures=pictures)))
+        if calibration is not None:
+            title = f"{cell.name}, seed {seed}"
+            watching.append(stack.enter_context(record_film_and_sheet(film, sheet, title, calibration)))
+        run = run_packing(cell, seed, picks, calibration, Observers(*watching))
+    written = [path for path in (film, sheet) if path is not None] if calibration is not None else []
+    return run, written + ([dataset] if dataset is not None and dataset.exists() else [])
 
 
 def error_of(request: PackRequest, run: "PackingRun") -> LayflatError | None:

@@ -6,6 +6,7 @@ from functools import partial
 from math import nan
 from typing import Any, Self
 
+from layflat.arrays import Array
 from layflat.cell.perception import Observation
 from layflat.cell.plan.order import Fruit, NotPicked, PickChoice
 from layflat.cell.plan.pick import PickOutcome, PickState
@@ -13,6 +14,7 @@ from layflat.cell.scene import Scene
 from layflat.cell.scene.camera import SimulatedCamera
 from layflat.cell.scene.truth import Collision
 from layflat.errors import LayflatError
+from layflat.rig.record import RowLayout
 
 
 @dataclass(frozen=True)
@@ -85,6 +87,14 @@ class Observer:
 
     def on_delivery_start(self, scene: Scene, camera: SimulatedCamera | None) -> None:
         """Handle the start of a delivery; `camera` is None where no image can be rendered."""
+
+    def on_cycle_record(self, layout: RowLayout, row: Array) -> None:
+        """Handle the record of a control cycle, as a rig's, before `on_control_cycle`.
+
+        Args:
+            layout: layout of the row.
+            row: numbers of the cycle, (width,); overwritten in the next.
+        """
 
     def on_control_cycle(self, time: float) -> None:
         """Handle the end of a control cycle; `time` is counted from the start of the delivery, s."""

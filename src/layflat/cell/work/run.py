@@ -113,7 +113,13 @@ def _work_delivery(scene: Scene, perception: Perception, max_picks: int, observe
 
     An error or Ctrl-C after the first pick ends the delivery, which then has the error; before it, it is raised.
     """
-    station = CellStation(scene, scene.seed, lambda: observer.on_control_cycle(station.time))
+
+    def notify() -> None:
+        """Notify the observer of a control cycle."""
+        observer.on_cycle_record(station.arm.layout, station.arm.row)
+        observer.on_control_cycle(station.time)
+
+    station = CellStation(scene, scene.seed, notify)
     evaluator = Evaluator(scene)
     observers = Observers(evaluator, observer)
     packer = make_packer(scene.cell, station, perception, observers)

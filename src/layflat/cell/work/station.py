@@ -46,7 +46,8 @@ class CellArm:
     def __init__(self, machine: Machine, driver: Driver, clock: LoopClock, *, load: float, tip_speed: float) -> None:
         """Configure and activate the driver, and begin its control loop filled with air, at the present angles."""
         self._machine, self._load, self._tip_speed = machine, load, tip_speed
-        self._layout = RowLayout.for_machine(machine)
+        self.layout = RowLayout.for_machine(machine)
+        self.row: Array = np.zeros(self.layout.width)  # record of the last cycle
         driver.configure()
         driver.activate()
         self.loop = RigLoop(machine, driver, clock, self, None)
@@ -116,8 +117,9 @@ class CellArm:
         return HostRequest(angles, velocities=velocities, accelerations=accelerations)
 
     def publish(self, row: Array) -> None:
-        """Set `angles` (extrapolated) and `velocities` from the controllers' averages in a row of the record."""
-        angles, velocities = self._layout.named(row, "averaged_angle"), self._layout.named(row, "averaged_velocity")
+        """Store a row of the record; set `angles` (extrapolated) and `velocities` from its averages."""
+        self.row = row
+        angles, velocities = self.layout.named(row, "averaged_angle"), self.layout.named(row, "averaged_velocity")
         self.angles = tuple((angles + MEAN_AGE * self.cycle * velocities).tolist())
         self.velocities = tuple(velocities.tolist())
 
