@@ -15,7 +15,7 @@ V ?= 3.13
 BY_NEWEST := --only "rollout paper-small" --only "ensemble paper-small" --only "stepped plant"
 
 .DEFAULT_GOAL := help
-.PHONY: help install wheel prebuilt wheels reproduce questions test test-python lint docs pictures bench newest-numba export-check conformance mutants calibrate clean
+.PHONY: help install wheel prebuilt wheels reproduce questions test test-python lint docs pictures bench newest-numba export-check conformance ros2-check mutants calibrate clean
 
 help:  ## show what can be made
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  make %-12s %s\n", $$1, $$2}'
@@ -85,6 +85,11 @@ export-check: export LAYFLAT_EXPORT_CHECK := 1
 export-check: $(READY)  ## check every exported target with all built-in laws, also on simulated microcontrollers
 	$(BIN)/python -m pytest tests/export
 	$(BIN)/python -m tests.export.matrix
+
+ros2-check: export LAYFLAT_ROS2_PREFIX := $(CURDIR)/build/ros2
+ros2-check: $(READY)  ## check the package for ROS 2 with a real rosbridge server; needs a C++ compiler
+	$(BIN)/python layflat-ros2/tests/ros2_prefix.py $(LAYFLAT_ROS2_PREFIX)
+	$(BIN)/python -m pytest layflat-ros2/tests/test_real_rosbridge.py
 
 conformance:  ## compare arms of other packages as other tools read them: docs/arm-conformance.md (a quarter of an hour)
 	$(PYTHON) -m venv build/conformance

