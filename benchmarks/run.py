@@ -12,7 +12,7 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from benchmarks import accuracy, cell, chains, many, mujoco_arm, rig_loop, scipy_plant
+from benchmarks import accuracy, cell, chains, many, mujoco_arm, rig_loop, scipy_plant, stepped
 from benchmarks.timing import STEP, median_seconds
 from layflat.experiments.controller import TIMED_CYCLES
 from layflat.experiments.kernels import control_cycles
@@ -53,6 +53,7 @@ def measure() -> dict[str, float | str]:
         "scipy_ratio": scipy_seconds / (rollout / STEP),
         "controller_ns_per_cycle": 1e9 * controller,
         **many.measure(machine),
+        **stepped.measure(machine),
         **accuracy.measure(machine),
         **chains.measure(),
         **rig_loop.measure(),
@@ -84,6 +85,7 @@ MEANING = {
     "ensemble_100000_runs_on_gpu_single_ns_per_step": "the same in single precision",
     "mujoco_warp_ns_per_step": "MuJoCo Warp on that device, where installed, the arm alone, per step",
     "ensemble_100000_runs_peak_mib": "peak memory of 100 000 runs, MiB; aim 1024",
+    **stepped.MEANING,
     **accuracy.MEANING,
     **chains.MEANING,
     **rig_loop.MEANING,
@@ -100,7 +102,8 @@ def main() -> None:
     table = Table("figure", "value", "what it is", header_style="bold", show_edge=False)
     for name, meaning in MEANING.items():
         if name in found:
-            table.add_row(name, f"{found[name]:.4g}", meaning)
+            figure = found[name]
+            table.add_row(name, figure if isinstance(figure, str) else f"{figure:.4g}", meaning)
     Console(width=100).print(table)
     with whole_file(out) as temporary:
         temporary.write_text(json.dumps(found, indent=2) + "\n", encoding="utf-8")

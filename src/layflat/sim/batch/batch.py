@@ -181,7 +181,8 @@ class Batch:
 
     def _bind(self, threads: int) -> None:
         """Divide the arms between threads, in whole groups of lanes, and bind the kernel to each part."""
-        size, lanes = len(self._arrays.cycles), self._model.lanes
+        lanes = self._model.lanes
+        size = lanes * ceil(self.count / lanes)
         parts = max(1, min(threads, size // MIN_ARMS_PER_THREAD))
         each = lanes * ceil(size / lanes / parts)
         args = self._model.case_like, self._model.carry_like, self._arrays, self._timing, ziggurat_tables()

@@ -30,6 +30,7 @@ from layflat.sim.ensemble.parallel import check_vary, lane_bytes
 from layflat.sim.ensemble.seeds import NO_SEED, Seeds, seed_streams, ziggurat_tables
 from layflat.sim.loop import InjectionGains, JointSignals, SharedSignals
 
+CACHE_LINE_BYTES = 64
 ROWS_OF_ARMS = 2  # axes of angles given by arm and joint
 
 
@@ -170,8 +171,15 @@ class BatchModel:
         return copies
 
     def _padded(self, count: int) -> NDArray[np.intp]:
-        """Return the numbers of arms with that of the last one repeated until all groups of lanes are full."""
-        return np.minimum(np.arange(self.lanes * -(-count // self.lanes)), count - 1)
+        """Return the numbers of arms with that of the last one repeated until all groups of lanes are full.
+
+        Rows take an odd number of cache lines: those of a power of two would share a few places of the cache.
+        """
+        groups = -(-count // self.lanes)
+        group_bytes = self.lanes * np.dtype(self.number).itemsize
+        while groups * group_bytes % (2 * CACHE_LINE_BYTES) != CACHE_LINE_BYTES and count > self.lanes:
+            groups += 1
+        return np.minimum(np.arange(self.lanes * groups), count - 1)
 
     def _renew_noise(self, arrays: BatchArrays, seeds: Seeds) -> None:
         """Start the noise of padded arrays from seeds, (arms,)."""
