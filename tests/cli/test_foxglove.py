@@ -153,3 +153,12 @@ def test_a_rig_that_runs_is_shown(folder: Path) -> None:
     shown = np.array(positions(viewer.topics["/joint_states"]))
     assert np.isin(shown, measured).all()
     assert any("starting" in one.message for _, one in viewer.topics["/events"])
+
+
+def test_the_rig_of_a_panel_is_shown(folder: Path) -> None:
+    pytest.importorskip("nicegui")
+    words = ("panel", "paper-small-joint", "--no-browser", "--port", "0", "--foxglove", "0", "--out", "panel")
+    with started(*words, cwd=folder) as (_, address), Viewer(address) as viewer:
+        viewer.receive(lambda: len(viewer.topics["/joint/small"]) > 5 and viewer.topics["/tf"], seconds=120.0)
+    assert viewer.info["name"] == "paper-small-joint"
+    assert viewer.topics["/events"][0][1].message == "off"
