@@ -2,6 +2,7 @@
 
 import json
 from functools import lru_cache
+from hashlib import sha256
 from math import degrees
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Self
@@ -150,6 +151,11 @@ class Machine(DescribedFile):
     def cycle(self) -> float:
         """Control cycle, s; without a controller, the time between changes of the valves' voltages."""
         return self.controller.cycle if self.controller is not None else DEFAULT_CYCLE
+
+    @property
+    def fingerprint(self) -> str:
+        """SHA-256 of the complete description."""
+        return sha256(self.model_dump_json().encode()).hexdigest()
 
     @property
     def lines(self) -> dict[str, TubePart | None]:

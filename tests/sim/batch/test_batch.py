@@ -1,6 +1,7 @@
 """Batches: resets, saved states, threads, inputs in flight, divergence, and wrong arguments."""
 
 import pickle
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -229,13 +230,14 @@ def test_wrong_arguments(options: dict[str, Any], message: str) -> None:
 
 
 def test_wrong_arms_and_states() -> None:
-    with Batch(ARM, 3) as batch, Batch(ARM, 3, precision="single") as single, Batch("picking-arm", 3) as picking:
+    with Batch(ARM, 3) as batch, Batch("paper-arm-fast", 3) as other:
         for arms, message in (([3], "3 is no arm"), ([-1], "-1 is no arm"), ([True], "shape"), ([0.5], "no numbers")):
             with pytest.raises(InputError, match=message):
                 batch.reset(arms)
-        for other in (single, picking):
-            with pytest.raises(InputError, match="another kind"):
-                batch.set_state(other.state())
+        with pytest.raises(InputError, match="another kind"):
+            batch.set_state(other.state())
+        with pytest.raises(InputError, match=r"saved by layflat 0\.0"):
+            batch.set_state(replace(batch.state(), version="0.0"))
         with pytest.raises(InputError, match="holds 3 arms, for 1"):
             batch.set_state(batch.state(), [1])
         with pytest.raises(InputError, match="cycles"):

@@ -24,11 +24,6 @@ FORMAT = "layflat learnt motion, version 1"
 MOTION_ROWS = ("angles", "velocities", "accelerations")
 
 
-def machine_fingerprint(machine: Machine) -> str:
-    """Return the SHA-256 of a machine's complete description."""
-    return sha256(machine.model_dump_json().encode()).hexdigest()
-
-
 def _former_fingerprint(machine: Machine) -> str:
     """Return the SHA-256 of the description as the last version wrote it."""
     return sha256(to_json(with_former_keys("machine", machine.model_dump(mode="json")))).hexdigest()
@@ -53,7 +48,7 @@ def write_learnt(learnt: LearntCorrections, path: Path, *, continued: bool = Fal
     content = {
         "format": FORMAT,
         "units": "SI: m, s, rad",
-        "machine": {"name": learnt.machine.name, "sha256": machine_fingerprint(learnt.machine)},
+        "machine": {"name": learnt.machine.name, "sha256": learnt.machine.fingerprint},
         "motion": {"sha256": learnt.motion.fingerprint, "cycle": learnt.motion.cycle}
         | {name: by_joint(getattr(learnt.motion, name)) for name in MOTION_ROWS},
         "repeats": len(learnt.history),
@@ -98,7 +93,7 @@ def read_learnt(path: Path, machine: Machine, motion: RepeatedMotion | None = No
 
 def _check_machine(recorded: dict[str, str], machine: Machine, path: Path) -> None:
     """Raise InputError if corrections were learnt with another machine or description."""
-    if recorded["sha256"] not in {machine_fingerprint(machine), _former_fingerprint(machine)}:
+    if recorded["sha256"] not in {machine.fingerprint, _former_fingerprint(machine)}:
         name = recorded["name"]
         other = f"another machine, {name!r}" if name != machine.name else f"another description of {machine.name}"
         raise InputError(f"was learnt with {other}", where=str(path), right="give that machine, or learn anew")

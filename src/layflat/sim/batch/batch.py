@@ -17,7 +17,7 @@ from layflat.description.wrong import shown
 from layflat.errors import InputError
 from layflat.machine import Machine, load
 from layflat.memory import check_memory
-from layflat.motion.scenario import Scenario
+from layflat.motion.scenario import MAX_SEED, Scenario
 from layflat.motion.signal_values import Angles, Pair, Value, check_bool, check_integer
 from layflat.physics.step import STEP
 from layflat.sim.batch.actions import FULL_OPENING_ERROR, check_action, find_action
@@ -167,7 +167,7 @@ class Batch:
     def _read_seeds(self, seed: ArrayLike | None, count: int) -> Seeds:
         """Return the seed of each arm's noise, by default one that no arm has had; raise InputError as `reset`."""
         seeds = read_seeds(self._next_seed if seed is None else seed, count)
-        self._next_seed = max(self._next_seed, int(seeds.max()) + 1)
+        self._next_seed = max(self._next_seed, int(seeds.max()) + 1) % (MAX_SEED + 1)
         return seeds
 
     def _name_views(self) -> None:

@@ -110,11 +110,11 @@ class BatchModel:
         """Control cycle, s."""
         return (self.controller or self.machine).cycle
 
-    @property
+    @cached_property
     def structure(self) -> str:
-        """Structure of all numbers, as a text: equal texts mean that a state of one batch fits another."""
-        names = ",".join(self.machine.joints)
-        return f"{self.case_like.text} {self.carry_like.text} {names} {self.number.__name__}"
+        """Machine and structure of all numbers, as a text: equal texts mean that a state of one batch fits another."""
+        machines = self.machine.fingerprint, (self.controller or self.machine).fingerprint
+        return f"{machines} {self.case_like.text} {self.carry_like.text} {self.number.__name__}"
 
     def read_starts(self, start: Angles | Array, count: int) -> tuple[Angles, dict[str, Array]]:
         """Return the row of angles of all arms, and those by arm as keys of `vary`.
