@@ -13,8 +13,8 @@ from layflat.lerobot.layout import BYTES_PER_MIB, MAX_VIDEO_FILE, VIDEO_PATH, Ca
 
 CODEC_NAME = "libsvtav1"  # encoder of AV1, LeRobot's own
 CODEC_OPTIONS = {"g": "2", "crf": "30", "preset": "12"}  # LeRobot's: every other picture can be decoded by itself
-# The loader compares times in single precision with a tolerance of 0.1 ms, which fails from 1024 s on.
-MAX_EPISODE_START = 512.0  # of an episode in a file; a later one begins a new file, s
+# From 1024 s on the loader may refuse frames of an episode that does not begin its file (findings/lerobot-*.sh).
+MAX_EPISODE_START = 512.0  # of an episode in a file, which leaves it as much; a later one begins a new file, s
 
 
 class CameraVideo:
