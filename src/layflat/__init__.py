@@ -25,6 +25,8 @@ _PUBLIC_NAMES = {
     "foxglove": "layflat.foxglove",
     "identify": "layflat.identify",
     "inverse_kinematics": "layflat.motion:inverse_kinematics",
+    "linear": "layflat.linear",
+    "linearize": "layflat.linear:linearize",
     "load": "layflat.machine:load",
     "metrics": "layflat.sim.run_metrics:metrics",
     "names": "layflat.machine:names",

@@ -1,6 +1,7 @@
 from layflat import export as export
 from layflat import foxglove as foxglove
 from layflat import identify as identify
+from layflat import linear as linear
 from layflat import plot as plot
 from layflat import tune as tune
 from layflat._version import __version__ as __version__
@@ -19,6 +20,7 @@ from layflat.errors import OutputError as OutputError
 from layflat.experiments import reproduce as reproduce
 from layflat.identify.logs import read_log as read_log
 from layflat.identify.logs import write_lerobot as write_lerobot
+from layflat.linear import linearize as linearize
 from layflat.machine import Machine as Machine
 from layflat.machine import changed as changed
 from layflat.machine import load as load

@@ -20,6 +20,7 @@ EXTRA_PACKAGES: Mapping[str, Mapping[str, str]] = {
     "foxglove": {"foxglove": "foxglove-sdk"},
     "hyddown": {"yaml": "PyYAML"},
     "motion": {"ruckig": "ruckig"},
+    "control": {"control": "control"},
     "export": {"ziglang": "ziglang"},
     "view": {"viser": "viser", "mujoco": "mujoco-core", "trimesh": "trimesh", "collada": "pycollada", "PIL": "pillow"},
     "panel": {"mcap": "mcap", "mcap_ros2": "mcap-ros2-support", "rosbags": "rosbags", "pyarrow": "pyarrow",

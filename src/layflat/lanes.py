@@ -161,6 +161,8 @@ def abreast(items: tuple[Any, ...]) -> Any:
 def apart(lanes: Any, like: tuple[Any, ...]) -> tuple[Any, ...]:
     """Return the items that `abreast` put side by side: a tuple with as many as `like`."""
     count = len(like)
+    if isinstance(lanes, tuple) and not lanes:
+        return (lanes,) * count
     if isinstance(lanes, tuple) and not isinstance(lanes, Lanes):
         parts = zip(*[apart(leaf, like) for leaf in lanes], strict=True)
         return tuple(_rebuild(lanes, list(part)) for part in parts)

@@ -329,3 +329,11 @@ def test_a_kernel_is_compiled_once_for_tuples_that_look_alike() -> None:
     for like in (Pair(1.0, 2.0), Pair(3, True), Pair(np.ones(3), 1.0)):  # type: ignore[arg-type]
         read_like(Like.from_tuple(like), block[:, 0].copy(), block)
     assert len(read_like.dispatcher.overloads) == compiled + 1  # type: ignore[attr-defined]
+
+
+def test_tuples_without_numbers_come_apart_too() -> None:
+    class Nothing(NamedTuple):
+        """Part of a state that has no numbers."""
+
+    items = tuple((float(i), Nothing()) for i in range(3))
+    assert apart(abreast(items), items) == items

@@ -33,7 +33,7 @@ ZERO_COMMANDS = CommandDelayLine(0.0, 0.0, 0.0)
 
 
 @law
-def _command_weight(n, age):
+def command_weight(n, age):
     """Return the weight of the command of `age` cycles ago under a delay of n cycles."""
     return max(1.0 - abs(n - age), 0.0)
 
@@ -42,10 +42,10 @@ def _command_weight(n, age):
 def delay_command(line, u, n):
     """Return the mean opening that acts in this cycle, and the delay line after it."""
     acts = (
-        _command_weight(n, 0.0) * u
-        + _command_weight(n, 1.0) * line.last_1
-        + _command_weight(n, 2.0) * line.last_2
-        + _command_weight(n, 3.0) * line.last_3
+        command_weight(n, 0.0) * u
+        + command_weight(n, 1.0) * line.last_1
+        + command_weight(n, 2.0) * line.last_2
+        + command_weight(n, 3.0) * line.last_3
     )
     return acts, CommandDelayLine(u, line.last_1, line.last_2)
 

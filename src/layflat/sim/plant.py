@@ -8,13 +8,14 @@ import numpy as np
 from layflat.arrays import Array
 from layflat.description import units as u
 from layflat.errors import DivergedError, InputError
-from layflat.lanes import Like, leaves, write_numbers
+from layflat.lanes import Like, leaves, read_numbers, write_numbers
 from layflat.machine import Machine, load, parameters
 from layflat.motion.scenario import MAX_DURATION, SIGNALS, Scenario
 from layflat.motion.signal_values import Angles, Pair, SignalKind, Value, check_integer, read_number, read_row
 from layflat.physics.adjustable import DriveFractions
 from layflat.physics.driven import SURROUNDINGS_COLUMNS, MachinePlant
-from layflat.physics.joint import Surroundings
+from layflat.physics.driver import CommandDelayLine
+from layflat.physics.joint import JointState, Surroundings
 from layflat.physics.sensor import noise_samples
 from layflat.physics.step import STEP
 from layflat.sim.run import make_timing, start_angles
@@ -89,6 +90,19 @@ class SteppedPlant(MachinePlant):
     @payload.setter
     def payload(self, mass: Value) -> None:
         self._around[SURROUNDINGS_COLUMNS.payload] = _payload(self._described, mass)
+
+    def place(self, states: Sequence[JointState], openings: Sequence[float]) -> None:
+        """Set the states of the joints, whose valves' drivers have been at openings for long.
+
+        Args:
+            states: of the joints.
+            openings: of the drivers, -1 to 1; those of the valves are in their states.
+        """
+        for row, state, opening in zip(self._state_array, states, openings, strict=True):
+            carry = read_numbers(self._like, row)
+            kept = state._replace(ledger=carry.state.ledger)
+            write_numbers(row, carry._replace(state=kept, line=CommandDelayLine(*[opening] * 3), opening=opening))
+        self._move_to(self._step_count)
 
     def drive(self, voltages: Array, shares: Sequence[DriveFractions] | Array | None = None) -> None:
         """Set what drives the joints; it holds until the next call.

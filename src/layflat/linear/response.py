@@ -1,0 +1,154 @@
+"""Small-signal response of the simulated plant, against which a linear model is compared.
+
+The plant starts at the operating point and moves with the voltages that hold it there. Two runs, with a sum of sines
+added to a voltage or a load and subtracted from it, differ by twice their response: what both have in common, as the
+dither and the motion along the arm's path, cancels. A load that is the same in both keeps the joints in balance where
+gravity and springs change on the way. Transients are fitted as decaying motions of the model's slow modes.
+
+All sines have equal parts in the velocity of the joint, or, where it is held, in its pressure. The plant, driven once
+per control cycle, holds its voltage: the response is to that stepped voltage.
+"""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from layflat.arrays import Array
+from layflat.errors import InputError
+from layflat.extras import import_extra
+from layflat.linear.operating_point import OperatingPoint
+from layflat.linear.rates import joint_state
+from layflat.machine import parameters
+from layflat.physics.hysteresis import at_rest
+from layflat.physics.stops_and_springs import spring_torque
+from layflat.sim.plant import SteppedPlant
+
+if TYPE_CHECKING:
+    from control import FrequencyResponseData, StateSpace
+
+DEFAULT_FREQUENCIES = (0.5, 0.75, 1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 7.0, 10.0, 14.0, 20.0)  # default, Hz
+VELOCITY_FRACTION, PRESSURE_SIZE = 0.02, 200.0  # rms of the response: fraction of the speed; of a held joint Pa
+SETTLING_TIME, WINDOW_TIME = 8.0, 6.0  # before the response is evaluated, and in which it is, s
+SLOW_MODES = 8.0  # rate of decay below which modes outlast the settling or are excited by the sines' start, 1/s
+COMMON_MODES = 1e-4  # relative singular value below which two modes are one
+GRIP_TORQUE = 1e6  # torque that holds a joint, N m
+
+
+def measure_response(
+    model: "StateSpace", frequencies: Sequence[float] = DEFAULT_FREQUENCIES, inputs: Sequence[str] | None = None
+) -> "FrequencyResponseData":
+    """Return the small-signal response of the simulated plant at the operating point of its linear model.
+
+    Args:
+        model: of `linearize`.
+        frequencies: Hz.
+        inputs: those of the model's inputs that are excited, one after the other; default: the voltages.
+
+    Returns:
+        The response by python-control, with the outputs of the model.
+
+    Raises:
+        InputError: an input is unknown, or a joint that slides stops on the way.
+    """
+    control = import_extra("control", "control", where="measure_response")
+    names = [name for name in model.input_labels if name.endswith("_voltage")] if inputs is None else list(inputs)
+    if unknown := [name for name in names if name not in model.input_labels]:
+        raise InputError(f"there is no input {unknown[0]!r}", where="inputs", right=f"{', '.join(model.input_labels)}")
+    w = 2.0 * np.pi * np.asarray(frequencies, dtype=float)
+    columns = [_measure_input(model, name, w) for name in names]
+    return control.frd(np.stack(columns, axis=1), w, inputs=names, outputs=model.output_labels, name="plant")
+
+
+def _measure_input(model: "StateSpace", name: str, w: Array) -> Array:
+    """Return the response to an input at angular frequencies (rad/s), (outputs, frequencies)."""
+    point, cycle = model.operating_point, model.operating_point.machine.cycle
+    joint, _, quantity = name.rpartition("_")
+    j, speeds = list(point.machine.joints).index(joint), np.array([state.velocity for state in point.states])
+    held = point.plant.held[j]
+    observed = f"{joint}_differential_pressure" if held else f"{joint}_velocity"
+    size = PRESSURE_SIZE if held else VELOCITY_FRACTION * abs(speeds[j])
+    gains = np.abs([model[observed, name](1j * value) for value in w]).ravel()
+    t = cycle * np.arange(round((SETTLING_TIME + WINDOW_TIME) / cycle))
+    phases = np.random.default_rng(0).uniform(0.0, 2.0 * np.pi, len(w))
+    sines = (size * np.sqrt(2.0 / len(w)) / gains) @ np.sin(np.outer(w, t) + phases[:, np.newaxis])
+    signal = np.zeros((2, len(t), len(speeds)))  # voltages and loads
+    signal[0 if quantity == "voltage" else 1, :, j] = sines
+    path = np.outer(t - SETTLING_TIME - 0.5 * WINDOW_TIME, speeds)
+    forward, back = (simulate(point, path, sign * signal) for sign in (1.0, -1.0))
+    evaluated = t >= SETTLING_TIME
+    for name_j, speed, velocities in zip(point.machine.joints, speeds, (forward + back)[:, 1].T, strict=True):
+        if speed and (velocities[evaluated] * speed <= 0.0).any():
+            right = "give a higher speed, or let fewer joints slide"
+            raise InputError(f"joint {name_j!r} stops on its way", where="speed", right=right)
+    response = _outputs(model, 0.5 * (forward - back))[evaluated]
+    modes = _modes(model, t[evaluated] - SETTLING_TIME)
+    stepped = np.sinc(w * cycle / (2.0 * np.pi)) * np.exp(-0.5j * w * cycle)
+    t, applied = t[evaluated], sines[evaluated, np.newaxis]
+    gains = _fit_sines(w, t, modes, response) / (_fit_sines(w, t, modes, applied) * stepped[:, np.newaxis])
+    return np.asarray(gains.T)
+
+
+def simulate(point: OperatingPoint, path: Array, signal: Array) -> Array:
+    """Return the motion of a plant from the operating point, at the start of each control cycle.
+
+    Args:
+        point: operating point.
+        path: angles of the joints along the way less those of the point, (cycles, joints), rad.
+        signal: what is added to the voltages (V) and loads (N m), (2, cycles, joints).
+
+    Returns:
+        Angles, velocities (rad, rad/s), absolute pressures of hoses A and B (Pa), (cycles, 4, joints).
+    """
+    plant = SteppedPlant(point.machine, noise=False)
+    around, joints = point.plant.around, []
+    for j, (joint, state) in enumerate(zip(point.plant.joints, point.states, strict=True)):
+        slid = [loss.state for loss in point.losses[j]]
+        rested = [at_rest(hose.loss) for hose in (joint.hose_a, joint.hose_b)]
+        moving, losses = state._replace(angle=state.angle + float(path[0, j])), [*slid, *rested[len(slid) :]]
+        joints.append(joint_state(joint, moving, point.valves[j].state, losses, around.ambient_pressure))
+    plant.place(joints, [valve.opening for valve in point.valves])
+    for j, held in enumerate(point.plant.held):
+        plant.grip(j, GRIP_TORQUE if held else 0.0)
+    angles = np.array([state.angle for state in point.states])
+    balance, rows = _loads(point, angles), []
+    for k, (voltages, loads) in enumerate(zip(*signal, strict=True)):
+        rows.append([plant.angles, plant.velocities, *plant.pressures.T])
+        plant.load[:] = loads + (balance - _loads(point, angles + path[k]))
+        plant.drive(point.voltages + voltages)
+        plant.advance((k + 1) * point.machine.cycle)
+    return np.array(rows)
+
+
+def _loads(point: OperatingPoint, angles: Array) -> Array:
+    """Return the torques of gravity and springs at angles (rad), N m, (joints,)."""
+    _, pulls = parameters.mass_and_pull(point.plant.arm, point.plant.around.payload, angles)
+    springs = [spring_torque(joint.spring, float(q)) for joint, q in zip(point.plant.joints, angles, strict=True)]
+    return np.asarray(pulls + np.array(springs))
+
+
+def _outputs(model: "StateSpace", motion: Array) -> Array:
+    """Return the outputs of a model from deviations as `simulate` returns the motion, (cycles, outputs)."""
+    rows: dict[str, Any] = {}
+    for j, joint in enumerate(model.operating_point.machine.joints):
+        q, v, p_a, p_b = motion[:, :, j].T
+        names = ("angle", "velocity", "pressure_a", "pressure_b", "differential_pressure")
+        rows |= {f"{joint}_{name}": row for name, row in zip(names, (q, v, p_a, p_b, p_a - p_b), strict=True)}
+    return np.array([rows[name] for name in model.output_labels]).T
+
+
+def _modes(model: "StateSpace", t: Array) -> Array:
+    """Return an orthogonal base of the model's slow free motions at times t (s), (times, modes)."""
+    rates = model.poles()
+    slow = np.exp(np.outer(t, rates[(rates.real > -SLOW_MODES) & (rates.imag >= 0.0)]))
+    motions = np.column_stack([np.ones_like(t), t, slow.real, slow.imag])
+    motions /= np.maximum(np.linalg.norm(motions, axis=0), 1e-12)
+    base, sizes, _ = np.linalg.svd(motions, full_matrices=False)
+    return np.asarray(base[:, sizes > COMMON_MODES * sizes[0]])
+
+
+def _fit_sines(w: Array, t: Array, modes: Array, signals: Array) -> Array:
+    """Return the complex amplitudes of signals, (times, signals), at angular frequencies w (rad/s)."""
+    angles = np.outer(t, w)
+    fit, *_ = np.linalg.lstsq(np.column_stack([np.cos(angles), np.sin(angles), modes]), signals, rcond=None)
+    return np.asarray(fit[: len(w)] - 1j * fit[len(w) : 2 * len(w)])

@@ -1,0 +1,127 @@
+"""Small-signal model of a valve, averaged over its driver's wave: dither of a spool, pulses of on/off valves.
+
+| symbol | meaning | unit |
+|---|---|---|
+| u | mean opening that the driver demands | 1 |
+| y | opening that acts: u behind the valve's lag | 1 |
+| C | mean conductance of a path | m3/(s Pa) |
+| a_1, a_2 | coefficients of the lag: a_2 y'' + a_1 y' + y = u | s, s2 |
+
+The valve's own law, wave included, is simulated in the plant's steps. Means over whole periods of the wave at slightly
+different openings yield C and dC/du. The lag is that of the response to a small sine: friction of a spool, which dither
+turns into a drag, delays of coils, and the inertia of a spool are in it. One frequency yields both coefficients;
+docs/linear.md compares others. Averages suffice because air and arm pass little of the wave on.
+"""
+
+from math import ceil, pi
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from layflat.arrays import Array
+from layflat.physics.valves import at_rest, move, start_wave, turn_wave
+
+SETTLING_TIME = 0.08  # after which a valve has forgotten its start, s
+MAX_PERIODS = 20  # periods of the wave over which it is averaged: more where they are no whole number of steps
+OPENING_STEP = 1e-3  # change of the opening for derivatives, fraction of full opening
+LAG_FREQUENCY = 20.0  # at which the lag is fitted, Hz: the upper end of the band of interest
+LAG_PERIODS = 2  # of that frequency
+
+
+class PathConductances(NamedTuple):
+    """Conductances of the path that fills hose A and vents hose B, and of the reverse."""
+
+    fills: float  # m3/(s Pa)
+    vents: float  # m3/(s Pa)
+
+
+class LinearValve(NamedTuple):
+    """Averaged valve near an opening u (units as in the module's table)."""
+
+    opening: float  # u
+    state: Any  # of the valve's law, when the wave begins anew
+    wave: Array  # conductances over whole periods, (steps, 2)
+    slopes: PathConductances  # dC/du
+    lag: tuple[float, float]  # a_1, a_2
+
+    @property
+    def paths(self) -> PathConductances:
+        """Mean conductances."""
+        return PathConductances(*self.wave.mean(axis=0).tolist())
+
+
+def settle_valve(valve: Any, opening: float, h: float) -> tuple[Any, Array]:
+    """Return the state of a valve driven to an opening for long, and its conductances in the period that follows.
+
+    Args:
+        valve: parameters.
+        opening: demanded of the driver, -1 to 1.
+        h: step, s.
+
+    Returns:
+        The state when the wave begins anew, and conductances (steps, 2), m3/(s Pa), over whole periods.
+    """
+    steps = _averaging_steps(valve, h)
+    settling = steps * ceil(SETTLING_TIME / (h * steps))
+    state, history = _simulate(valve, np.full(settling + steps, opening), h)
+    return state, history[settling:]
+
+
+def mean_paths(valve: Any, opening: float, h: float) -> PathConductances:
+    """Return the mean conductances of a valve driven to an opening for long.
+
+    Args:
+        valve: parameters.
+        opening: demanded of the driver, -1 to 1.
+        h: step, s.
+    """
+    return PathConductances(*settle_valve(valve, opening, h)[1].mean(axis=0).tolist())
+
+
+def linearize_valve(valve: Any, opening: float, h: float) -> LinearValve:
+    """Return the small-signal model of a valve of any kind near an opening.
+
+    Args:
+        valve: parameters.
+        opening: demanded of the driver, -1 to 1.
+        h: step, s.
+    """
+    forward, back = (np.array(mean_paths(valve, opening + sign * OPENING_STEP, h)) for sign in (1.0, -1.0))
+    slopes = (forward - back) / (2.0 * OPENING_STEP)
+    lag = (0.0, 0.0)
+    if slopes.any():
+        lag = _fit_lag(valve, opening, slopes, h)
+    return LinearValve(opening, *settle_valve(valve, opening, h), PathConductances(*slopes.tolist()), lag)
+
+
+def _averaging_steps(valve: Any, h: float) -> int:
+    """Return the number of steps closest to a whole number of periods of the valve's wave."""
+    frequency = getattr(valve, "dither_frequency", None) or getattr(valve, "frequency", None)
+    if not frequency:
+        return 1
+    steps = np.arange(1, MAX_PERIODS + 1) / (frequency * h)
+    best = int(np.argmin(np.round(np.abs(steps / np.round(steps) - 1.0), 9)))
+    return max(1, round(float(steps[best])))
+
+
+def _simulate(valve: Any, openings: Array, h: float) -> tuple[Any, Array]:
+    """Return the state at the end, and the mean conductances in every step of h seconds, (steps, 2), at openings."""
+    state, wave = at_rest(valve), start_wave(valve, 0.0, h)
+    paths = np.empty((len(openings), 2))
+    for k, opening in enumerate(openings.tolist()):
+        state, *paths[k] = move(valve, state, opening, wave, h)
+        wave = turn_wave(valve, wave)
+    return state, paths
+
+
+def _fit_lag(valve: Any, opening: float, slopes: Array, h: float) -> tuple[float, float]:
+    """Return a_1 and a_2 from the response of the conductances to a sine at `LAG_FREQUENCY`."""
+    w, count = 2.0 * pi * LAG_FREQUENCY, ceil(LAG_PERIODS / (LAG_FREQUENCY * h))
+    settling = ceil(SETTLING_TIME / h)
+    times = h * (np.arange(settling + count) + 0.5)
+    sine = OPENING_STEP * np.sin(w * times)
+    change = _simulate(valve, opening + sine, h)[1] - _simulate(valve, opening - sine, h)[1]
+    response = np.exp(-1j * w * times[settling:]) @ change[settling:] * (1j / (count * OPENING_STEP))
+    ratio = complex(slopes @ response / (slopes @ slopes))
+    inverse = 1.0 / ratio
+    return inverse.imag / w, (1.0 - inverse.real) / (w * w)
