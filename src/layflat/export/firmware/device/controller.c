@@ -26,16 +26,15 @@ static uint32_t count_of(const converter *c, double number, uint32_t centre) {
 
 static double seconds(uint32_t time) { return (double)time / MICROSECONDS; }
 
-static uint64_t get(const uint8_t *bytes, size_t size) {
-    uint64_t number = 0u;
-    for (size_t i = 0; i < size; i++) {
-        number = number << 8 | bytes[i];
-    }
-    return number;
+static uint16_t get_short(const uint8_t *bytes) { return (uint16_t)((uint16_t)bytes[0] << 8 | bytes[1]); }
+
+/* Shifts by constants, as in `put_single`, are single instructions of many processors. */
+static uint32_t get_word(const uint8_t *bytes) {
+    return (uint32_t)bytes[0] << 24 | (uint32_t)bytes[1] << 16 | (uint32_t)bytes[2] << 8 | bytes[3];
 }
 
 static double get_double(const uint8_t *bytes) {
-    const uint64_t bits = get(bytes, sizeof bits);
+    const uint64_t bits = (uint64_t)get_word(bytes) << 32 | get_word(bytes + 4);
     double number;
     memcpy(&number, &bits, sizeof number);
     return number;
@@ -45,7 +44,11 @@ static uint8_t *put_single(uint8_t *out, rig_real number) {
     const float single = (float)number;
     uint32_t bits;
     memcpy(&bits, &single, sizeof bits);
-    return station_put(out, bits, sizeof bits);
+    out[0] = (uint8_t)(bits >> 24);
+    out[1] = (uint8_t)(bits >> 16);
+    out[2] = (uint8_t)(bits >> 8);
+    out[3] = (uint8_t)bits;
+    return out + sizeof bits;
 }
 
 static void send_identity(controller *self, uint16_t sequence) {
@@ -118,11 +121,11 @@ static int read_request(const controller *self, const frame *taken, controller_r
     if (taken->size != REQUEST_HEAD + JOINT_REQUEST * RIG_JOINTS) {
         return 0;
     }
-    out->edges = (uint16_t)get(bytes, 2u);
+    out->edges = get_short(bytes);
     out->outputs = bytes[2];
     out->switches = bytes[3];
-    out->flags = (uint16_t)get(bytes + 4, 2u);
-    out->events = (uint16_t)get(bytes + 6, 2u);
+    out->flags = get_short(bytes + 4);
+    out->events = get_short(bytes + 6);
     out->age = get_double(bytes + 8);
     out->demand_age = get_double(bytes + 16);
     for (size_t j = 0; j < RIG_JOINTS; j++) {
