@@ -46,7 +46,7 @@ questions: $(READY)  ## the same with the paper's open questions, studies of tho
 test: export PYTHONDONTWRITEBYTECODE :=  # hundreds of processes import the package
 test: $(READY)  ## run the tests: side by side, those in real time alone, and some of kernels without compiler
 	for part in $(PARTS); do $(BIN)/python -m pytest $(SIDE_BY_SIDE) -m "not realtime" $$part || exit 1; done
-	$(BIN)/python -m pytest -m realtime $$(grep -rl --include='*.py' mark.realtime tests)
+	$(BIN)/python -m pytest -m realtime $$(grep -rl --include='*.py' mark.realtime tests layflat-ros2/tests)
 	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest $(KERNELS)
 
 test-python:  ## run the tests on another Python, such as V=3.13, with the newest of all that is needed

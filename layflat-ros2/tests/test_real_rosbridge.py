@@ -24,6 +24,7 @@ from layflat_ros2 import RigNode, Rosbridge
 from layflat_ros2.messages import DIAGNOSTICS_TYPE, JOINT_STATE_TYPE, PRESSURES_TYPE
 from protocol_server import Peer
 from ros2_prefix import environment, server_command
+from test_command import follow_a_trajectory
 from test_node import ACTION, COMMANDS, PRESSURES, STATES
 from test_trajectory import goal_of
 from tests.programs import skip_without
@@ -48,8 +49,8 @@ print(json.dumps([list(last.name), list(last.position), list(last.velocity), las
 class RealBench:
     """A node that runs, its session, a peer of the same server, and the domain of ROS that they are in."""
 
-    def __init__(self, session: FakeSession, peer: Peer, lines: list[str], domain: int) -> None:
-        self.session, self.peer, self.lines, self.domain = session, peer, lines, domain
+    def __init__(self, session: FakeSession, peer: Peer, lines: list[str], domain: int, address: str) -> None:
+        self.session, self.peer, self.lines, self.domain, self.address = session, peer, lines, domain, address
 
 
 @pytest.fixture(scope="module")
@@ -73,7 +74,7 @@ def bench() -> Iterator[RealBench]:
                 thread = Thread(target=node.run, args=(over.is_set,))
                 thread.start()
                 try:
-                    yield RealBench(session, peer, lines, domain)
+                    yield RealBench(session, peer, lines, domain, link.address)
                 finally:
                     over.set()
                     thread.join()
@@ -157,6 +158,10 @@ def test_services_and_commands_arrive(bench: RealBench) -> None:
         lambda: bench.peer.send("publish", topic=COMMANDS, msg=command) and len(bench.session.asked) > count
     )
     assert bench.session.asked[-1] == ([0.1, 0.2], None)
+
+
+def test_a_virtual_rig_follows_a_trajectory(bench: RealBench, tmp_path: Path) -> None:
+    follow_a_trajectory(bench.address, "/arm", tmp_path)
 
 
 def test_the_server_had_nothing_to_complain_of(bench: RealBench) -> None:
