@@ -23,6 +23,7 @@ _PUBLIC_NAMES = {
     "ensemble": "layflat.sim.ensemble:ensemble",
     "export": "layflat.export",
     "foxglove": "layflat.foxglove",
+    "gym": "layflat.gym",
     "identify": "layflat.identify",
     "inverse_kinematics": "layflat.motion:inverse_kinematics",
     "linear": "layflat.linear",

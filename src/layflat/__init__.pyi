@@ -1,5 +1,6 @@
 from layflat import export as export
 from layflat import foxglove as foxglove
+from layflat import gym as gym
 from layflat import identify as identify
 from layflat import linear as linear
 from layflat import plot as plot

@@ -8,7 +8,8 @@ import numpy as np
 
 from layflat.arrays import Array
 from layflat.control.tracking import TrackingControllerPart
-from layflat.description.change import changed_all, value_at
+from layflat.description.change import annotation_at, changed_all, quantity_of, value_at
+from layflat.description.units import quantity
 from layflat.errors import InputError, MachineError
 from layflat.machine import parameters
 from layflat.machine.cloud import PAPER_CLOUD, load_cloud
@@ -72,14 +73,19 @@ def member_values(where: str, path: Path = PAPER_CLOUD) -> dict[str, Array]:
     Raises:
         MachineError: the file can't be read, or is no cloud of this machine.
     """
-    machines = [load(name) for name in member_names(where, path)]
+    cloud, members = load_cloud(path), member_names(where, path)
+    first, last = load(members[0]), load(members[-1])
     values = {}
-    for column in load_cloud(path).columns:
+    for i, column in enumerate(cloud.columns):
+        texts = [f"{member[i]:g} {column.unit}" if column.unit else member[i] for member in cloud.members]
         for key in (key for key in column.paths if ".gains." not in key):
             try:
-                numbers = np.array([value_at(machine, key) for machine in machines], dtype=float)
+                ends = float(value_at(first, key)), float(value_at(last, key))
+                kind = quantity_of(annotation_at(first, key))
             except InputError:  # of a joint that it does not have
                 continue
-            if np.ptp(numbers) > 0.0:
+            numbers = np.array([float(text) if kind is None else quantity(text, kind, key) for text in texts])
+            # The description may replace a value of the cloud, and the cloud have columns of other machines.
+            if ends == (numbers[0], numbers[-1]) and np.ptp(numbers) > 0.0:
                 values[key] = numbers
     return values

@@ -93,6 +93,13 @@ class Viewer:
         time = self.time.value + seconds * float(self.speed.value.split()[0])
         self.time.value = float(time if time <= end else begin)
 
+    def show_angles(self, angles: Sequence[float] | Array) -> None:
+        """Set sliders and arm to angles, rad, an item a joint."""
+        self._angles = np.array(angles, float)
+        for slider, angle in zip(self.sliders.values(), np.degrees(self._angles).tolist(), strict=True):
+            slider.value = float(np.clip(angle, slider.min, slider.max))
+        self._show_pose()
+
     def close(self) -> None:
         """End the page."""
         with redirect_stdout(StringIO()):
@@ -184,10 +191,7 @@ class Viewer:
     def _apply_motion(self) -> None:
         """Set sliders and arm to the motion's angles at the present time."""
         assert self._motion is not None
-        self._angles = self._motion.angles_at(self.time.value)
-        for slider, angle in zip(self.sliders.values(), np.degrees(self._angles).tolist(), strict=True):
-            slider.value = float(np.clip(angle, slider.min, slider.max))
-        self._show_pose()
+        self.show_angles(self._motion.angles_at(self.time.value))
 
     def _apply_sliders(self) -> None:
         """Set the arm to the sliders' angles, unless a motion is played."""

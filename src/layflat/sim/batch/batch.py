@@ -161,7 +161,7 @@ class Batch:
         begun = self._model.arrays_at_rest(prepared, seeds)
         for key, values in given.items():
             if not key.startswith("start."):
-                self._vary.setdefault(key, np.full(self.count, self._model.neutral(key)))[arms] = values
+                self._varied_values(key)[arms] = values
         return begun
 
     def _read_seeds(self, seed: ArrayLike | None, count: int) -> Seeds:
@@ -307,9 +307,14 @@ class Batch:
             arrays = self._model.with_noise_of(arrays, self._read_seeds(seed, len(chosen)))
         copy_arms(arrays, np.arange(len(chosen)), self._arrays, chosen)
         for key in {*self._vary, *state.vary}:
-            usual = self._model.neutral(key)
-            values = state.vary.get(key, np.full(len(chosen), usual))
-            self._vary.setdefault(key, np.full(self.count, usual))[chosen] = values
+            values = state.vary.get(key)
+            self._varied_values(key)[chosen] = self._model.neutral(key) if values is None else values
+
+    def _varied_values(self, key: str) -> Array:
+        """Return the values of a key of `vary`, (arms,), to write; where it has not varied so far, as described."""
+        if key not in self._vary:
+            self._vary[key] = np.full(self.count, self._model.neutral(key))
+        return self._vary[key]
 
     def _check_open(self) -> None:
         """Raise InputError if the batch is closed."""

@@ -1,0 +1,58 @@
+"""Environments of Gymnasium: the fraction of a batch's speed that is left in the vector environment.
+
+Both move arms of the same machines by the same actions, by turns, so that a busy moment of the computer meets both; the
+environment also reads sensors late, rewards, and begins all episodes anew at their ends.
+"""
+
+import time
+from collections.abc import Callable
+
+import numpy as np
+
+from layflat.gym.vector import ArmVectorEnv
+
+EPISODE_STEPS = 100
+ROUNDS = 9  # turns of an episode of each
+
+
+def _seconds(step: Callable[[], object]) -> float:
+    """Return the time of the steps of an episode, s."""
+    begin = time.perf_counter()
+    for _ in range(EPISODE_STEPS):
+        step()
+    return time.perf_counter() - begin
+
+
+def share_of_batch(count: int, cycles: int = 4, delay: int = 1) -> float:
+    """Return arm-cycles a second of the environment by those of its batch alone, median of rounds.
+
+    Args:
+        count: number of arms.
+        cycles: control cycles of a step of the environment.
+        delay: control cycles by which readings are older.
+    """
+    envs = ArmVectorEnv("Reach", count, max_episode_steps=EPISODE_STEPS, machines="robust", cycles=cycles, delay=delay)
+    envs.reset(seed=1)
+    actions = np.random.default_rng(2).uniform(-1.0, 1.0, (count, 2)).astype(np.float32)
+    shares = []
+    for _ in range(ROUNDS):
+        alone = _seconds(lambda: envs.batch.step(actions, cycles))
+        shares.append(alone / _seconds(lambda: envs.step(actions)))
+    envs.close()
+    return float(np.median(shares))
+
+
+def measure() -> dict[str, float]:
+    """All figures by name."""
+    return {
+        "gym_share_of_batch": share_of_batch(4096),
+        "gym_64_share_of_batch": share_of_batch(64),
+        "gym_each_cycle_share_of_batch": share_of_batch(4096, cycles=1, delay=0),
+    }
+
+
+MEANING = {
+    "gym_share_of_batch": "arm-cycles a second of the vector environment by those of its batch, 4096 arms; aim 0.7",
+    "gym_64_share_of_batch": "the same with 64 arms; aim 0.7",
+    "gym_each_cycle_share_of_batch": "the same with 4096 arms and an action a control cycle",
+}

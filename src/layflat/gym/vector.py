@@ -1,0 +1,320 @@
+"""Environment of many arms that are stepped together: `ArmVectorEnv`."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from gymnasium.spaces import Box
+from gymnasium.vector import AutoresetMode, VectorEnv
+from gymnasium.vector.utils import batch_space
+from numpy.typing import ArrayLike, NDArray
+
+from layflat.arrays import Array, Picture
+from layflat.description.wrong import shown
+from layflat.errors import InputError
+from layflat.gym.loads import LoadSchedule
+from layflat.gym.observation import ArmObserver
+from layflat.gym.pool import batch_options, make_pool
+from layflat.gym.rendering import RENDER_MODES, ArmRenderer, check_render_mode
+from layflat.gym.rewards import step_info, step_rewards, tip_distances
+from layflat.gym.tasks import MAX_EPISODE_STEPS, find_task, read_options
+from layflat.motion.scenario import MAX_SEED
+from layflat.motion.signal_values import check_integer
+from layflat.sim.batch import Batch
+
+RESET_OPTIONS = ("reset_mask",)
+LEAST_ACTION, GREATEST_ACTION = np.float32(-1.0), np.float32(1.0)
+
+
+class ArmVectorEnv(VectorEnv[Array, Array, Array]):
+    """Many arms with one task each, as a vector environment of Gymnasium on one `Batch`.
+
+    Actions are numbers of -1 to 1, those beyond are clipped. Observations are rows of `names`; see
+    `layflat.gym.observation`. An episode ends by `max_episode_steps`; it is terminated only where an arm diverges.
+    Information of a step has `distance` (m) of the tip from its goal, and `is_success` within 2 mm, (num_envs,) each.
+
+    Args:
+        task: name of a task, such as "Reach".
+        num_envs: number of arms.
+        max_episode_steps: steps until an episode is truncated; None: never.
+        autoreset_mode: mode of Gymnasium, or its name: "NextStep", "SameStep" or "Disabled", in which
+            `reset(options={"reset_mask": mask})` begins the episodes of some arms.
+        render_mode: "rgb_array", "human", a page in the browser that shows the first arm, or None.
+        options: further options by name, see `EnvOptions`.
+
+    Attributes:
+        batch: the batch of the arms.
+        names: name of each item of an arm's observation.
+
+    Raises:
+        InputError: an option or the machine is wrong.
+
+    Example:
+        >>> import layflat as lf
+        >>> import numpy as np
+        >>> with_arms = lf.gym.ArmVectorEnv("Reach", 16, machines="nominal", pool=32)
+        >>> observations, _ = with_arms.reset(seed=1)
+        >>> observations, rewards, *_ = with_arms.step(np.zeros((16, 2)))
+        >>> observations.shape, bool((rewards < 0.0).all())
+        ((16, 10), True)
+        >>> with_arms.close()
+    """
+
+    def __init__(
+        self,
+        task: str,
+        num_envs: int = 1,
+        *,
+        max_episode_steps: int | None = None,
+        autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
+        render_mode: str | None = None,
+        **options: Any,
+    ) -> None:
+        self._task, self._options = find_task(task), read_options(options)
+        self.num_envs = check_integer(num_envs, "num_envs", 1)
+        self._mode, self.render_mode = _read_mode(autoreset_mode), check_render_mode(render_mode)
+        if max_episode_steps is not None:
+            check_integer(max_episode_steps, "max_episode_steps", 1, MAX_EPISODE_STEPS)
+        self._limit = MAX_EPISODE_STEPS if max_episode_steps is None else max_episode_steps
+        self._pool = pool = make_pool(self._task, self._options)
+        self.batch = Batch(pool.machine, self.num_envs, **batch_options(self._options))
+        self._moving = len(pool.goals) > 1
+        self._observer = ArmObserver(pool.machine, self.num_envs, self._options, moving=self._moving)
+        self._loads = LoadSchedule(pool.machine, self.num_envs) if self._task.loads else None
+        self._renderer = None if self.render_mode is None else ArmRenderer(pool.machine, self.render_mode)
+        self._name_spaces()
+        self._rows = np.zeros(self.num_envs, np.intp)  # of the pool, whose goals are pursued
+        self._goal, self._goal_tip = (np.zeros((*each.shape[1:2], self.num_envs), each.dtype) for each in
+                                      (pool.goals, pool.goal_tips))  # fmt: skip
+        self._steps = np.zeros(self.num_envs, np.int64)  # of the present episodes
+        self._first_end = 0  # steps until the first episode may end
+        self._done, self._any_done, self._begun = np.zeros(self.num_envs, bool), False, False
+        self._latest = self._observer.new()  # observations, kept where a mask may leave out arms
+        self._all = np.ones(self.num_envs, bool)
+        self._all.flags.writeable = False
+
+    def _name_spaces(self) -> None:
+        """Set spaces, metadata and the scale of actions."""
+        low, high = self.batch.action_limits
+        self.names = self._observer.names
+        self.single_action_space = Box(-1.0, 1.0, (len(low),), np.float32)
+        self.single_observation_space = self._observer.space
+        self.action_space = batch_space(self.single_action_space, self.num_envs)
+        self.observation_space = batch_space(self.single_observation_space, self.num_envs)
+        self._middle, self._half = 0.5 * (low + high), 0.5 * (high - low)
+        self._scaled = bool((self._middle != 0.0).any() or (self._half != 1.0).any())
+        fps = round(1.0 / (self._options.cycles * self.batch.cycle))
+        self.metadata = {"render_modes": list(RENDER_MODES), "render_fps": fps, "autoreset_mode": self._mode}
+
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Array, dict[str, Any]]:
+        """Begin episodes and return observations, (num_envs, items), and information.
+
+        Args:
+            seed: seed of all that follows; None: the generator goes on.
+            options: {"reset_mask": mask of the arms whose episodes begin}; default: all.
+
+        Raises:
+            InputError: an option is wrong, or the environment is closed.
+        """
+        self._check_open()
+        mask = _read_reset_options(options, self.num_envs)
+        if seed is not None:
+            check_integer(seed, "seed", 0)
+        super().reset(seed=seed)
+        if not self._begun and not mask.all():
+            raise InputError("leaves out arms that have not begun", where="reset_mask", right="reset all first")
+        self._begun = True
+        arms = np.flatnonzero(mask)
+        self._begin_episodes(arms)
+        self._done = self._done & ~mask
+        self._any_done = bool(self._done.any())
+        rows = self._latest.copy()
+        rows[:, arms] = self._observe_start()[:, arms]
+        self._latest[:] = rows
+        distances = tip_distances(self.batch.tip.T, self._goal_tip)
+        self._show()
+        return rows.T, self._info(distances)
+
+    def step(self, actions: ArrayLike) -> tuple[Array, Array, NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]:  # type: ignore[override]
+        """Move all arms by a step.
+
+        Args:
+            actions: (num_envs, joints), -1 to 1.
+
+        Returns:
+            Observations (num_envs, items), rewards, terminations, truncations, (num_envs,) each, and information.
+
+        Raises:
+            InputError: actions have another shape or are no numbers; the environment is closed or was not reset.
+        """
+        self._check_open()
+        if not self._begun:
+            raise InputError("has not begun", where="environment", right="call reset first")
+        values = _read_actions(actions, self.action_space.shape).clip(LEAST_ACTION, GREATEST_ACTION)
+        rows = self._move(values)
+        self._steps += 1
+        self._aim()
+        self._observer.write_demand(rows, values.T, self._goal, self._coming())
+        distances = tip_distances(self.batch.tip.T, self._goal_tip)
+        rewards, infos = step_rewards(distances), self._info(distances)
+        terminations, truncations = self.batch.diverged.copy(), self._truncations()
+        if self._any_done and self._mode is AutoresetMode.NEXT_STEP:
+            again = self._done
+            rewards[again], terminations[again], truncations[again] = 0.0, False, False
+            self._restart(rows, np.flatnonzero(again), infos)
+        self._done = np.logical_or(terminations, truncations)
+        self._any_done = bool(self._done.any())
+        if self._any_done and self._mode is AutoresetMode.SAME_STEP:
+            self._restart_at_once(rows, infos)
+        if self._mode is AutoresetMode.DISABLED:
+            self._latest[:] = rows
+        self._show()
+        return rows.T, rewards, terminations, truncations, infos
+
+    def _move(self, values: Array) -> Array:
+        """Move the batch by checked actions, and return the rows of the observation with their readings."""
+        batch, (cycles, delay) = self.batch, (self._options.cycles, self._options.delay)
+        if self._loads is not None:
+            batch.inputs["load"].T[:] = self._loads.torques(self._steps)
+        action: Array | None = self._middle + self._half * values if self._scaled else values
+        rows = self._observer.new()
+        if self._options.observe == "state":
+            delay = 0
+        if delay < cycles:
+            batch.step(action, cycles - delay)
+            action = None
+        self._observer.read(rows, batch)
+        self._observer.keep(rows)
+        if delay:
+            batch.step(action, delay)
+        return rows
+
+    def _truncations(self) -> NDArray[np.bool_]:
+        """Return which episodes have reached their last step."""
+        self._first_end -= 1
+        if self._first_end > 0:
+            return np.zeros(self.num_envs, bool)
+        ended: NDArray[np.bool_] = self._steps >= self._limit
+        return ended
+
+    def _begin_episodes(self, arms: NDArray[np.intp]) -> None:
+        """Begin the episodes of some arms: each has an arm of the pool, with its goal, and new noise."""
+        draw = self.np_random
+        rows = draw.integers(self._pool.count, size=len(arms))
+        seeds = draw.integers(MAX_SEED, size=len(arms))
+        self.batch.set_state(self._pool.rest.take(rows), arms, seed=seeds)
+        self._rows[arms], self._steps[arms] = rows, 0
+        self._goal[:, arms], self._goal_tip[:, arms] = self._pool.goals[0][:, rows], self._pool.goal_tips[0][:, rows]
+        if self._loads is not None:
+            self._loads.restart(draw, arms)
+        self._observer.restart(self.batch.sensed_angle.T, arms)
+        self._first_end = self._limit - int(self._steps.max())
+
+    def _observe_start(self) -> Array:
+        """Return the rows of the observation of arms that stand at the start, with no action before."""
+        rows = self._observer.new()
+        self._observer.read(rows, self.batch)
+        self._observer.write_demand(rows, 0.0, self._goal, self._coming())
+        return rows
+
+    def _restart(self, rows: Array, arms: NDArray[np.intp], infos: dict[str, Any]) -> None:
+        """Begin episodes of some arms within a step, and write their first observations and information."""
+        self._begin_episodes(arms)
+        rows[:, arms] = self._observe_start()[:, arms]
+        for name, values in step_info(tip_distances(self.batch.tip.T, self._goal_tip)).items():
+            infos[name] = np.where(np.isin(np.arange(self.num_envs), arms), values, infos[name])
+
+    def _restart_at_once(self, rows: Array, infos: dict[str, Any]) -> None:
+        """Begin the episodes that have just ended, after keeping their last observations and information."""
+        final = np.full(self.num_envs, None, object)
+        for arm in np.flatnonzero(self._done):
+            final[arm] = rows[:, arm].copy()
+        last = {name: values.copy() for name, values in infos.items()} | {
+            f"_{name}": self._done.copy() for name in infos if not name.startswith("_")
+        }
+        self._restart(rows, np.flatnonzero(self._done), infos)
+        infos |= {"final_obs": final, "_final_obs": self._done.copy()}
+        infos |= {"final_info": last, "_final_info": self._done.copy()}
+
+    def _aim(self) -> None:
+        """Set the goals of the present step, if they move."""
+        if self._moving:
+            k = np.minimum(self._steps, len(self._pool.goals) - 1)
+            self._goal[:] = self._pool.goals[k, :, self._rows].T
+            self._goal_tip[:] = self._pool.goal_tips[k, :, self._rows].T
+
+    def _coming(self) -> Array | None:
+        """Return the angles of goals that move after the coming step, (joints, arms), rad; else None."""
+        if not self._moving:
+            return None
+        coming: Array = self._pool.goals[np.minimum(self._steps + 1, len(self._pool.goals) - 1), :, self._rows].T
+        return coming
+
+    def _info(self, distances: Array) -> dict[str, Any]:
+        """Return the information of all arms, with the masks of Gymnasium."""
+        return step_info(distances) | {"_distance": self._all, "_is_success": self._all}
+
+    @property
+    def viewer_address(self) -> str:
+        """Address of the page that shows the first arm; empty without one."""
+        return "" if self._renderer is None else self._renderer.address
+
+    def _show(self) -> None:
+        """Show the first arm in the browser, where that is the mode of rendering."""
+        if self._renderer is not None:
+            self._renderer.show(self.batch.angle[0], self._options.cycles * self.batch.cycle)
+
+    def render(self) -> tuple[Picture, ...] | None:
+        """Return the pictures of all arms, (height, width, 3) each; None where they are shown in the browser.
+
+        Raises:
+            InputError: the environment has no mode of rendering.
+            NoDrawingError: there is no OpenGL.
+        """
+        if self._renderer is None:
+            raise InputError("is not set", where="render_mode", right=f"use {' or '.join(RENDER_MODES)}")
+        if self.render_mode == "human":
+            return None
+        return tuple(self._renderer.picture(angles) for angles in self.batch.angle)
+
+    def close_extras(self, **_: Any) -> None:
+        """End the threads of the batch, and the page."""
+        self.batch.close()
+        if self._renderer is not None:
+            self._renderer.close()
+
+    def _check_open(self) -> None:
+        """Raise InputError if the environment is closed."""
+        if self.closed:
+            raise InputError("is closed", where="environment", right="make a new one")
+
+
+def _read_mode(mode: AutoresetMode | str) -> AutoresetMode:
+    """Return a mode of autoreset; raise InputError if there is no such mode."""
+    try:
+        return AutoresetMode(mode)
+    except ValueError:
+        names = ", ".join(one.value for one in AutoresetMode)
+        raise InputError(f"{shown(mode)} is unknown", where="autoreset_mode", right=f"use {names}") from None
+
+
+def _read_reset_options(options: Mapping[str, Any] | None, count: int) -> NDArray[np.bool_]:
+    """Return the mask of the arms to reset; raise InputError if an option is unknown or the mask is none."""
+    mask: NDArray[np.bool_] = np.ones(count, bool)
+    for name, value in (options or {}).items():
+        if name not in RESET_OPTIONS:
+            raise InputError("is no option of reset", where=str(name), right=f"use {', '.join(RESET_OPTIONS)}")
+        mask = np.asarray(value)
+        if mask.dtype != bool or mask.shape != (count,) or not mask.any():
+            right = f"give a mask of {count} arms, at least one of them True"
+            raise InputError(f"has shape {mask.shape} and holds {mask.dtype}", where=name, right=right)
+    return mask
+
+
+def _read_actions(actions: ArrayLike, shape: tuple[int, ...] | None) -> Array:
+    """Return actions as an array; raise InputError if they hold no numbers, or have another shape."""
+    values = np.asarray(actions)
+    if values.dtype.kind not in "fiu" or values.shape != shape:
+        what = f"has shape {values.shape}" if values.dtype.kind in "fiu" else f"{shown(actions)} holds no numbers"
+        raise InputError(what, where="action", right=f"give numbers of shape {shape}")
+    return values
