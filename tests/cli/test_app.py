@@ -2,6 +2,8 @@
 
 import ast
 import re
+import subprocess
+import sys
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
@@ -34,6 +36,13 @@ def command() -> typer.Typer:
         typer.echo(f"{name} {options} {quick}")
 
     return app
+
+
+def test_the_command_line_is_a_module_too() -> None:
+    told = subprocess.run([sys.executable, "-m", "layflat", "--version"], capture_output=True, text=True, check=True)
+    assert told.stdout == f"layflat {layflat.__version__}\n"
+    wrong = subprocess.run([sys.executable, "-m", "layflat", "simulat"], capture_output=True, text=True, check=False)
+    assert (wrong.returncode, wrong.stderr.count("\n")) == (2, 1)
 
 
 def test_a_group_of_options_stands_among_the_others() -> None:
