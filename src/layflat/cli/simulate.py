@@ -202,9 +202,11 @@ def _print_metrics(machine: Machine, run: xarray.Dataset, scenario: Scenario, de
 
 def _write_run(machine: Machine, run: xarray.Dataset, out: Path) -> None:
     """Write data set and figure of a run to a folder, and print their paths."""
-    from layflat.cli.trimming import hide_packages  # noqa: PLC0415
-    from layflat.plot.runs import run_figure  # noqa: PLC0415
-    from layflat.plot.style import save_figure  # noqa: PLC0415
+    from layflat.cli.trimming import hide_packages, without_space  # noqa: PLC0415
+
+    with without_space():
+        from layflat.plot.runs import run_figure  # noqa: PLC0415
+        from layflat.plot.style import save_figure  # noqa: PLC0415
     from layflat.sim.dataset import save_run  # noqa: PLC0415
 
     with hide_packages("dask"):
