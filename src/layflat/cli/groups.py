@@ -74,7 +74,7 @@ app = LazyTyper(
             "migrate": "migrate",
         },
         "Simulate": {"simulate": "simulate", "study": studies},
-        "Control": {"tune": "tune", "motion": motions},
+        "Control": {"tune": "tune", "bode": "bode", "motion": motions},
         "Measure": {"excite": "identify", "log": logs, "identify": "identify"},
         "Run a rig": {"rig": rigs, "panel": "pages"},
         "Pack in a cell": {"cell": cells},

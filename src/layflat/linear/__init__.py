@@ -11,5 +11,7 @@ Example:
     0 % between model and plant
 """
 
+from layflat.linear.loop import loop_margins as loop_margins
+from layflat.linear.loop import measure_loops as measure_loops
 from layflat.linear.model import linearize as linearize
 from layflat.linear.response import measure_response as measure_response

@@ -31,6 +31,7 @@ DEFAULT_FREQUENCIES = (0.5, 0.75, 1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 7.0, 10.0, 
 VELOCITY_FRACTION, PRESSURE_SIZE = 0.02, 200.0  # rms of the response: fraction of the speed; of a held joint Pa
 SETTLING_TIME, WINDOW_TIME = 8.0, 6.0  # before the response is evaluated, and in which it is, s
 SLOW_MODES = 8.0  # rate of decay below which modes outlast the settling or are excited by the sines' start, 1/s
+MAX_TRAVEL = np.radians(15.0)  # of a joint in that time, rad: the linear model is that of one configuration
 COMMON_MODES = 1e-4  # relative singular value below which two modes are one
 GRIP_TORQUE = 1e6  # torque that holds a joint, N m
 
@@ -49,15 +50,25 @@ def measure_response(
         The response by python-control, with the outputs of the model.
 
     Raises:
-        InputError: an input is unknown, or a joint that slides stops on the way.
+        InputError: an input is unknown, or joints slide so fast that they leave the configuration, or stop on the way.
     """
     control = import_extra("control", "control", where="measure_response")
     names = [name for name in model.input_labels if name.endswith("_voltage")] if inputs is None else list(inputs)
     if unknown := [name for name in names if name not in model.input_labels]:
         raise InputError(f"there is no input {unknown[0]!r}", where="inputs", right=f"{', '.join(model.input_labels)}")
+    check_travel(model.operating_point)
     w = 2.0 * np.pi * np.asarray(frequencies, dtype=float)
     columns = [_measure_input(model, name, w) for name in names]
     return control.frd(np.stack(columns, axis=1), w, inputs=names, outputs=model.output_labels, name="plant")
+
+
+def check_travel(point: OperatingPoint) -> None:
+    """Check that joints stay near their configuration while a response is measured; raise InputError if not."""
+    speed = max(abs(state.velocity) for state in point.states)
+    highest = MAX_TRAVEL / (SETTLING_TIME + WINDOW_TIME)
+    if speed > highest:
+        what = f"at {np.degrees(speed):.3g} deg/s joints leave their configuration while the plant is measured"
+        raise InputError(what, where="speed", right=f"give up to {np.degrees(highest):.2g} deg/s")
 
 
 def _measure_input(model: "StateSpace", name: str, w: Array) -> Array:
@@ -85,7 +96,7 @@ def _measure_input(model: "StateSpace", name: str, w: Array) -> Array:
     modes = _modes(model, t[evaluated] - SETTLING_TIME)
     stepped = np.sinc(w * cycle / (2.0 * np.pi)) * np.exp(-0.5j * w * cycle)
     t, applied = t[evaluated], sines[evaluated, np.newaxis]
-    gains = _fit_sines(w, t, modes, response) / (_fit_sines(w, t, modes, applied) * stepped[:, np.newaxis])
+    gains = fit_sines(w, t, modes, response) / (fit_sines(w, t, modes, applied) * stepped[:, np.newaxis])
     return np.asarray(gains.T)
 
 
@@ -147,8 +158,18 @@ def _modes(model: "StateSpace", t: Array) -> Array:
     return np.asarray(base[:, sizes > COMMON_MODES * sizes[0]])
 
 
-def _fit_sines(w: Array, t: Array, modes: Array, signals: Array) -> Array:
-    """Return the complex amplitudes of signals, (times, signals), at angular frequencies w (rad/s)."""
+def fit_sines(w: Array, t: Array, modes: Array, signals: Array) -> Array:
+    """Return the complex amplitudes of signals.
+
+    Args:
+        w: angular frequencies of the sines, rad/s, (frequencies,).
+        t: times, s, (times,).
+        modes: other motions in the signals, (times, modes).
+        signals: signals, (times, signals).
+
+    Returns:
+        Amplitudes, (frequencies, signals).
+    """
     angles = np.outer(t, w)
     fit, *_ = np.linalg.lstsq(np.column_stack([np.cos(angles), np.sin(angles), modes]), signals, rcond=None)
     return np.asarray(fit[: len(w)] - 1j * fit[len(w) : 2 * len(w)])
