@@ -21,7 +21,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from layflat.cli.rig import VirtualRig
 from layflat.machine import Machine, changed, load
 from layflat.rig.device.process import DeviceProcess, ModbusPort
 from layflat.rig.device.virtual import VirtualDevice
@@ -33,6 +32,7 @@ from layflat.rig.recorded import RecordedSession
 from layflat.rig.recorder.process import part_path
 from layflat.rig.recorder.repair import repair
 from layflat.rig.recorder.run import read_run
+from layflat.virtual_rig import VirtualRig
 
 VICTIMS = ("recorder", "loop", "host")
 

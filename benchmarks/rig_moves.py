@@ -14,7 +14,6 @@ from typing import Any
 import numpy as np
 
 from layflat.arrays import Array
-from layflat.cli.rig import VirtualRig
 from layflat.experiments.beyond.moves import belt_motion, move_sequences
 from layflat.machine import Machine, changed, load
 from layflat.motion.kinematics import tip_position
@@ -26,6 +25,7 @@ from layflat.rig.drivers import create_driver
 from layflat.rig.loop import RigLoop
 from layflat.rig.safety.supervisor import HostRequest
 from layflat.rig.trials.rig import ScriptedHost, SharedClock
+from layflat.virtual_rig import VirtualRig
 
 CLOSE, PAUSE, TO_START = 2e-3, 1.5, 2.0  # m; s after a step; s until the arm is where a trial begins
 DRIVERS = ("simulated", "modbus", "serial")

@@ -12,7 +12,7 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from benchmarks import accuracy, cell, chains, many, mujoco_arm, rig_loop, scipy_plant, stepped
+from benchmarks import accuracy, cell, chains, environments, many, mujoco_arm, rig_loop, scipy_plant, stepped
 from benchmarks.timing import STEP, median_seconds
 from layflat.experiments.controller import TIMED_CYCLES
 from layflat.experiments.kernels import control_cycles
@@ -54,6 +54,7 @@ def measure() -> dict[str, float | str]:
         "controller_ns_per_cycle": 1e9 * controller,
         **many.measure(machine),
         **stepped.measure(machine),
+        **environments.measure(),
         **accuracy.measure(machine),
         **chains.measure(),
         **rig_loop.measure(),
@@ -86,6 +87,7 @@ MEANING = {
     "mujoco_warp_ns_per_step": "MuJoCo Warp on that device, where installed, the arm alone, per step",
     "ensemble_100000_runs_peak_mib": "peak memory of 100 000 runs, MiB; aim 1024",
     **stepped.MEANING,
+    **environments.MEANING,
     **accuracy.MEANING,
     **chains.MEANING,
     **rig_loop.MEANING,

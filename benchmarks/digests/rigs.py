@@ -47,10 +47,10 @@ class PlannedHost:
 def played(machine_name: str, plan: dict[int, Any], cycles: int, *, filled: bool) -> Arrays:
     """The rows of a loop, by name; `plan` has what is done to host and device before a cycle."""
     from layflat import load  # noqa: PLC0415
-    from layflat.cli.rig import VirtualRig  # noqa: PLC0415
     from layflat.rig.clock import NS_PER_SECOND, VirtualClock  # noqa: PLC0415
     from layflat.rig.device.virtual import SimulatedDriver  # noqa: PLC0415
     from layflat.rig.loop import RigLoop  # noqa: PLC0415
+    from layflat.virtual_rig import VirtualRig  # noqa: PLC0415
 
     machine = load(machine_name)
     clock, host = VirtualClock(3 * NS_PER_SECOND), PlannedHost(len(machine.joints))

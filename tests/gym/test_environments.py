@@ -141,6 +141,19 @@ def test_wrappers_of_gymnasium_run_as_they_are(caplog: pytest.LogCaptureFixture)
     envs.close()
 
 
+def test_episodes_have_the_arms_that_are_asked_for() -> None:
+    envs, others = make(3), make(2, action="demand")
+    first, _ = envs.reset(seed=1, options={"arms": [4, 2, 4]})
+    other, _ = others.reset(seed=2, options={"arms": [2, 4]})
+    goals = envs.names.index("error large"), envs.names.index("angle large")
+    assert np.allclose(first[:, goals].sum(axis=1)[[1, 0, 2]], other[:, goals].sum(axis=1)[[0, 1, 1]], atol=1e-6)
+    payloads = envs.batch.inputs["payload"]
+    assert np.array_equal(payloads, others.batch.inputs["payload"][[1, 0, 1]])
+    assert np.allclose(first[0, :2], first[2, :2], atol=2e-3)  # noise alone differs
+    envs.close()
+    others.close()
+
+
 def test_readings_are_those_of_converters_a_cycle_old() -> None:
     envs, others = make(2, cycles=3, delay=1), make(2, cycles=1, delay=0)
     envs.reset(seed=4)
@@ -243,6 +256,8 @@ def test_wrong_calls_are_named() -> None:
         (lambda: envs.reset(seed=-1), "seed: -1 is out of range"),
         (lambda: envs.reset(options={"goal": 1}), "goal: is no option of reset"),
         (lambda: envs.reset(options={"reset_mask": [True]}), "reset_mask: has shape (1,)"),
+        (lambda: envs.reset(options={"arms": [0, 16]}), "arms: 16 is no arm"),
+        (lambda: envs.reset(options={"arms": [0]}), "arms: holds 1 arms for 2 episodes"),
         (lambda: envs.reset(options={"reset_mask": np.array([True, False])}), "reset all first"),
     ):
         with pytest.raises(InputError) as caught:

@@ -7,7 +7,6 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from layflat.cli.rig import VirtualRig
 from layflat.errors import InputError
 from layflat.machine import changed, load
 from layflat.rig.check import check_rig, estimate_noise
@@ -17,6 +16,7 @@ from layflat.rig.device.virtual import SimulatedDriver
 from layflat.rig.device_state import DeviceState
 from layflat.rig.driver import Capabilities, Lifecycle, RigCommand, SensorReading
 from layflat.rig.open_loop import CheckResult
+from layflat.virtual_rig import VirtualRig
 
 ARM = load("paper-arm")
 CENTRE = 5.0

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from benchmarks.rig_kills import VICTIMS, patient, trial
-from layflat.cli.rig import VirtualRig
 from layflat.machine import load
 from layflat.rig.device.process import DeviceProcess, ModbusPort
+from layflat.virtual_rig import VirtualRig
 
 ARM = patient(load("paper-arm"))
 

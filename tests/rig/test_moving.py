@@ -7,7 +7,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from layflat.cli.rig import VirtualRig
 from layflat.errors import InputError
 from layflat.machine import changed, load
 from layflat.motion.trajectory import JUMP_ACCELERATION, JUMP_JERK
@@ -29,6 +28,7 @@ from layflat.rig.safety.demands import (
 from layflat.rig.safety.faults import Fault, RigState
 from layflat.rig.safety.limits import detector_limits, moving_demand_limits
 from layflat.rig.trials.soak import EFFORT_FRACTION, run_soak
+from layflat.virtual_rig import VirtualRig
 from tests.rig.fake_rig import Rig
 
 ARM = load("paper-arm-tracking")

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from layflat.cli.rig import VirtualRig
 from layflat.machine import changed, load
 from layflat.rig.clock import NS_PER_SECOND, VirtualClock
 from layflat.rig.device.process import DeviceProcess, SerialPort
@@ -14,6 +13,7 @@ from layflat.rig.trials.campaign import FaultTrial, run_campaign, summarize_outc
 from layflat.rig.trials.cases import FAULT_CASES
 from layflat.rig.trials.rig import TrialRig
 from layflat.rig.trials.soak import RandomWork, run_soak
+from layflat.virtual_rig import VirtualRig
 
 ARM = load("paper-arm")
 PATIENT = changed(ARM, "interface.serial.timeout", 0.03)

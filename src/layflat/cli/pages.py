@@ -15,8 +15,9 @@ from layflat.cli.common import MACHINE_HELP, MachineName, Out, expanded, naming_
 from layflat.cli.completers import complete_name
 from layflat.cli.foxglove import FoxglovePort, showing_in_foxglove
 from layflat.cli.groups import app
-from layflat.cli.rig import VirtualRig, driver_at, stopping
+from layflat.cli.rig import driver_at, stopping
 from layflat.errors import LayflatError
+from layflat.virtual_rig import VirtualRig
 
 if TYPE_CHECKING:
     from layflat.machine import Machine

@@ -14,8 +14,9 @@ from layflat import extras
 from layflat.cli.bars import COMPILING_TEXT, busy
 from layflat.cli.common import MachineName
 from layflat.cli.groups import rigs
-from layflat.cli.rig import VirtualRig, stopping
+from layflat.cli.rig import stopping
 from layflat.errors import InputError, LayflatError
+from layflat.virtual_rig import VirtualRig
 
 if TYPE_CHECKING:
     from layflat.rig.device.process import DeviceProcess, Port

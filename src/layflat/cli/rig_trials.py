@@ -12,8 +12,9 @@ import typer
 from layflat.cli.bars import busy
 from layflat.cli.common import MachineName, print_table
 from layflat.cli.groups import rigs
-from layflat.cli.rig import FAULT_EXIT, Address, VirtualRig, driver_at
+from layflat.cli.rig import FAULT_EXIT, Address, driver_at
 from layflat.errors import InputError
+from layflat.virtual_rig import VirtualRig
 
 if TYPE_CHECKING:
     from concurrent.futures import Future

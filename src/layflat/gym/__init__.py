@@ -18,13 +18,19 @@ from layflat.gym.tasks import ARM_TASKS
 from layflat.lazy import lazy_getattr
 
 if TYPE_CHECKING:
+    from layflat.gym.rig import RigEnv
     from layflat.gym.single import ArmEnv
     from layflat.gym.vector import ArmVectorEnv
 
-__all__ = ["ARM_TASKS", "ArmEnv", "ArmVectorEnv"]
+__all__ = ["ARM_TASKS", "ArmEnv", "ArmVectorEnv", "RigEnv"]
 
 __getattr__ = lazy_getattr(
-    __name__, {"ArmEnv": "layflat.gym.single:ArmEnv", "ArmVectorEnv": "layflat.gym.vector:ArmVectorEnv"}
+    __name__,
+    {
+        "ArmEnv": "layflat.gym.single:ArmEnv",
+        "ArmVectorEnv": "layflat.gym.vector:ArmVectorEnv",
+        "RigEnv": "layflat.gym.rig:RigEnv",
+    },
 )
 
 

@@ -16,6 +16,7 @@ from layflat.gym.tasks import EnvOptions, Task
 from layflat.machine import Machine, load
 from layflat.motion.path import half_strokes
 from layflat.sim.batch import Batch, BatchState
+from layflat.sim.batch.actions import find_action
 
 RANGE_FRACTION = 0.8  # of the working stroke, in which starts and goals are
 SEEDS_OF_POOL = 4  # independent parts of a pool: machines, starts, goals, payloads
@@ -25,7 +26,8 @@ SEEDS_OF_POOL = 4  # independent parts of a pool: machines, starts, goals, paylo
 class Pool:
     """Stationary arms and their goals; a goal that moves has many instants, one that rests has one."""
 
-    machine: Machine  # as described, of the structure of all arms
+    described: Machine  # as described
+    machine: Machine  # of the structure of all arms
     rest: BatchState
     goals: Array  # angles, (instants, joints, arms), rad
     goal_tips: Array  # positions of the tip there, (instants, 3, arms), m
@@ -36,9 +38,21 @@ class Pool:
         return self.rest.count
 
 
-def batch_options(options: EnvOptions) -> dict[str, Any]:
-    """Return the options of the environment that are those of its batches."""
-    return {"action": options.action, "precision": options.precision, "threads": options.threads}
+def make_batch(described: Machine, machine: Machine, count: int, options: EnvOptions, **arms: Any) -> Batch:
+    """Return the batch of an environment.
+
+    Args:
+        described: machine whose control law follows demands; it knows no other arm.
+        machine: machine of the structure of all arms.
+        count: number of arms.
+        options: options of the environment.
+        arms: further arguments of `Batch`.
+    """
+    driver = described if find_action(options.action).demands else None
+    return Batch(
+        machine, count, action=options.action, controller=driver, precision=options.precision,
+        threads=options.threads, **arms,
+    )  # fmt: skip
 
 
 def make_pool(task: Task, options: EnvOptions) -> Pool:
@@ -63,7 +77,7 @@ def make_pool(task: Task, options: EnvOptions) -> Pool:
     starts, aims = (draw.uniform(-limits, limits, (options.pool, len(limits))) for draw in (to_start, to_aim))
     if task.goal == "start":
         aims = starts
-    with Batch(group.machine, options.pool, vary=vary, start=aims, **batch_options(options)) as batch:
+    with make_batch(described, group.machine, options.pool, options, vary=vary, start=aims) as batch:
         goals, tips = aims.T[None], batch.tip.T[None].copy()
         if task.goal != "start":
             batch.reset(start=starts)
@@ -75,4 +89,4 @@ def make_pool(task: Task, options: EnvOptions) -> Pool:
         times = options.cycles * described.cycle * np.arange(task.episode_steps + 1, dtype=np.float64)
         goals, tips = belt_goals(described, starts, times, limits, int(seeds[1]))
     number = tips.dtype if options.precision == "double" else np.float32
-    return Pool(group.machine, rest, goals.astype(number), tips.astype(number))
+    return Pool(described, group.machine, rest, goals.astype(number), tips.astype(number))

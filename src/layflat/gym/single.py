@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from layflat.arrays import Array, Picture
 from layflat.gym.rendering import RENDER_MODES
-from layflat.gym.vector import ArmVectorEnv
+from layflat.gym.vector import ArmVectorEnv, first_info
 
 USUAL_FPS = 50  # of environments with the usual options; each has its own in its `metadata`
 
@@ -64,7 +64,7 @@ class ArmEnv(Env[Array, Array]):
         super().reset(seed=seed)
         self._arms.np_random = self.np_random
         observations, infos = self._arms.reset(options=options)
-        return observations[0].copy(), _first(infos)
+        return observations[0].copy(), first_info(infos)
 
     def step(self, action: ArrayLike) -> tuple[Array, float, bool, bool, dict[str, Any]]:
         """Move the arm by a step.
@@ -79,7 +79,7 @@ class ArmEnv(Env[Array, Array]):
             InputError: the action has another shape or is no number; the environment is closed or was not reset.
         """
         observations, rewards, terminations, _, infos = self._arms.step(np.asarray(action)[None])
-        return observations[0].copy(), float(rewards[0]), bool(terminations[0]), False, _first(infos)
+        return observations[0].copy(), float(rewards[0]), bool(terminations[0]), False, first_info(infos)
 
     def render(self) -> Picture | None:
         """Return a picture, (height, width, 3); None where the arm is shown in the browser."""
@@ -89,8 +89,3 @@ class ArmEnv(Env[Array, Array]):
     def close(self) -> None:
         """End the environment, and the page."""
         self._arms.close()
-
-
-def _first(infos: dict[str, Any]) -> dict[str, Any]:
-    """Return the information of the first arm as plain numbers."""
-    return {name: values[0].item() for name, values in infos.items() if not name.startswith("_")}

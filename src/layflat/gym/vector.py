@@ -14,15 +14,15 @@ from layflat.description.wrong import shown
 from layflat.errors import InputError
 from layflat.gym.loads import LoadSchedule
 from layflat.gym.observation import ArmObserver
-from layflat.gym.pool import batch_options, make_pool
+from layflat.gym.pool import make_batch, make_pool
 from layflat.gym.rendering import RENDER_MODES, ArmRenderer, check_render_mode
 from layflat.gym.rewards import step_info, step_rewards, tip_distances
 from layflat.gym.tasks import MAX_EPISODE_STEPS, find_task, read_options
 from layflat.motion.scenario import MAX_SEED
 from layflat.motion.signal_values import check_integer
-from layflat.sim.batch import Batch
+from layflat.sim.batch.state import check_arms
 
-RESET_OPTIONS = ("reset_mask",)
+RESET_OPTIONS = ("reset_mask", "arms")
 LEAST_ACTION, GREATEST_ACTION = np.float32(-1.0), np.float32(1.0)
 
 
@@ -77,7 +77,7 @@ class ArmVectorEnv(VectorEnv[Array, Array, Array]):
             check_integer(max_episode_steps, "max_episode_steps", 1, MAX_EPISODE_STEPS)
         self._limit = MAX_EPISODE_STEPS if max_episode_steps is None else max_episode_steps
         self._pool = pool = make_pool(self._task, self._options)
-        self.batch = Batch(pool.machine, self.num_envs, **batch_options(self._options))
+        self.batch = make_batch(pool.described, pool.machine, self.num_envs, self._options)
         self._moving = len(pool.goals) > 1
         self._observer = ArmObserver(pool.machine, self.num_envs, self._options, moving=self._moving)
         self._loads = LoadSchedule(pool.machine, self.num_envs) if self._task.loads else None
@@ -111,13 +111,14 @@ class ArmVectorEnv(VectorEnv[Array, Array, Array]):
 
         Args:
             seed: seed of all that follows; None: the generator goes on.
-            options: {"reset_mask": mask of the arms whose episodes begin}; default: all.
+            options: "reset_mask", a mask of the arms whose episodes begin, default: all; "arms", numbers of the
+                pool's arms that these episodes have, with their starts and goals, default: drawn.
 
         Raises:
             InputError: an option is wrong, or the environment is closed.
         """
         self._check_open()
-        mask = _read_reset_options(options, self.num_envs)
+        mask, of_pool = _read_reset_options(options, self.num_envs, self._pool.count)
         if seed is not None:
             check_integer(seed, "seed", 0)
         super().reset(seed=seed)
@@ -125,7 +126,7 @@ class ArmVectorEnv(VectorEnv[Array, Array, Array]):
             raise InputError("leaves out arms that have not begun", where="reset_mask", right="reset all first")
         self._begun = True
         arms = np.flatnonzero(mask)
-        self._begin_episodes(arms)
+        self._begin_episodes(arms, of_pool)
         self._done = self._done & ~mask
         self._any_done = bool(self._done.any())
         rows = self._latest.copy()
@@ -150,7 +151,7 @@ class ArmVectorEnv(VectorEnv[Array, Array, Array]):
         self._check_open()
         if not self._begun:
             raise InputError("has not begun", where="environment", right="call reset first")
-        values = _read_actions(actions, self.action_space.shape).clip(LEAST_ACTION, GREATEST_ACTION)
+        values = read_actions(actions, self.action_space.shape).clip(LEAST_ACTION, GREATEST_ACTION)
         rows = self._move(values)
         self._steps += 1
         self._aim()
@@ -197,10 +198,10 @@ class ArmVectorEnv(VectorEnv[Array, Array, Array]):
         ended: NDArray[np.bool_] = self._steps >= self._limit
         return ended
 
-    def _begin_episodes(self, arms: NDArray[np.intp]) -> None:
-        """Begin the episodes of some arms: each has an arm of the pool, with its goal, and new noise."""
+    def _begin_episodes(self, arms: NDArray[np.intp], of_pool: NDArray[np.intp] | None = None) -> None:
+        """Begin the episodes of some arms: each has an arm of the pool, by default drawn, its goal, and new noise."""
         draw = self.np_random
-        rows = draw.integers(self._pool.count, size=len(arms))
+        rows = draw.integers(self._pool.count, size=len(arms)) if of_pool is None else of_pool
         seeds = draw.integers(MAX_SEED, size=len(arms))
         self.batch.set_state(self._pool.rest.take(rows), arms, seed=seeds)
         self._rows[arms], self._steps[arms] = rows, 0
@@ -298,23 +299,38 @@ def _read_mode(mode: AutoresetMode | str) -> AutoresetMode:
         raise InputError(f"{shown(mode)} is unknown", where="autoreset_mode", right=f"use {names}") from None
 
 
-def _read_reset_options(options: Mapping[str, Any] | None, count: int) -> NDArray[np.bool_]:
-    """Return the mask of the arms to reset; raise InputError if an option is unknown or the mask is none."""
-    mask: NDArray[np.bool_] = np.ones(count, bool)
-    for name, value in (options or {}).items():
-        if name not in RESET_OPTIONS:
-            raise InputError("is no option of reset", where=str(name), right=f"use {', '.join(RESET_OPTIONS)}")
-        mask = np.asarray(value)
-        if mask.dtype != bool or mask.shape != (count,) or not mask.any():
-            right = f"give a mask of {count} arms, at least one of them True"
-            raise InputError(f"has shape {mask.shape} and holds {mask.dtype}", where=name, right=right)
-    return mask
+def _read_reset_options(
+    options: Mapping[str, Any] | None, count: int, pool: int
+) -> tuple[NDArray[np.bool_], NDArray[np.intp] | None]:
+    """Return the mask of the arms to reset, (count,), and the numbers of their arms in the pool, None for a draw.
+
+    Raise InputError if an option is unknown or wrong.
+    """
+    given = dict(options or {})
+    mask = np.asarray(given.pop("reset_mask", np.ones(count, bool)))
+    if mask.dtype != bool or mask.shape != (count,) or not mask.any():
+        right = f"give a mask of {count} arms, at least one of them True"
+        raise InputError(f"has shape {mask.shape} and holds {mask.dtype}", where="reset_mask", right=right)
+    of_pool = None
+    if "arms" in given:
+        of_pool = check_arms(given.pop("arms"), pool, "arms")
+        if len(of_pool) != mask.sum():
+            right = "give one for each episode that begins"
+            raise InputError(f"holds {len(of_pool)} arms for {mask.sum()} episodes", where="arms", right=right)
+    for name in given:
+        raise InputError("is no option of reset", where=str(name), right=f"use {', '.join(RESET_OPTIONS)}")
+    return mask, of_pool
 
 
-def _read_actions(actions: ArrayLike, shape: tuple[int, ...] | None) -> Array:
+def read_actions(actions: ArrayLike, shape: tuple[int, ...] | None) -> Array:
     """Return actions as an array; raise InputError if they hold no numbers, or have another shape."""
     values = np.asarray(actions)
     if values.dtype.kind not in "fiu" or values.shape != shape:
         what = f"has shape {values.shape}" if values.dtype.kind in "fiu" else f"{shown(actions)} holds no numbers"
         raise InputError(what, where="action", right=f"give numbers of shape {shape}")
     return values
+
+
+def first_info(infos: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the information of the first arm as plain numbers, without masks."""
+    return {name: values[0].item() for name, values in infos.items() if not name.startswith("_")}

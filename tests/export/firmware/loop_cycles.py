@@ -7,7 +7,6 @@ from typing import NamedTuple
 import numpy as np
 
 from layflat.arrays import Array
-from layflat.cli.rig import VirtualRig
 from layflat.machine import Machine
 from layflat.rig import frames
 from layflat.rig.clock import NS_PER_SECOND, VirtualClock
@@ -20,6 +19,7 @@ from layflat.rig.safety.faults import RigState
 from layflat.rig.safety.requests import DeviceRequest, RequestWire
 from layflat.rig.safety.supervisor import HostRequest
 from layflat.rig.wire import Wire
+from layflat.virtual_rig import VirtualRig
 
 FAILURES: tuple[tuple[str, float | None], ...] = (
     ("e-stop", None), ("angle-open", None), ("supply-lost", None), ("stuck-spool", 0.5), ("pressure-frozen", None),

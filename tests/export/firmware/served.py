@@ -18,7 +18,6 @@ from typing import Any, NamedTuple, Self
 import numpy as np
 
 from layflat import load
-from layflat.cli.rig import VirtualRig
 from layflat.description.change import changed_all
 from layflat.export.firmware.station import DEVICE_FOLDER
 from layflat.export.targets import EXPORT_TARGETS
@@ -30,6 +29,7 @@ from layflat.rig.device.virtual import VirtualDevice
 from layflat.rig.driver import RigCommand
 from layflat.rig.wire import Wire
 from layflat.sim.plant import SteppedPlant
+from layflat.virtual_rig import VirtualRig
 from tests.export.firmware.boards import BOARDS, SOURCES, link, require_tools
 from tests.export.firmware.controllers import CController, Firmware
 from tests.export.firmware.loop_cycles import counts_of

@@ -7,12 +7,12 @@ from pathlib import Path
 
 import pytest
 
-from layflat.cli.rig import simulated_rig
 from layflat.errors import LayflatError
 from layflat.machine import changed, load
 from layflat.pages.panel.link import LinkState, RigLink
 from layflat.rig.drivers import create_driver
 from layflat.rig.session import STARTS_WITHIN, HostLease, RigSession
+from layflat.virtual_rig import simulated_rig
 
 ARM = load("paper-arm")
 NOBODY = "modbus://127.0.0.1:1"
