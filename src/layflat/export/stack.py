@@ -64,7 +64,7 @@ RISCV_PATTERNS = (
     _Pattern(r"(?:c\.)?addi(?:16sp)?\s+sp, (?:sp, )?-(?P<n>\d+)", _number),
     _Pattern(r"andi\s+sp, sp, -\d+", _aligned),
     _Pattern(
-        r"lui\s+(?P<r>\w+), (?P<high>\d+)\s+(?:addi\s+(?P=r), (?P=r), (?P<low>-?\d+)\s+)?sub\s+sp, sp, (?P=r)",
+        r"lui\s+(?P<r>\w+), (?P<high>\d+)(?:\s+addi\s+(?P=r), (?P=r), (?P<low>-?\d+))?\s+sub\s+sp, sp, (?P=r)",
         lambda match: (int(match["high"]) << 12) + int(match["low"] or 0),
     ),
 )
