@@ -102,6 +102,12 @@ def test_what_is_wrong_is_said_in_a_line(changes: dict[str, Any], line: str) -> 
         linearize("paper-arm", **changes)
 
 
+def test_valves_that_pulse_near_their_shortest_pulse_have_no_linear_model() -> None:
+    for joints in ("held", "sliding"):
+        with pytest.raises(lf.InputError, match=r"the valve of joint '\w+' does not respond"):
+            linearize("paper-arm-switching", joints=joints)
+
+
 def test_the_torque_that_a_load_lacks_is_named() -> None:
     heavy = lf.changed(lf.load("single-joint-lift"), "arm.payload", "30 kg")
     with pytest.raises(lf.InputError, match=r"joint 'small' lacks .* N m to hold: the load takes"):

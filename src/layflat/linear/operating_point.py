@@ -22,7 +22,7 @@ from layflat.linear.balance import check_balance, check_strength
 from layflat.linear.losses import LinearLosses, Ripple, linearize_losses, steady_losses
 from layflat.linear.rates import AirState, MovingJoint, PlantLaws, air_columns, linearize_rates, rates
 from layflat.linear.ripple import compute_ripples, no_ripple
-from layflat.linear.valve import LinearValve, linearize_valve, mean_paths, settle_valve
+from layflat.linear.valve import LinearValve, check_response, linearize_valve, mean_paths, settle_valve
 from layflat.machine import Machine, parameters
 from layflat.motion.scenario import Scenario
 from layflat.motion.signal_values import Angles, Pair, SignalKind, Value, check_names, read_number, read_row
@@ -230,10 +230,7 @@ class _PointSearch:
         pairs = zip(self.plant.joints, openings, strict=True)
         valves = tuple(linearize_valve(joint.valve, opening, self.plant.h) for joint, opening in pairs)
         for name, valve in zip(self.machine.joints, valves, strict=True):
-            if not any(valve.slopes):
-                what = f"the valve of joint {name!r} does not respond at an opening of {valve.opening:.3g}"
-                right = "it sticks without dither, or is inside its dead band: slide, or give other pressures"
-                raise InputError(what, where="linearize", right=right)
+            check_response(name, valve)
         steady = all(
             abs(row[columns] / np.array(list(leaves(state)))[columns]).max() < 1e3 * RATE_TOLERANCE
             for row, columns, state in zip(change, self.columns, states, strict=True)

@@ -19,11 +19,14 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from layflat.arrays import Array
+from layflat.errors import InputError
 from layflat.physics.valves import at_rest, move, start_wave, turn_wave
 
 SETTLING_TIME = 0.08  # after which a valve has forgotten its start, s
 MAX_PERIODS = 20  # periods of the wave over which it is averaged: more where they are no whole number of steps
 OPENING_STEP = 1e-3  # change of the opening for derivatives, fraction of full opening
+WIDE_STEP = 2e-2  # change of the opening over which a valve has to respond as to a small one, likewise
+MAX_CURVATURE = 0.05  # difference of its slopes over both, fraction of the greater one
 LAG_FREQUENCY = 20.0  # at which the lag is fitted, Hz: the upper end of the band of interest
 LAG_PERIODS = 2  # of that frequency
 
@@ -42,6 +45,7 @@ class LinearValve(NamedTuple):
     state: Any  # of the valve's law, when the wave begins anew
     wave: Array  # conductances over whole periods, (steps, 2)
     slopes: PathConductances  # dC/du
+    wide_slopes: PathConductances  # the same over `WIDE_STEP`
     lag: tuple[float, float]  # a_1, a_2
 
     @property
@@ -86,12 +90,40 @@ def linearize_valve(valve: Any, opening: float, h: float) -> LinearValve:
         opening: demanded of the driver, -1 to 1.
         h: step, s.
     """
-    forward, back = (np.array(mean_paths(valve, opening + sign * OPENING_STEP, h)) for sign in (1.0, -1.0))
-    slopes = (forward - back) / (2.0 * OPENING_STEP)
+    slopes, wide = (_mean_slopes(valve, opening, size, h) for size in (OPENING_STEP, WIDE_STEP))
     lag = (0.0, 0.0)
     if slopes.any():
         lag = _fit_lag(valve, opening, slopes, h)
-    return LinearValve(opening, *settle_valve(valve, opening, h), PathConductances(*slopes.tolist()), lag)
+    small, large = (PathConductances(*each.tolist()) for each in (slopes, wide))
+    return LinearValve(opening, *settle_valve(valve, opening, h), small, large, lag)
+
+
+def check_response(name: str, valve: LinearValve) -> None:
+    """Check that a valve responds to small changes of its opening, and in proportion to them.
+
+    Args:
+        name: joint of the valve, for messages.
+        valve: its model.
+
+    Raises:
+        InputError: it does not, as pulses too short for a coil, or a spool that sticks.
+    """
+    slopes, wide = np.array(valve.slopes), np.array(valve.wide_slopes)
+    if not slopes.any():
+        what = f"the valve of joint {name!r} does not respond at an opening of {valve.opening:.3g}"
+        right = "it sticks without dither, or is inside its dead band: slide, or give other pressures"
+        raise InputError(what, where="linearize", right=right)
+    if abs(slopes - wide).max() > MAX_CURVATURE * abs(slopes).max():
+        what = f"the valve of joint {name!r} does not respond in proportion at an opening of {valve.opening:.3g}"
+        right = "its dead band or its shortest pulse is near: give another speed, other pressures, or another valve"
+        raise InputError(what, where="linearize", right=right)
+
+
+def _mean_slopes(valve: Any, opening: float, size: float, h: float) -> Array:
+    """Return dC/du of both paths, (2,), by differences over a change of the opening of so much either way."""
+    forward, back = (np.array(mean_paths(valve, opening + sign * size, h)) for sign in (1.0, -1.0))
+    slopes: Array = (forward - back) / (2.0 * size)
+    return slopes
 
 
 def _averaging_steps(valve: Any, h: float) -> int:
