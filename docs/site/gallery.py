@@ -6,7 +6,7 @@ from matplotlib.figure import Figure
 from sphinx_gallery.scrapers import figure_rst
 
 EXAMPLES = "examples"  # copies, beside which examples may write
-SECTIONS = ("design", "simulate", "ensembles", "control", "motion", "measure")
+SECTIONS = ("design", "simulate", "ensembles", "control", "motion", "learn", "measure")
 
 GALLERY: dict[str, Any] = {
     "examples_dirs": EXAMPLES,

@@ -12,8 +12,8 @@ SECTIONS = {
     "Gallery": ["gallery/index"],
     "How-to guides": [
         "docs/python", "docs/studio", "docs/sizing-arms", "docs/arms", "docs/arm-models", "docs/export", "docs/fmu",
-        "docs/motion", "docs/learning", "docs/identification", "docs/logs", "docs/rig", "docs/panel", "docs/foxglove",
-        "docs/packing",
+        "docs/motion", "docs/gym", "docs/learning", "docs/identification", "docs/logs", "docs/rig", "docs/panel",
+        "docs/foxglove", "docs/packing",
         "docs/bridge", "docs/speed", "docs/cell", "docs/cell-vision", "docs/kinds", "docs/browser",
         "firmware/README", "layflat-ros2/README",
     ],

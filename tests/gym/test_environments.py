@@ -141,6 +141,17 @@ def test_wrappers_of_gymnasium_run_as_they_are(caplog: pytest.LogCaptureFixture)
     envs.close()
 
 
+def test_a_masked_reset_keeps_the_statistics_of_the_others() -> None:
+    """Gymnasium's own vector environments lose them, as they take the mask out of the caller's options."""
+    envs = RecordEpisodeStatistics(make(2, autoreset_mode="Disabled"))
+    envs.reset(seed=1)
+    for action in actions(2, 5):
+        envs.step(action)
+    envs.reset(options={"reset_mask": np.array([True, False])})
+    assert envs.episode_lengths.tolist() == [0, 5]
+    envs.close()
+
+
 def test_episodes_have_the_arms_that_are_asked_for() -> None:
     envs, others = make(3), make(2, action="demand")
     first, _ = envs.reset(seed=1, options={"arms": [4, 2, 4]})
