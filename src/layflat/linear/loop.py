@@ -13,10 +13,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from layflat.arrays import Array
-from layflat.control import Demand, Sensed, step, wake
+from layflat.control import Demand, Sensed
 from layflat.extras import import_extra
-from layflat.jit import kernel
-from layflat.lanes import read_numbers, write_numbers
+from layflat.linear.kernel import close_loop
 from layflat.linear.response import fit_sines
 from layflat.machine import parameters
 
@@ -39,27 +38,6 @@ class LoopMargins(NamedTuple):
     distance: float  # least distance of the Nyquist curve from -1
 
 
-@kernel
-def _close_loop(settings, first, demand, demands, steady, plant, added, cycle, voltages):  # type: ignore[no-untyped-def]
-    """Run a law with a sampled linear plant, and write the voltages that it returns.
-
-    Args: settings of the law; first readings, and a demand with all rates; demands (cycles, joints), rad; readings
-    (cycles, 2, joints) at the operating point; matrices A, B and C of the plant, from voltages to readings; voltages
-    that are added, less those of the operating point (cycles, joints), V; control cycle, s; voltages (cycles, joints),
-    which are filled.
-    """
-    A, B, C = plant
-    x, n = np.zeros(len(A)), len(demands[0])
-    memory = wake(settings, first)
-    for k in range(len(demands)):
-        y = steady[k] + (C @ x).reshape(2, n)
-        sensed = Sensed(read_numbers(first.angle, y[0]), read_numbers(first.angle, y[1]))
-        goal = Demand(read_numbers(first.angle, demands[k]), demand.velocity, demand.acceleration, demand.stiffness)
-        memory, command, _ = step(settings, memory, sensed, goal, cycle)
-        write_numbers(voltages[k], command.voltage)
-        x = A @ x + B @ (voltages[k] + added[k])
-
-
 def measure_loops(model: "StateSpace") -> "FrequencyResponseData":
     """Return the loops of a machine's control law with a linear model, each opened at its valve alone.
 
@@ -76,7 +54,7 @@ def measure_loops(model: "StateSpace") -> "FrequencyResponseData":
     control: Any = import_extra("control", "control", where="measure_loops")
     point, joints = model.operating_point, list(model.operating_point.machine.joints)
     settings, cycle, n = parameters.control(point.machine), point.machine.cycle, len(joints)
-    run = _close_loop if point.machine.control_law.compiled else _close_loop.py_func  # type: ignore[attr-defined]
+    run = close_loop if point.machine.control_law.compiled else close_loop.py_func  # type: ignore[attr-defined]
     highest = MAX_CYCLE_FRACTION / cycle * WINDOW_TIME
     harmonics = np.unique(np.geomspace(MIN_FREQUENCY * WINDOW_TIME, highest, FREQUENCY_COUNT).astype(int))
     w = 2.0 * np.pi * harmonics / WINDOW_TIME
