@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
-from layflat.lanes import interpreted
+from layflat.registers import interpreted
 from tests.programs import missing_program_lines, skip_without
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as there are tests on all cores, threads would wait for each other

@@ -18,9 +18,9 @@ from tempfile import TemporaryDirectory
 
 from layflat.jit.objects import Processor
 from layflat.jit.stored import PREBUILT_FOLDER, SOURCES_FOLDER
-from layflat.lanes import MAX_REGISTER_BYTES, MIN_REGISTER_BYTES
 from layflat.machine import load
 from layflat.machine.loader import names
+from layflat.registers import MAX_REGISTER_BYTES, MIN_REGISTER_BYTES
 
 ROOT = Path(__file__).parents[1]
 LINUX = "unknown-linux-gnu"

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from layflat import lanes
+from layflat import registers
 from layflat.jit import functions, stored
 from layflat.jit.cache import PACKAGE_FOLDER, WITHOUT_LAWS, imported_files, source_digest
 from layflat.jit.functions import PortableKernel
@@ -53,7 +53,7 @@ def add_up(numbers: Any, factor: Any) -> Any:
 @pytest.fixture
 def kernel(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> PortableKernel:
     """A kernel that nothing was compiled of, with a cache of its own and no prebuilt code."""
-    if lanes.interpreted():
+    if registers.interpreted():
         pytest.skip("nothing is compiled")
     monkeypatch.setenv("LAYFLAT_CACHE_DIR", str(tmp_path / "cache"))
     monkeypatch.setattr(stored, "PREBUILT_FOLDER", tmp_path / "prebuilt")
@@ -191,7 +191,7 @@ def test_names_differ_with_sources_types_and_the_width_of_lanes(
     wide, narrow = PortableKernel(add_up, 0, in_lanes=True), PortableKernel(add_up, 0)
     by_size = {}
     for size in (32, 64):
-        monkeypatch.setattr(lanes, "_register_bytes", [size])
+        monkeypatch.setattr(registers, "_register_bytes", [size])
         by_size[size] = wide.code_name((1.0,)), narrow.code_name((1.0,))
     assert by_size[32][0] != by_size[64][0]
     assert by_size[32][1] == by_size[64][1]

@@ -16,7 +16,6 @@ from layflat.lanes import (
     each,
     epsilon,
     halves,
-    host_width,
     in_lanes,
     join,
     lane_by_lane,
@@ -30,6 +29,7 @@ from layflat.lanes import (
     write_numbers,
     write_row,
 )
+from layflat.registers import host_width
 
 numbers = st.floats(-1e3, 1e3, allow_subnormal=False)
 fours = st.tuples(numbers, numbers, numbers, numbers)

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from layflat.jit import composition, kernel
-from layflat.lanes import host_width, in_lanes, read_lanes, slots, width, write_lanes
+from layflat.lanes import in_lanes, read_lanes, slots, width, write_lanes
+from layflat.registers import host_width
 
 
 class Pair(NamedTuple):

@@ -9,7 +9,7 @@ import os
 from pathlib import Path
 from typing import Any
 
-from layflat import lanes
+from layflat import registers
 from layflat.jit import functions, stored
 from layflat.jit.cache import source_digest
 from layflat.jit.objects import Processor, machine_code
@@ -28,5 +28,5 @@ def record(kernel: functions.PortableKernel, args: tuple[Any, ...], text: str) -
 
 
 stored.PREBUILT_FOLDER = FOLDER
-lanes.set_register_bytes(int(os.environ["LAYFLAT_RECORD_LANES"]))
+registers.set_register_bytes(int(os.environ["LAYFLAT_RECORD_LANES"]))
 functions.COMPILATION_OBSERVERS.append(record)

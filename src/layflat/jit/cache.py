@@ -67,7 +67,8 @@ def kernel_sources(path: Path) -> tuple[Path, ...]:
 
     The compiler's own files are always included, those of `WITHOUT_LAWS` never. Results are kept for the process.
     """
-    files = {str(path), str(PACKAGE_FOLDER / "lanes.py"), *map(str, (PACKAGE_FOLDER / "jit").rglob("*.py"))}
+    compiling = [PACKAGE_FOLDER / "lanes.py", PACKAGE_FOLDER / "registers.py", *(PACKAGE_FOLDER / "jit").rglob("*.py")]
+    files = {str(path), *map(str, compiling)}
     waiting = [str(path)]
     while waiting:
         added = imported_files(waiting.pop()) - files

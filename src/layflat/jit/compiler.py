@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from layflat.errors import CompilerError
-from layflat.lanes import is_switched_on
+from layflat.registers import is_switched_on
 
 SUPPORTED_VERSIONS = {"numba": ((0, 66), (0, 69)), "llvmlite": ((0, 46), (0, 51))}
 """Supported versions: from the first on, below the second, as in pyproject.toml."""

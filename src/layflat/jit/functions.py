@@ -14,8 +14,9 @@ from layflat.jit.cache import cache_folder, included_sources
 from layflat.jit.inlining import LAWS_INLINED
 from layflat.jit.outside import blame_outside
 from layflat.jit.signatures import signature_text, words
-from layflat.lanes import interpreted, lane_by_lane, register_bytes
+from layflat.lanes import lane_by_lane
 from layflat.lazy import numpy as np
+from layflat.registers import interpreted, register_bytes
 
 LOG = logging.getLogger(__name__)
 

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from layflat.jit.cache import PACKAGE_FOLDER, cache_folder, included_sources, source_digest
-from layflat.lanes import is_switched_on
+from layflat.registers import is_switched_on
 
 LOG = logging.getLogger(__name__)
 

@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
-from layflat.lanes import host_width
 from layflat.machine import load
+from layflat.registers import host_width
 from layflat.sim import Scenario
 from layflat.sim.ensemble import loops
 from layflat.sim.ensemble.cases import prepare_cases

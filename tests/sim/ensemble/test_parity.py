@@ -9,8 +9,8 @@ import xarray
 
 from layflat.description.change import value_at
 from layflat.errors import InputError
-from layflat.lanes import host_width
 from layflat.machine import Machine, changed, load
+from layflat.registers import host_width
 from layflat.sim import Scenario, rollout
 from layflat.sim.ensemble import ensemble
 from layflat.sim.ensemble.parallel import MAX_GROUPS

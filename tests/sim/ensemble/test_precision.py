@@ -68,9 +68,9 @@ def test_long_runs_need_double_precision() -> None:
 ONE_BY_ONE = """
 import sys
 
-import layflat.lanes
+import layflat.registers
 
-layflat.lanes.host_width = lambda size=8, most=64: 1
+layflat.registers.host_width = lambda size=8, most=64: 1
 
 from layflat.sim import Scenario
 from layflat.sim.ensemble import ensemble

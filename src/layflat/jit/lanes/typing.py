@@ -14,7 +14,7 @@ from llvmlite import ir
 from numba import typeof, types
 from numba.extending import models, register_model, typeof_impl
 
-from layflat import lanes
+from layflat import lanes, registers
 from layflat.jit.internals import is_for_host, register_typing
 
 INDEX_TYPE = ir.IntType(32)
@@ -95,7 +95,9 @@ def width_in(context: Any, number: Any, block: Any = None) -> int:
         return getattr(number, "count", 1)
     if not is_for_host(context):
         return 1
-    return lanes.host_width(BIT_WIDTHS[block.dtype] // 8, getattr(number, "max_bytes", lanes.MAX_REGISTER_BYTES))
+    return registers.host_width(
+        BIT_WIDTHS[block.dtype] // 8, getattr(number, "max_bytes", registers.MAX_REGISTER_BYTES)
+    )
 
 
 def number_in(kind: Any) -> Any:

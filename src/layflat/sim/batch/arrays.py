@@ -164,10 +164,7 @@ def state_views(arrays: BatchArrays, carry: ArmCarry, arms: int) -> dict[str, Ar
     }
     views = {name: joint_rows(arrays.carry, rows, arms) for name, rows in of_states.items()}
     views |= {name: arrays.seen[:, i, :arms].T for i, name in enumerate(SeenJoint._fields)}
-    views |= {"tip": arrays.tips[:, :arms].T, "diverged": arrays.diverged[:arms]}
-    for view in views.values():
-        view.flags.writeable = False
-    return views
+    return _read_only(views | {"tip": arrays.tips[:, :arms].T, "diverged": arrays.diverged[:arms]})
 
 
 def report_views(arrays: BatchArrays, carry: ArmCarry, arms: int) -> dict[str, Array]:
@@ -178,10 +175,12 @@ def report_views(arrays: BatchArrays, carry: ArmCarry, arms: int) -> dict[str, A
         carry: rows of `ArmCarry`.
         arms: number of arms.
     """
-    views = {
-        name: joint_rows(arrays.carry, list(rows), arms)
-        for name, rows in zip(carry.report[0]._fields, zip(*carry.report, strict=True), strict=True)
-    }
+    names, rows = carry.report[0]._fields, zip(*carry.report, strict=True)
+    return _read_only({n: joint_rows(arrays.carry, list(own), arms) for n, own in zip(names, rows, strict=True)})
+
+
+def _read_only(views: dict[str, Array]) -> dict[str, Array]:
+    """Return views that can't be written."""
     for view in views.values():
         view.flags.writeable = False
     return views

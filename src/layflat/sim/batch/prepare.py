@@ -14,7 +14,6 @@ from layflat.description.change import value_at
 from layflat.description.wrong import shown
 from layflat.errors import InputError
 from layflat.lanes import Like, in_lanes, leaves
-from layflat.lanes import host_width as lanes_of
 from layflat.machine import Machine
 from layflat.motion.scenario import MAX_SEED, SIGNALS, Scenario, signals_varied_by
 from layflat.motion.signal_values import Angles, check_integer
@@ -22,6 +21,7 @@ from layflat.physics.adjustable import FULL_FRACTIONS
 from layflat.physics.driver import ZERO_COMMANDS
 from layflat.physics.joint import AirLedger
 from layflat.physics.plant import states_at_rest
+from layflat.registers import host_width as lanes_of
 from layflat.sim.batch.actions import FULL_OPENING_ERROR, ActionKind
 from layflat.sim.batch.arrays import ArmCarry, BatchArrays, Shapes, allocate_arrays, array_shapes, rows_of
 from layflat.sim.batch.kernel import RestStarts, begin_arms, renew_noise

@@ -23,7 +23,8 @@ from layflat.jit import cache_folder
 from layflat.jit.cache import included_sources
 from layflat.jit.compiler import config
 from layflat.jit.device import device_kernel, device_law
-from layflat.lanes import interpreted, mapped
+from layflat.lanes import mapped
+from layflat.registers import interpreted
 from layflat.sim.ensemble.block import RunBlock, make_block, store_results
 from layflat.sim.ensemble.cases import Cases
 from layflat.sim.ensemble.kernel import run_lanes

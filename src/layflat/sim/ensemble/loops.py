@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from layflat.arrays import Array
-from layflat.lanes import Like, host_width, leaves
+from layflat.lanes import Like, leaves
+from layflat.registers import host_width
 from layflat.sim.ensemble.cases import parameter_columns
 from layflat.sim.slow import sweep_many
 

@@ -18,12 +18,13 @@ from layflat.arrays import Array
 from layflat.description import units as u
 from layflat.description.wrong import shown
 from layflat.errors import InputError
-from layflat.lanes import MAX_REGISTER_BYTES, Like, host_width
+from layflat.lanes import Like
 from layflat.machine import Machine, load
 from layflat.memory import check_memory
 from layflat.motion.scenario import Scenario, check_scenario
 from layflat.motion.signal_values import Value, check_integer, read_number
 from layflat.physics.step import STEP
+from layflat.registers import MAX_REGISTER_BYTES, host_width
 from layflat.sim.ensemble.block import allocate_results, make_block, store_results
 from layflat.sim.ensemble.cases import Cases, prepare_cases
 from layflat.sim.ensemble.kernel import run_block

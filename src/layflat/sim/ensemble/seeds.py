@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from layflat.arrays import Array
-from layflat.lanes import interpreted
 from layflat.physics.sensor import sensor_noise
+from layflat.registers import interpreted
 from layflat.sim.ensemble.noise import Ziggurat, fill_noise
 
 Seeds = NDArray[np.int64]
