@@ -15,6 +15,8 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as there are tests on all 
 for variable in ("MAKEFLAGS", "MFLAGS", "MAKELEVEL", "MAKEOVERRIDES"):
     os.environ.pop(variable, None)  # what a test makes prints the same where make runs the tests
 
+USUAL_GC_THRESHOLDS = gc.get_threshold()  # before any command
+
 settings.register_profile("layflat", deadline=None, derandomize=True, max_examples=60)
 settings.load_profile("layflat")
 
@@ -36,7 +38,13 @@ def pytest_collection_finish() -> None:
     """Let the collector never look again at what the tests' modules hold, half a gigabyte that stays to the end."""
     gc.collect()
     gc.freeze()
-    gc.enable()  # importing the command line switches it off until a command begins
+
+
+@pytest.fixture(autouse=True)
+def usual_garbage_collection() -> None:
+    """Begin each test as Python begins: commands of tests before it leave the collector off, or at work more rarely."""
+    gc.set_threshold(*USUAL_GC_THRESHOLDS)
+    gc.enable()
 
 
 @pytest.hookimpl(wrapper=True, tryfirst=True)

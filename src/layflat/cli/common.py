@@ -88,6 +88,7 @@ def count_noun(count: int, noun: str) -> str:
 
 
 WIDTH = 100  # columns that a table may take
+KEY_WIDTH = 24  # columns that keys in a table's first column may take without a break
 
 
 def print_table(columns: list[str], rows: list[list[str]], title: str = "") -> None:
@@ -103,8 +104,9 @@ def print_table(columns: list[str], rows: list[list[str]], title: str = "") -> N
     from rich.text import Text  # noqa: PLC0415
 
     table = Table(title=Text(title) if title else None, title_justify="left", header_style="bold", show_edge=False)
-    for column in columns:
-        table.add_column(Text(column), overflow="fold")
+    whole_keys = max((len(row[0]) for row in rows), default=0) <= KEY_WIDTH
+    for number, column in enumerate(columns):
+        table.add_column(Text(column), overflow="fold", no_wrap=number == 0 and whole_keys)
     for row in rows:
         table.add_row(*map(Text, row))
     console = Console(highlight=False)
