@@ -93,6 +93,7 @@ def test_a_move_through_modbus_settles_and_is_logged(modbus: ServedRig, place: P
     assert again.read_bytes() == figure.read_bytes()
 
 
+@pytest.mark.realtime
 def test_ctrl_c_through_serial_is_a_controlled_stop(place: Path) -> None:
     served = ServedRig("arm.toml", "--link", "tty", cwd=place)
     assert served.address == "serial://tty"

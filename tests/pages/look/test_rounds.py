@@ -13,6 +13,7 @@ PAGES = 40
 WORK = 0.01  # of one page, s
 
 
+@pytest.mark.realtime
 def test_the_page_that_drives_comes_first_and_all_others_have_their_turn() -> None:
     shown = Counter[str]()
 
