@@ -20,12 +20,40 @@ class ActionKind:
     """Kind of action: its unit and range."""
 
     signal: str  # by which it acts, of `JointSignals`
+    of_valve: Callable[[Array, Array, Array], Array] | None = None
+    """Function from actions, centre voltages and half spans of the valves (V) to the signal; None: it is the action."""
     unit: str
     meaning: str
     limits: Callable[[Machine], tuple[Array, Array]]
     """Function from a machine to the least and the greatest value of every joint, (joints,), SI."""
     demands: bool = False  # whether the machine's control law follows it
     regulates: bool = False  # whether it is a pressure that a regulator of the batch follows
+
+    def check(self, values: Array, limits: tuple[Array, Array], joints: tuple[str, ...], *, clip: bool) -> Array:
+        """Return actions inside their range.
+
+        Args:
+            values: (arms, joints), in the unit of the kind.
+            limits: least and greatest value of every joint, (joints,).
+            joints: names of the joints.
+            clip: whether values outside are replaced by the nearest ones inside.
+
+        Raises:
+            InputError: naming arm and joint: a value is not finite, or outside.
+        """
+        low, high = limits
+        inside = (values >= low) & (values <= high)
+        if inside.all():
+            return values
+        finite = np.isfinite(values)
+        if clip and finite.all():
+            return np.clip(values, low, high)
+        arm, j = np.argwhere(~(inside if finite.all() else finite))[0]
+        unit = "" if self.unit == "1" else f" {self.unit}"
+        wrong = "out of range" if finite[arm, j] else "no number"
+        right = f"give {low[j]:.6g} to {high[j]:.6g}{unit}" + (", or clip=True" if finite[arm, j] else "")
+        what = f"{values[arm, j]:.6g}{unit} of arm {arm}, joint {joints[j]!r}, is {wrong}"
+        raise InputError(what, where="action", right=right)
 
 
 def _demand_limits(machine: Machine) -> tuple[Array, Array]:
@@ -55,10 +83,14 @@ ACTION_KINDS: Mapping[str, ActionKind] = MappingProxyType({
     "opening": ActionKind(
         signal="opening", unit="1", meaning="opening of the valve, -1 to 1", limits=_signal_limits("opening")
     ),
-    "voltage": ActionKind(signal="opening", unit="V", meaning="control voltage", limits=_signal_limits("voltage")),
+    "voltage": ActionKind(
+        signal="opening", of_valve=lambda voltages, centre, span: (voltages - centre) / span,
+        unit="V", meaning="control voltage", limits=_signal_limits("voltage"),
+    ),
     "demand": ActionKind(signal="demand", unit="rad", meaning="demanded angle", limits=_demand_limits, demands=True),
     "pressure": ActionKind(
-        signal="voltage", unit="Pa", meaning="demanded differential pressure, hose A less hose B",
+        signal="voltage", of_valve=lambda pressures, centre, span: centre + span / FULL_OPENING_ERROR * pressures,
+        unit="Pa", meaning="demanded differential pressure, hose A less hose B",
         limits=_pressure_limits,
         regulates=True,
     ),
@@ -76,28 +108,3 @@ def find_action(name: str) -> ActionKind:
         right = f"use {', '.join(ACTION_KINDS)}"
         raise InputError(f"{shown(name)} is no kind of action", where="action", right=right)
     return ACTION_KINDS[name]
-
-
-def check_action(values: Array, limits: tuple[Array, Array], joints: tuple[str, ...], *, clip: bool) -> Array:
-    """Return actions inside their range.
-
-    Args:
-        values: (arms, joints), SI.
-        limits: least and greatest value of every joint, (joints,).
-        joints: names of the joints.
-        clip: whether values outside are replaced by the nearest ones inside.
-
-    Raises:
-        InputError: naming arm and joint: a value is not finite, or outside.
-    """
-    low, high = limits
-    inside = (values >= low) & (values <= high)
-    if inside.all():
-        return values
-    finite = np.isfinite(values)
-    if clip and finite.all():
-        return np.clip(values, low, high)
-    arm, j = np.argwhere(~(inside if finite.all() else finite))[0]
-    wrong = "out of range" if finite[arm, j] else "no number"
-    right = f"give {low[j]:.6g} to {high[j]:.6g}" + (", or clip=True" if finite[arm, j] else "")
-    raise InputError(f"{values[arm, j]:.6g} of arm {arm}, joint {joints[j]!r}, is {wrong}", where="action", right=right)

@@ -20,7 +20,7 @@ from layflat.memory import check_memory
 from layflat.motion.scenario import MAX_SEED, Scenario
 from layflat.motion.signal_values import Angles, Pair, Value, check_bool, check_integer
 from layflat.physics.step import STEP
-from layflat.sim.batch.actions import FULL_OPENING_ERROR, check_action, find_action
+from layflat.sim.batch.actions import find_action
 from layflat.sim.batch.arrays import (
     INPUT_SIGNALS,
     STATE_SIGNALS,
@@ -76,7 +76,7 @@ class Batch:
         inputs: writable arrays of the signals that act from the next step on, by name: those of `INPUT_SIGNALS`; of
             joints (arms, joints), of the arm (arms,), SI, `nan` for an opening or voltage that is not set.
         report: arrays of the control law's report, (arms, joints), by the names of its signals.
-        units: unit and meaning of every array, by name.
+        units: unit and meaning of every array, and of "action", by name.
 
     Raises:
         InputError: a machine or an argument is wrong, or memory does not hold so many arms.
@@ -177,7 +177,8 @@ class Batch:
         self.inputs = input_views(self._arrays, self.count)
         self.report = report_views(self._arrays, rows, self.count)
         reported = CONTROL_LAWS.kind_of(self._model.nominal.settings).signals
-        self.units = {**STATE_SIGNALS, **INPUT_SIGNALS, **reported}
+        of_action = {"action": (self._model.action.unit, self._model.action.meaning)}
+        self.units = {**STATE_SIGNALS, **INPUT_SIGNALS, **reported, **of_action}
 
     def _bind(self, threads: int) -> None:
         """Divide the arms between threads, in whole groups of lanes, and bind the kernel to each part."""
@@ -229,15 +230,12 @@ class Batch:
             what = f"has shape {values.shape}" if values.dtype.kind in "fiu" else f"{shown(action)} holds no numbers"
             right = f"give numbers of shape {expected}: a row per arm, a column per joint"
             raise InputError(what, where="action", right=right)
-        values = check_action(values, self.action_limits, self.joints, clip=self._clip)
-        if self._action in ("voltage", "pressure"):
-            rows = (self._model.valve_rows(name, self._arrays).T for name in ("centre_voltage", "volts_to_full"))
-            centre, span = (row[: self.count] for row in rows)
-            if self._action == "voltage":
-                values = (values - centre) / span
-            else:
-                values = centre + span / FULL_OPENING_ERROR * values
-        self.inputs[self._model.action.signal][:] = values
+        kind = self._model.action
+        values = kind.check(values, self.action_limits, self.joints, clip=self._clip)
+        if kind.of_valve is not None:
+            rows = (self._model.valve_rows(name, self._arrays) for name in ("centre_voltage", "volts_to_full"))
+            values = kind.of_valve(values, *(row[:, : self.count].T for row in rows))
+        self.inputs[kind.signal][:] = values
 
     def reset(
         self,
