@@ -82,6 +82,12 @@ def test_great_speeds_leave_rows_out_but_never_the_last() -> None:
     assert all(row in ANGLES.tolist() for row in shown)
 
 
+def test_events_come_before_the_rows_after_them() -> None:
+    with serving(Playback(LOG, speed=1e4, port=0)) as playback, Viewer(playback.address) as viewer:
+        viewer.receive(lambda: viewer.topics["/joint_states"] and viewer.topics["/joint_states"][-1][0] == END)
+        assert [stamp for stamp, _ in viewer.topics["/events"]] == [END // 2]
+
+
 def test_viewers_pause_seek_and_play_anew() -> None:
     with serving(Playback(LOG, speed=0.5, port=0)) as playback, Viewer(playback.address) as viewer:
         viewer.receive(lambda: viewer.topics["/joint_states"])

@@ -158,15 +158,21 @@ class Playback(AbstractContextManager["Playback"]):
         stride = max(int(np.ceil(self._rate * self._clock.state()[2] / MAX_ROW_RATE)), 1)
         due = int(np.searchsorted(self._log.stamps, present, "right"))
         for index in reversed(range(due - 1, self._row - 1, -stride)):  # with the newest
-            self._topics.log_row(int(self._log.stamps[index]), self._log.row(index))
+            stamp = int(self._log.stamps[index])
+            self._send_events(stamp)
+            self._topics.log_row(stamp, self._log.row(index))
         self._row = max(due, self._row)
-        while self._event < len(self._log.events) and self._log.events[self._event][0] <= present:
-            self._topics.log_event(*self._log.events[self._event])
-            self._event += 1
+        self._send_events(present + 1)
         self._server.broadcast_time(present)
         if (state := self._clock.state()[0]) != self._shown_state:
             self._shown_state = state
             self._server.broadcast_playback_state(self._state())
+
+    def _send_events(self, end: int) -> None:
+        """Send the events that are due before a stamp, ns."""
+        while self._event < len(self._log.events) and self._log.events[self._event][0] < end:
+            self._topics.log_event(*self._log.events[self._event])
+            self._event += 1
 
     def close(self) -> None:
         """End the server."""
