@@ -50,6 +50,14 @@ def modbus(place: Path) -> Iterator[ServedRig]:
     assert served.end() == 0
 
 
+@pytest.fixture
+def serial(place: Path) -> Iterator[ServedRig]:
+    served = ServedRig("arm.toml", "--link", "tty", cwd=place)
+    yield served
+    if served.process.poll() is None:  # the test failed
+        served.end(signal.SIGKILL)
+
+
 def start(*words: str, cwd: Path) -> subprocess.Popen[str]:
     return subprocess.Popen([*LAYFLAT, *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=cwd)
 
@@ -94,9 +102,8 @@ def test_a_move_through_modbus_settles_and_is_logged(modbus: ServedRig, place: P
 
 
 @pytest.mark.realtime
-def test_ctrl_c_through_serial_is_a_controlled_stop(place: Path) -> None:
-    served = ServedRig("arm.toml", "--link", "tty", cwd=place)
-    assert served.address == "serial://tty"
+def test_ctrl_c_through_serial_is_a_controlled_stop(serial: ServedRig, place: Path) -> None:
+    assert serial.address == "serial://tty"
     words = ("rig", "run", "arm.toml", "--driver", f"serial://{place / 'tty'}", "--out", "serial")
     running = start(*words, "--demand", "large=15 deg, small=10 deg", "--duration", "60 s", cwd=place)
     wait_until_moving(place / "serial" / "arm-rig.mcap.part")
@@ -111,8 +118,8 @@ def test_ctrl_c_through_serial_is_a_controlled_stop(place: Path) -> None:
     assert [float(row[2]) < 1.5 for row in rows] == [True, True], out
     complete(place / "serial" / "arm-rig.mcap")
     assert {path.suffix for path in (place / "serial").glob("arm-rig*")} == {".mcap", ".png"}
-    assert served.vented()
-    assert served.end(signal.SIGTERM) == 0
+    assert serial.vented()
+    assert serial.end(signal.SIGTERM) == 0
     assert not (place / "tty").is_symlink()
 
 
