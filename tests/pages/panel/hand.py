@@ -28,6 +28,7 @@ class Hand:
         visitor.until(lambda: "saved " in visitor.text)
         presser.press_all(leave=STOPS | ASKS)
         self._moves = False
+        self._go_to_target()
         for _ in range(STOPPED):
             self._move_on()
             begun = time.monotonic()
@@ -45,6 +46,13 @@ class Hand:
         self._press_at_rest()
         presser.press_all(leave=ASKS)
         self._hand_over()
+
+    def _go_to_target(self) -> None:
+        """Press what waits for angles in the fields, which the last hard values may not be."""
+        self._move_on()
+        self.presser.press("Take present angles")
+        self.visitor.until(lambda: self.visitor.enabled("Go to target"))
+        self.presser.press("Go to target")
 
     def _press_at_rest(self) -> None:
         """Press all that needs a rig at rest, again where a check has taken it away for a while."""
