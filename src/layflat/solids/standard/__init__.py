@@ -1,0 +1,1 @@
+"""Tables of materials, standard parts, stock and processes: what a workshop can buy and do."""
