@@ -1,4 +1,4 @@
-"""Pins of a Raspberry Pi Pico: PWM to the valves, MCP3208 converters, dump valve, e-stop, USB."""
+"""Pins of a Raspberry Pi Pico: PWM to the valves, MCP3208 or ADS8344 converters, dump valve, e-stop, USB."""
 
 import sys
 import time
@@ -15,6 +15,11 @@ class PicoIO:
     """Input and output as `station.Station` wants it."""
 
     def __init__(self, settings):
+        if settings.ADC_BITS not in (12, 16):
+            raise ValueError(f"ADC_BITS is {settings.ADC_BITS}; it is 12 (MCP3208) or 16 (ADS8344)")
+        bits = max(settings.ANGLE_BITS, settings.PRESSURE_BITS, settings.SUPPLY_BITS)
+        if bits > settings.ADC_BITS:
+            raise ValueError(f"a sensor of {bits} bits; its converter has {settings.ADC_BITS}")
         out, clock, into = settings.ADC_PINS
         self._settings = settings
         self._air = machine.Pin(settings.AIR_PIN, machine.Pin.OUT, value=0)
@@ -26,7 +31,7 @@ class PicoIO:
         self._adc = machine.SPI(
             0, baudrate=1000000, sck=machine.Pin(clock), mosi=machine.Pin(into), miso=machine.Pin(out)
         )
-        self._asked, self._told = bytearray(3), bytearray(3)
+        self._asked, self._told = bytearray(4), bytearray(4)
         self._poll = select.poll()
         self._poll.register(sys.stdin, select.POLLIN)
         micropython.kbd_intr(-1)  # a 3 in a frame is not a Ctrl-C
@@ -51,13 +56,13 @@ class PicoIO:
         return not self._stop.value()
 
     def angle(self, joint):
-        return self._count(self._settings.ANGLE_CHANNELS[joint])
+        return self._count(self._settings.ANGLE_CHANNELS[joint], self._settings.ANGLE_BITS)
 
     def pressure(self, joint):
-        return self._count(self._settings.PRESSURE_CHANNELS[joint])
+        return self._count(self._settings.PRESSURE_CHANNELS[joint], self._settings.PRESSURE_BITS)
 
     def supply(self):
-        return self._count(self._settings.SUPPLY_CHANNEL)
+        return self._count(self._settings.SUPPLY_CHANNEL, self._settings.SUPPLY_BITS)
 
     def drive(self, counts):
         for valve, count in zip(self._valves, counts):
@@ -73,10 +78,16 @@ class PicoIO:
     def alive(self):
         self._watchdog.feed()
 
-    def _count(self, channel):
-        chosen, channel = self._chosen[channel >> 3], channel & 7
-        self._asked[0], self._asked[1] = 6 | channel >> 2, (channel & 3) << 6
+    def _count(self, channel, bits):
+        """Return a channel's count in so many bits; the ADS8344 takes the bits of a channel in the order 0, 2, 1."""
+        chosen, channel, told = self._chosen[channel >> 3], channel & 7, self._told
+        wide = self._settings.ADC_BITS == 16
+        if wide:
+            self._asked[0], self._asked[1] = 0x87 | (channel & 1) << 6 | (channel >> 1) << 4, 0
+        else:
+            self._asked[0], self._asked[1] = 6 | channel >> 2, (channel & 3) << 6
         chosen.value(0)
-        self._adc.write_readinto(self._asked, self._told)
+        self._adc.write_readinto(self._asked, told)
         chosen.value(1)
-        return (self._told[1] & 15) << 8 | self._told[2]
+        count = (told[1] << 9 | told[2] << 1 | told[3] >> 7) & 0xFFFF if wide else (told[1] & 15) << 8 | told[2]
+        return count >> self._settings.ADC_BITS - bits
