@@ -209,6 +209,34 @@ def test_goals_are_where_the_tip_is_at_their_angles() -> None:
     envs.close()
 
 
+@pytest.mark.parametrize(("precision", "number"), [("single", np.float32), ("double", np.float64)])
+def test_rewards_follow_their_formula_in_the_precision_of_the_arms(precision: str, number: type) -> None:
+    envs = make(5, precision=precision)
+    envs.reset(seed=1)
+    for action in actions(5, 10):
+        _, rewards, _, _, infos = envs.step(action)
+        d = infos["distance"]
+        assert rewards.dtype == d.dtype == number
+        assert np.array_equal(rewards, -(d / (d + number(0.01)) + d / number(0.5)))
+        assert np.array_equal(infos["is_success"], d < number(0.002))
+    envs.close()
+
+
+@pytest.mark.parametrize("kind", ["opening", "voltage", "demand", "pressure"])
+def test_actions_of_every_kind_cover_its_range_and_are_clipped(kind: str) -> None:
+    pair = make(2, action=kind, machines="nominal"), make(2, action=kind, machines="nominal")
+    for envs, action in zip(pair, ([[-7.0, 0.5], [3.0, -0.25]], [[-1.0, 0.5], [1.0, -0.25]]), strict=True):
+        envs.reset(seed=1)
+        envs.step(np.array(action))
+    low, high = pair[0].batch.action_limits
+    expected = low + (high - low) * (np.array(action) + 1.0) / 2.0
+    pair[1].batch.step(expected, 4)
+    pair[0].step(np.array([[-7.0, 0.5], [3.0, -0.25]]))
+    assert np.array_equal(*(envs.batch.angle for envs in pair))
+    for envs in pair:
+        envs.close()
+
+
 def test_unknown_torques_push_an_arm_that_holds() -> None:
     envs = make(6, "HoldStiffness", machines="nominal", action="demand")
     observations, infos = envs.reset(seed=1)

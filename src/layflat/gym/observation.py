@@ -15,13 +15,14 @@ Of the true state there are angle, velocity, pressures of both hoses by half the
 pressure, action, error, and the payload in kg.
 """
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 from gymnasium.spaces import Box
 
 from layflat.arrays import Array
+from layflat.gym.kernel import ObservedArrays, StepArrays, compare_with_goals, read_sensors
+from layflat.gym.rewards import FAR_SCALE, NEAR_SCALE, SUCCESS_DISTANCE
 from layflat.gym.tasks import EnvOptions
 from layflat.machine import Machine
 from layflat.machine.parameters import valve_and_sensors
@@ -34,7 +35,7 @@ VELOCITY_BOUND, PRESSURE_BOUND, PAYLOAD_BOUND = 200.0, 50.0, 1e3  # of the true 
 
 
 class ArmObserver:
-    """Maker of observations, (rows, arms) float32, for many arms that are observed together.
+    """Observer of many arms: makes observations, (rows, arms) float32, and rewards them.
 
     Args:
         machine: machine whose sensors are read.
@@ -45,6 +46,9 @@ class ArmObserver:
     Attributes:
         names: name of each row.
         space: space of an arm's observation.
+        action: last action, float32, (joints, arms), to be set before `compare`.
+        of_pool: goal of each arm, a number of the pool, (arms,).
+        steps: steps of each arm's episode, (arms,).
     """
 
     def __init__(self, machine: Machine, count: int, options: EnvOptions, *, moving: bool) -> None:
@@ -52,79 +56,74 @@ class ArmObserver:
         self._joints, self._count = len(machine.joints), count
         self._angle_unit, self._pressure_unit = 0.5 * angle_sensor.range, 0.5 * pressure_sensor.range
         period = options.cycles * machine.cycle
-        self._rate_factor = self._angle_unit / (RATE_UNIT * period)
-        self._goal_rate_factor = 1.0 / (RATE_UNIT * period)
-        self._last = np.zeros((self._joints, count), np.float32)
-        readings = {"angle": READING_BOUND, "pressure": READING_BOUND, "rate": 2.0 * READING_BOUND * self._rate_factor}
+        rates = self._angle_unit / (RATE_UNIT * period), 1.0 / (RATE_UNIT * period)
+        readings = {"angle": READING_BOUND, "pressure": READING_BOUND, "rate": 2.0 * READING_BOUND * rates[0]}
         if options.observe == "state":
             readings = {"angle": ANGLE_BOUND, "pressure a": PRESSURE_BOUND, "pressure b": PRESSURE_BOUND,
                         "velocity": VELOCITY_BOUND}  # fmt: skip
+        self._first_demand = len(readings) * self._joints  # row
         blocks = readings | {"action": 1.0, "error": 2.0 * ANGLE_BOUND}
         blocks |= {"goal rate": VELOCITY_BOUND} if moving else {}
-        self._rows = {name: slice(i * self._joints, (i + 1) * self._joints) for i, name in enumerate(blocks)}
         self.names = [f"{block} {joint}" for block in blocks for joint in machine.joints]
         bounds = [bound for bound in blocks.values() for _ in machine.joints]
         if options.observe == "state":
             self.names, bounds = [*self.names, "payload"], [*bounds, PAYLOAD_BOUND]
         bound = np.array(bounds, np.float32)
         self.space = Box(-bound, bound, dtype=np.float32)
-        self.read: Callable[[Array, Batch], None] = (
-            self._read_sensors if options.observe == "sensors" else self._read_state
-        )
+        self.of_pool, self.steps = np.zeros(count, np.int64), np.zeros(count, np.int64)
+        shape = len(machine.joints), count
+        self._arrays = StepArrays(
+            np.zeros((len(bound), count), np.float32), np.zeros(shape, np.float32), np.array(rates, np.float32),
+            np.zeros(shape, np.float32), np.zeros(count), np.zeros(count), np.zeros(count, bool),
+        )  # fmt: skip
+        self.action = self._arrays.action
 
-    def new(self) -> Array:
-        """Return an array for the observations of all arms, unset."""
-        return np.empty((len(self.names), self._count), np.float32)
-
-    def write_readings(self, rows: Array, angle: Array, pressure: Array) -> None:
-        """Write the blocks of the sensors; rates are counted from the readings of `keep` or `restart`.
-
-        Args:
-            rows: array of `new`.
-            angle: readings, (joints, arms), rad.
-            pressure: readings, (joints, arms), Pa.
-        """
-        n = self._joints
-        here = rows[:n]
-        np.multiply(angle, 1.0 / self._angle_unit, out=here)
-        np.multiply(pressure, 1.0 / self._pressure_unit, out=rows[n : 2 * n])
-        rate = rows[2 * n : 3 * n]
-        np.subtract(here, self._last, out=rate)
-        np.multiply(rate, self._rate_factor, out=rate)
-
-    def keep(self, rows: Array) -> None:
-        """Keep the angles in these rows: the coming rates are counted from them."""
-        self._last[:] = rows[: self._joints]
-
-    def restart(self, angle: Array, arms: Any = slice(None)) -> None:
-        """Count the coming rates of some arms from readings of their angles, (joints, arms), rad."""
-        self._last[:, arms] = np.multiply(angle[:, arms], 1.0 / self._angle_unit, dtype=np.float32)
-
-    def write_demand(self, rows: Array, action: Array | float, goal: Array, coming: Array | None = None) -> None:
-        """Write action, error, and the rate of a goal that moves.
+    def bind(self, seen: Array, tips: Array, goals: Array, goal_tips: Array) -> None:
+        """Set the arrays that are observed, of one type of numbers (see `ObservedArrays`); live ones are C-contiguous.
 
         Args:
-            rows: array of `new`, with its readings.
-            action: (joints, arms).
-            goal: angles, (joints, arms), rad.
-            coming: angles of the goal after the coming step; None for a goal that rests.
+            seen: live readings of angle and differential pressure, and others, (joints, signals, arms), rad, Pa.
+            tips: live positions of the tips, (3, arms), m.
+            goals: angles of the pool's goals, (instants, joints, pool), rad.
+            goal_tips: positions of the tip there, (instants, 3, pool), m.
         """
-        rows[self._rows["action"]] = action
-        error = rows[self._rows["error"]]
-        np.multiply(goal, 1.0 / self._angle_unit, out=error)
-        np.subtract(error, rows[: self._joints], out=error)
-        if coming is not None:
-            rate = rows[self._rows["goal rate"]]
-            np.subtract(coming, goal, out=rate)
-            np.multiply(rate, self._goal_rate_factor, out=rate)
+        units = 1.0 / self._angle_unit, 1.0 / self._pressure_unit, FAR_SCALE, NEAR_SCALE, SUCCESS_DISTANCE
+        scales = np.array(units, goals.dtype)
+        goals, goal_tips = np.ascontiguousarray(goals), np.ascontiguousarray(goal_tips)
+        self._seen, numbers = seen, {name: np.zeros(self._count, goals.dtype) for name in ("distances", "rewards")}
+        self._arrays = step = self._arrays._replace(**numbers)
+        observed = ObservedArrays(seen, tips, goals, goal_tips, self.of_pool, self.steps, scales)
+        self._read = read_sensors.bind(observed, step, 1)
+        self._compare = compare_with_goals.bind(observed, step, self._first_demand)
 
-    def _read_sensors(self, rows: Array, batch: Batch) -> None:
-        self.write_readings(rows, batch.sensed_angle.T, batch.sensed_pressure.T)
+    def restart(self, arms: Any = slice(None)) -> None:
+        """Count the coming rates of some arms from their present readings."""
+        self._arrays.last[:, arms] = np.multiply(self._seen[:, 0, arms], 1.0 / self._angle_unit, dtype=np.float32)
 
-    def _read_state(self, rows: Array, batch: Batch) -> None:
-        for name, values, unit in (
-            ("angle", batch.angle, self._angle_unit), ("pressure a", batch.pressure_a, self._pressure_unit),
-            ("pressure b", batch.pressure_b, self._pressure_unit), ("velocity", batch.velocity, RATE_UNIT),
-        ):  # fmt: skip
-            np.multiply(values.T, 1.0 / unit, out=rows[self._rows[name]])
+    def read_sensors(self, *, keeps: bool = True) -> None:
+        """Read the sensors; where `keeps`, the coming rates are counted from these angles."""
+        self._read(int(keeps))
+
+    def read_state(self, batch: Batch) -> None:
+        """Read the true state in place of the sensors."""
+        rows, n = self._arrays.rows, self._joints
+        for i, (values, unit) in enumerate((
+            (batch.angle, self._angle_unit), (batch.pressure_a, self._pressure_unit),
+            (batch.pressure_b, self._pressure_unit), (batch.velocity, RATE_UNIT),
+        )):  # fmt: skip
+            np.multiply(values.T, 1.0 / unit, out=rows[i * n : (i + 1) * n])
         rows[-1] = batch.inputs["payload"]
+
+    def compare(self) -> Array:
+        """Compare the arms with their goals after the action in `action`; return observations, (rows, arms)."""
+        self._compare()
+        return self._arrays.rows.copy()
+
+    @property
+    def rewards(self) -> Array:
+        """Rewards of the last comparison, (arms,)."""
+        return self._arrays.rewards.copy()
+
+    def info(self) -> dict[str, Any]:
+        """Return the information of the last comparison: distances (m), and whether tips are there, (arms,) each."""
+        return {"distance": self._arrays.distances.copy(), "is_success": self._arrays.successes.copy()}

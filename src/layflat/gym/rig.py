@@ -15,7 +15,6 @@ from layflat.errors import InputError, RigStoppedError
 from layflat.gym.belt import belt_goals
 from layflat.gym.observation import ArmObserver
 from layflat.gym.pool import RANGE_FRACTION
-from layflat.gym.rewards import step_info, step_rewards, tip_distances
 from layflat.gym.tasks import MAX_EPISODE_STEPS, find_task, read_options
 from layflat.gym.vector import first_info, read_actions
 from layflat.machine import Machine, load
@@ -74,8 +73,8 @@ class RigEnv(Env[Any, Any]):
         self._kinematics = Kinematics(machine)
         self.names, self.observation_space = self._observer.names, self._observer.space
         self.action_space = Box(-1.0, 1.0, (len(self._half),), np.float32)
-        self._goals = self._goal_tips = np.zeros((1, len(self._half), 1))
-        self._steps, self._due, self._begun, self._closed = 0, 0.0, False, False
+        self._seen, self._tip = np.zeros((len(self._half), 2, 1)), np.zeros((3, 1))
+        self._due, self._begun, self._closed = 0.0, False, False
         self.session = RigSession(machine, _driver_at(driver, machine))
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Array, dict[str, Any]]:
@@ -95,12 +94,11 @@ class RigEnv(Env[Any, Any]):
         for name in options or {}:
             raise InputError("is no option of reset", where=str(name), right="give none")
         shot = self._start_air()
-        angles = shot["measured_angle"].copy()
-        self._take_goal(angles)
-        self._observer.restart(angles[:, None])
-        self._steps, self._begun, self._due = 0, True, time.monotonic()
-        observation, distances = self._observe(shot, 0.0)
-        return observation, first_info(step_info(distances))
+        self._observer.bind(self._seen, self._tip, *self._draw_goal(shot["measured_angle"]))
+        self._seen[:, 0, 0] = shot["measured_angle"]
+        self._observer.restart()
+        self._observer.steps[0], self._begun, self._due = 0, True, time.monotonic()
+        return self._observe(shot, 0.0), first_info(self._observer.info())
 
     def step(self, action: ArrayLike) -> tuple[Array, float, bool, bool, dict[str, Any]]:
         """Demand angles, and wait until the step is over.
@@ -122,39 +120,36 @@ class RigEnv(Env[Any, Any]):
         self.session.ask((self._half * values).tolist())
         self._due = max(self._due + self._period, time.monotonic())
         time.sleep(max(self._due - time.monotonic(), 0.0))
-        self._steps += 1
+        self._observer.steps += 1
         shot = self._last_snapshot()
-        observation, distances = self._observe(shot, values[:, None])
-        info, stopped = first_info(step_info(distances)), shot.state not in OBEYING_STATES
+        observation, reward = self._observe(shot, values[:, None]), float(self._observer.rewards[0])
+        info, stopped = first_info(self._observer.info()), shot.state not in OBEYING_STATES
         if stopped:
             info["fault"] = shot.fault_text
-        return observation, float(step_rewards(distances)[0]), stopped, self._steps >= self._limit, info
+        return observation, reward, stopped, bool(self._observer.steps[0] >= self._limit), info
 
     def close(self) -> None:
         """Stop the arm, vent the air, and end the session; a second call does nothing."""
         self._closed = True
         self.session.close()
 
-    def _observe(self, shot: RigSnapshot, action: Array | float) -> tuple[Array, Array]:
-        """Return the observation of a snapshot, (items,), and the distance of the tip from its goal, (1,), m."""
-        rows, k = self._observer.new(), min(self._steps, len(self._goals) - 1)
-        angles = shot["measured_angle"][:, None]
-        self._observer.write_readings(rows, angles, shot["measured_pressure"][:, None])
-        self._observer.keep(rows)
-        coming = self._goals[min(k + 1, len(self._goals) - 1)] if len(self._goals) > 1 else None
-        self._observer.write_demand(rows, action, self._goals[k], coming)
-        return rows[:, 0], tip_distances(self._kinematics.tip(angles.T).T, self._goal_tips[k])
+    def _observe(self, shot: RigSnapshot, action: Array | float) -> Array:
+        """Return the observation of a snapshot after an action, (items,)."""
+        self._seen[:, 0, 0], self._seen[:, 1, 0] = shot["measured_angle"], shot["measured_pressure"]
+        self._tip[:, 0] = self._kinematics.tip(shot["measured_angle"][None])[0]
+        self._observer.read_sensors()
+        self._observer.action[:] = action
+        return self._observer.compare()[:, 0]
 
-    def _take_goal(self, angles: Array) -> None:
-        """Set the goal of an episode that begins at angles, (joints,), rad."""
+    def _draw_goal(self, angles: Array) -> tuple[Array, Array]:
+        """Return the goal of an episode that begins at angles, (joints,), rad, as `Pool` has goals and their tips."""
         limits: Array = RANGE_FRACTION * self._half
         if self._task.goal == "belt":
             times = self._period * np.arange(self._task.episode_steps + 1, dtype=np.float64)
             seed = int(self.np_random.integers(MAX_SEED))
-            self._goals, self._goal_tips = belt_goals(self._machine, angles[None], times, limits, seed)
-            return
+            return belt_goals(self._machine, angles[None], times, limits, seed)
         goal = angles if self._task.goal == "start" else self.np_random.uniform(-limits, limits)
-        self._goals, self._goal_tips = goal[None, :, None], self._kinematics.tip(goal[None]).T[None]
+        return goal[None, :, None], self._kinematics.tip(goal[None]).T[None]
 
     def _start_air(self) -> RigSnapshot:
         """Start the air if it is off, reset a fault that is over, and return a snapshot in which demands are obeyed."""

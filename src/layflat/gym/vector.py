@@ -12,18 +12,18 @@ from numpy.typing import ArrayLike, NDArray
 from layflat.arrays import Array, Picture
 from layflat.description.wrong import shown
 from layflat.errors import InputError
+from layflat.gym.kernel import scale_actions
 from layflat.gym.loads import LoadSchedule
 from layflat.gym.observation import ArmObserver
 from layflat.gym.pool import make_batch, make_pool
 from layflat.gym.rendering import RENDER_MODES, ArmRenderer, check_render_mode
-from layflat.gym.rewards import step_info, step_rewards, tip_distances
 from layflat.gym.tasks import MAX_EPISODE_STEPS, find_task, read_options
 from layflat.motion.scenario import MAX_SEED
 from layflat.motion.signal_values import check_integer
+from layflat.sim.batch.actions import find_action
 from layflat.sim.batch.state import check_arms
 
 RESET_OPTIONS = ("reset_mask", "arms")
-LEAST_ACTION, GREATEST_ACTION = np.float32(-1.0), np.float32(1.0)
 
 
 class ArmVectorEnv(VectorEnv[Array, Array, Array]):
@@ -78,18 +78,17 @@ class ArmVectorEnv(VectorEnv[Array, Array, Array]):
         self._limit = MAX_EPISODE_STEPS if max_episode_steps is None else max_episode_steps
         self._pool = pool = make_pool(self._task, self._options)
         self.batch = make_batch(pool.described, pool.machine, self.num_envs, self._options)
-        self._moving = len(pool.goals) > 1
-        self._observer = ArmObserver(pool.machine, self.num_envs, self._options, moving=self._moving)
-        self._loads = LoadSchedule(pool.machine, self.num_envs) if self._task.loads else None
+        self._observer = ArmObserver(pool.machine, self.num_envs, self._options, moving=len(pool.goals) > 1)
+        self._observer.bind(self.batch.arrays.seen, self.batch.arrays.tips, pool.goals, pool.goal_tips)
         self._renderer = None if self.render_mode is None else ArmRenderer(pool.machine, self.render_mode)
         self._name_spaces()
-        self._rows = np.zeros(self.num_envs, np.intp)  # of the pool, whose goals are pursued
-        self._goal, self._goal_tip = (np.zeros((*each.shape[1:2], self.num_envs), each.dtype) for each in
-                                      (pool.goals, pool.goal_tips))  # fmt: skip
-        self._steps = np.zeros(self.num_envs, np.int64)  # of the present episodes
+        self._steps = self._observer.steps  # of the present episodes
+        pushed = self._task.loads
+        self._loads = LoadSchedule(pool.machine, self._steps, self.batch.arrays.acting) if pushed else None
         self._first_end = 0  # steps until the first episode may end
         self._done, self._any_done, self._begun = np.zeros(self.num_envs, bool), False, False
-        self._latest = self._observer.new()  # observations, kept where a mask may leave out arms
+        # Observations are kept where a mask may leave out arms.
+        self._latest: Array = np.zeros((len(self.names), self.num_envs), np.float32)
         self._all = np.ones(self.num_envs, bool)
         self._all.flags.writeable = False
 
@@ -101,8 +100,11 @@ class ArmVectorEnv(VectorEnv[Array, Array, Array]):
         self.single_observation_space = self._observer.space
         self.action_space = batch_space(self.single_action_space, self.num_envs)
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
-        self._middle, self._half = 0.5 * (low + high), 0.5 * (high - low)
-        self._scaled = bool((self._middle != 0.0).any() or (self._half != 1.0).any())
+        self._actions, self._scaled = np.zeros((2, self.num_envs, len(low)))
+        middle, half = 0.5 * (low + high), 0.5 * (high - low)
+        self._scale = scale_actions.bind(self._actions, middle, half, self._scaled, self._observer.action)
+        kind = find_action(self._options.action)
+        self._input = None if kind.of_valve else self.batch.inputs[kind.signal]  # written without the batch's checks
         fps = round(1.0 / (self._options.cycles * self.batch.cycle))
         self.metadata = {"render_modes": list(RENDER_MODES), "render_fps": fps, "autoreset_mode": self._mode}
 
@@ -132,9 +134,8 @@ class ArmVectorEnv(VectorEnv[Array, Array, Array]):
         rows = self._latest.copy()
         rows[:, arms] = self._observe_start()[:, arms]
         self._latest[:] = rows
-        distances = tip_distances(self.batch.tip.T, self._goal_tip)
         self._show()
-        return rows.T, self._info(distances)
+        return rows.T, self._info()
 
     def step(self, actions: ArrayLike) -> tuple[Array, Array, NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]:  # type: ignore[override]
         """Move all arms by a step.
@@ -151,20 +152,18 @@ class ArmVectorEnv(VectorEnv[Array, Array, Array]):
         self._check_open()
         if not self._begun:
             raise InputError("has not begun", where="environment", right="call reset first")
-        values = read_actions(actions, self.action_space.shape).clip(LEAST_ACTION, GREATEST_ACTION)
-        rows = self._move(values)
+        self._actions[:] = read_actions(actions, self.action_space.shape)
+        self._move()
         self._steps += 1
-        self._aim()
-        self._observer.write_demand(rows, values.T, self._goal, self._coming())
-        distances = tip_distances(self.batch.tip.T, self._goal_tip)
-        rewards, infos = step_rewards(distances), self._info(distances)
+        rows = self._observer.compare()
+        rewards, infos = self._observer.rewards, self._info()
         terminations, truncations = self.batch.diverged.copy(), self._truncations()
         if self._any_done and self._mode is AutoresetMode.NEXT_STEP:
             again = self._done
             rewards[again], terminations[again], truncations[again] = 0.0, False, False
             self._restart(rows, np.flatnonzero(again), infos)
         self._done = np.logical_or(terminations, truncations)
-        self._any_done = bool(self._done.any())
+        self._any_done = bool(np.count_nonzero(self._done))
         if self._any_done and self._mode is AutoresetMode.SAME_STEP:
             self._restart_at_once(rows, infos)
         if self._mode is AutoresetMode.DISABLED:
@@ -172,23 +171,30 @@ class ArmVectorEnv(VectorEnv[Array, Array, Array]):
         self._show()
         return rows.T, rewards, terminations, truncations, infos
 
-    def _move(self, values: Array) -> Array:
-        """Move the batch by checked actions, and return the rows of the observation with their readings."""
+    def _move(self) -> None:
+        """Move the batch by the actions, and read what is observed; raise InputError as `step` does."""
         batch, (cycles, delay) = self.batch, (self._options.cycles, self._options.delay)
         if self._loads is not None:
-            batch.inputs["load"].T[:] = self._loads.torques(self._steps)
-        action: Array | None = self._middle + self._half * values if self._scaled else values
-        rows = self._observer.new()
+            self._loads.push()
+        action: Array | None = self._scaled
+        if not self._scale() and self._input is not None:
+            self._input[:] = action
+            action = None
         if self._options.observe == "state":
             delay = 0
         if delay < cycles:
             batch.step(action, cycles - delay)
             action = None
-        self._observer.read(rows, batch)
-        self._observer.keep(rows)
+        self._read(keeps=True)
         if delay:
             batch.step(action, delay)
-        return rows
+
+    def _read(self, *, keeps: bool) -> None:
+        """Read what is observed; where `keeps`, the coming rates are counted from these readings."""
+        if self._options.observe == "state":
+            self._observer.read_state(self.batch)
+        else:
+            self._observer.read_sensors(keeps=keeps)
 
     def _truncations(self) -> NDArray[np.bool_]:
         """Return which episodes have reached their last step."""
@@ -204,26 +210,23 @@ class ArmVectorEnv(VectorEnv[Array, Array, Array]):
         rows = draw.integers(self._pool.count, size=len(arms)) if of_pool is None else of_pool
         seeds = draw.integers(MAX_SEED, size=len(arms))
         self.batch.set_state(self._pool.rest.take(rows), arms, seed=seeds)
-        self._rows[arms], self._steps[arms] = rows, 0
-        self._goal[:, arms], self._goal_tip[:, arms] = self._pool.goals[0][:, rows], self._pool.goal_tips[0][:, rows]
+        self._observer.of_pool[arms], self._steps[arms] = rows, 0
         if self._loads is not None:
             self._loads.restart(draw, arms)
-        self._observer.restart(self.batch.sensed_angle.T, arms)
+        self._observer.restart(arms)
         self._first_end = self._limit - int(self._steps.max())
 
     def _observe_start(self) -> Array:
         """Return the rows of the observation of arms that stand at the start, with no action before."""
-        rows = self._observer.new()
-        self._observer.read(rows, self.batch)
-        self._observer.write_demand(rows, 0.0, self._goal, self._coming())
-        return rows
+        self._read(keeps=False)
+        self._observer.action[:] = 0.0
+        return self._observer.compare()
 
     def _restart(self, rows: Array, arms: NDArray[np.intp], infos: dict[str, Any]) -> None:
         """Begin episodes of some arms within a step, and write their first observations and information."""
         self._begin_episodes(arms)
         rows[:, arms] = self._observe_start()[:, arms]
-        for name, values in step_info(tip_distances(self.batch.tip.T, self._goal_tip)).items():
-            infos[name] = np.where(np.isin(np.arange(self.num_envs), arms), values, infos[name])
+        infos |= self._observer.info()
 
     def _restart_at_once(self, rows: Array, infos: dict[str, Any]) -> None:
         """Begin the episodes that have just ended, after keeping their last observations and information."""
@@ -237,23 +240,9 @@ class ArmVectorEnv(VectorEnv[Array, Array, Array]):
         infos |= {"final_obs": final, "_final_obs": self._done.copy()}
         infos |= {"final_info": last, "_final_info": self._done.copy()}
 
-    def _aim(self) -> None:
-        """Set the goals of the present step, if they move."""
-        if self._moving:
-            k = np.minimum(self._steps, len(self._pool.goals) - 1)
-            self._goal[:] = self._pool.goals[k, :, self._rows].T
-            self._goal_tip[:] = self._pool.goal_tips[k, :, self._rows].T
-
-    def _coming(self) -> Array | None:
-        """Return the angles of goals that move after the coming step, (joints, arms), rad; else None."""
-        if not self._moving:
-            return None
-        coming: Array = self._pool.goals[np.minimum(self._steps + 1, len(self._pool.goals) - 1), :, self._rows].T
-        return coming
-
-    def _info(self, distances: Array) -> dict[str, Any]:
+    def _info(self) -> dict[str, Any]:
         """Return the information of all arms, with the masks of Gymnasium."""
-        return step_info(distances) | {"_distance": self._all, "_is_success": self._all}
+        return self._observer.info() | {"_distance": self._all, "_is_success": self._all}
 
     @property
     def viewer_address(self) -> str:

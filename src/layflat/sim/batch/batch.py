@@ -77,6 +77,7 @@ class Batch:
             joints (arms, joints), of the arm (arms,), SI, `nan` for an opening or voltage that is not set.
         report: arrays of the control law's report, (arms, joints), by the names of its signals.
         units: unit and meaning of every array, and of "action", by name.
+        arrays: memory of the kernel with the arms last, padding included (see `BatchArrays`), for further kernels.
 
     Raises:
         InputError: a machine or an argument is wrong, or memory does not hold so many arms.
@@ -133,7 +134,7 @@ class Batch:
         self._vary: dict[str, Array] = {}
         self._next_seed, self._starts = 0, (start, pressures)
         seeds = self._read_seeds(seed, self.count)
-        self._arrays = self._arrays_at_rest(np.arange(self.count), read_vary(vary), *self._starts, seeds)
+        self.arrays = self._arrays_at_rest(np.arange(self.count), read_vary(vary), *self._starts, seeds)
         self._name_views()
         self._bind(os.cpu_count() or 1 if threads is None else check_integer(threads, "threads", 1, MAX_THREADS))
 
@@ -173,9 +174,9 @@ class Batch:
     def _name_views(self) -> None:
         """Set the live arrays."""
         rows = self._model.carry_rows
-        self.__dict__.update(state_views(self._arrays, rows, self.count))
-        self.inputs = input_views(self._arrays, self.count)
-        self.report = report_views(self._arrays, rows, self.count)
+        self.__dict__.update(state_views(self.arrays, rows, self.count))
+        self.inputs = input_views(self.arrays, self.count)
+        self.report = report_views(self.arrays, rows, self.count)
         reported = CONTROL_LAWS.kind_of(self._model.nominal.settings).signals
         of_action = {"action": (self._model.action.unit, self._model.action.meaning)}
         self.units = {**STATE_SIGNALS, **INPUT_SIGNALS, **reported, **of_action}
@@ -186,7 +187,7 @@ class Batch:
         size = lanes * ceil(self.count / lanes)
         parts = max(1, min(threads, size // MIN_ARMS_PER_THREAD))
         each = lanes * ceil(size / lanes / parts)
-        args = self._model.case_like, self._model.carry_like, self._arrays, self._timing, ziggurat_tables()
+        args = self._model.case_like, self._model.carry_like, self.arrays, self._timing, ziggurat_tables()
         self._steps = [
             step_arms.bind(*args, np.zeros((1, lanes), self._model.number), first, min(first + each, size), 1)
             for first in range(0, size, each)
@@ -196,7 +197,7 @@ class Batch:
     @property
     def time(self) -> Array:
         """Time since each arm's start, s, (arms,)."""
-        return self._arrays.cycles[: self.count] * self.cycle
+        return self.arrays.cycles[: self.count] * self.cycle
 
     def step(self, action: ArrayLike | None = None, cycles: int = 1) -> None:
         """Move all arms by some control cycles; an arm that diverges is held, and marked in `diverged`.
@@ -233,7 +234,7 @@ class Batch:
         kind = self._model.action
         values = kind.check(values, self.action_limits, self.joints, clip=self._clip)
         if kind.of_valve is not None:
-            rows = (self._model.valve_rows(name, self._arrays) for name in ("centre_voltage", "volts_to_full"))
+            rows = (self._model.valve_rows(name, self.arrays) for name in ("centre_voltage", "volts_to_full"))
             values = kind.of_valve(values, *(row[:, : self.count].T for row in rows))
         self.inputs[kind.signal][:] = values
 
@@ -269,11 +270,11 @@ class Batch:
             chosen, read_vary(vary), angles if start is None else start, pair if pressures is None else pressures,
             self._read_seeds(seed, len(chosen)),
         )  # fmt: skip
-        copy_arms(begun, np.arange(len(chosen)), self._arrays, chosen)
+        copy_arms(begun, np.arange(len(chosen)), self.arrays, chosen)
 
     def state(self) -> BatchState:
         """Return a copy of the whole state of all arms."""
-        arrays = BatchArrays(*(array[..., : self.count].copy() for array in self._arrays))
+        arrays = BatchArrays(*(array[..., : self.count].copy() for array in self.arrays))
         return BatchState(arrays, {key: values.copy() for key, values in self._vary.items()}, self._structure)
 
     @property
@@ -303,7 +304,7 @@ class Batch:
         arrays = state.arrays
         if seed is not None:
             arrays = self._model.with_noise_of(arrays, self._read_seeds(seed, len(chosen)))
-        copy_arms(arrays, np.arange(len(chosen)), self._arrays, chosen)
+        copy_arms(arrays, np.arange(len(chosen)), self.arrays, chosen)
         for key in {*self._vary, *state.vary}:
             values = state.vary.get(key)
             self._varied_values(key)[chosen] = self._model.neutral(key) if values is None else values
