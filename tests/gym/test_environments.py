@@ -232,7 +232,7 @@ def test_actions_of_every_kind_cover_its_range_and_are_clipped(kind: str) -> Non
     expected = low + (high - low) * (np.array(action) + 1.0) / 2.0
     pair[1].batch.step(expected, 4)
     pair[0].step(np.array([[-7.0, 0.5], [3.0, -0.25]]))
-    assert np.array_equal(*(envs.batch.angle for envs in pair))
+    assert np.array_equal(pair[0].batch.angle, pair[1].batch.angle)
     for envs in pair:
         envs.close()
 
