@@ -115,9 +115,8 @@ def rows_with_air(machine: Machine) -> list[SheetRow]:
     rows = [SheetRow("air", "open 0V1; read the time", f"{ready:g} bar gauge within {machine.safety.start_time:g} s")]
     angle, pressure = degrees(open_loop.MAX_TEST_ANGLE / 2), open_loop.MIN_PRESSURE_RESPONSE / BAR
     for name in machine.joints:
-        expected = (
-            f"+ % open: at least +{pressure:g} bar and +{angle:g} deg; - % open: -{pressure:g} bar and -{angle:g} deg"
-        )
+        forward, back = (f"{sign}{pressure:g} bar and {sign}{angle:g} deg or more" for sign in "+-")
+        expected = f"opened forward: {forward}; opened back: {back}"
         rows.append(SheetRow(f"signs of {name}", "stand clear; read both responses", expected))
     return rows
 

@@ -20,6 +20,11 @@ SHEET_MARGIN = 10.0  # of a sheet, mm
 TEXT_HEIGHT = 2.5  # mm, of ISO 3098
 
 
+def shorten_text(text: str, letters: int) -> str:
+    """Return a text of at most so many letters; a longer one ends with three dots."""
+    return text if len(text) <= letters else f"{text[: letters - 3]}..."
+
+
 def title_height(notes: Sequence[str]) -> float:
     """Return the height of a title block with notes above the edge of the sheet, mm."""
     return SHEET_MARGIN + 6.0 + 3.6 * len(notes)

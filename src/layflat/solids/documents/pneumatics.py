@@ -10,7 +10,7 @@ from layflat.machine import Joint, Machine
 from layflat.machine.parameters import valve_and_sensors
 from layflat.solids.documents import symbols
 from layflat.solids.documents.components import Component, list_components
-from layflat.solids.documents.diagram import PAPER_SIZES, SHEET_MARGIN, Diagram, title_height
+from layflat.solids.documents.diagram import PAPER_SIZES, SHEET_MARGIN, Diagram, shorten_text, title_height
 from layflat.solids.documents.tubes import TubeRow, list_tubes
 
 HOSE_Y, SENSOR_Y, VALVE_Y, REGULATOR_Y, RAIL_Y, SUPPLY_Y = 25.0, 44.0, 74.0, 104.0, 112.0, 133.0  # heights, mm
@@ -18,6 +18,7 @@ COLUMN_WIDTH, PAIR_WIDTH, CALLIPER_WIDTH = 57.0, 88.0, 30.0  # of a joint, with 
 SUPPLY_WIDTH = 196.0  # of the supply's components, mm
 LEGEND_Y, LEGEND_WIDTH, LEGEND_STEP = 158.0, 92.0, 3.3  # top, width of a column and step of a line, mm
 LEGEND_LETTERS = 66  # of a line
+HEAD_LETTERS = 26  # above a column
 
 
 class JointColumn(NamedTuple):
@@ -149,7 +150,7 @@ def _draw_chain_valve(sheet: Diagram, x: float, tag: str, *, by_hand: bool = Fal
 def _draw_joint(sheet: Diagram, column: JointColumn, tubes: dict[tuple[str, str], TubeRow]) -> None:
     """Draw the column of a joint: hoses, sensor, valve, regulator and calliper."""
     x, n, joint = column.x, column.number, column.joint
-    sheet.text((x, 13.0), f"joint {n}: {column.name}", anchor="middle", bold=True)
+    sheet.text((x, 13.0), shorten_text(f"joint {n}: {column.name}", HEAD_LETTERS), anchor="middle", bold=True)
     _draw_hoses(sheet, column)
     if column.kind == "switching":
         _draw_pair(sheet, column, tubes)
