@@ -12,7 +12,7 @@ from layflat.solids.documents import components
 from layflat.solids.documents.components import list_components
 from layflat.solids.documents.pneumatics import draw_pneumatics
 from layflat.solids.documents.tubes import list_tubes
-from tests.solids.documents.machines import with_joints
+from tests.solids.documents.machines import UNUSUAL_MACHINES, with_joints
 from tests.solids.documents.pictures import check_readable, labels
 
 MACHINES = [name for name in names() if load(name).valve is not None]
@@ -35,6 +35,11 @@ def check_diagram(machine: Machine) -> None:
 @pytest.mark.parametrize("name", MACHINES)
 def test_a_machine_is_drawn_whole_and_readably(name: str) -> None:
     check_diagram(load(name))
+
+
+@pytest.mark.parametrize("name", UNUSUAL_MACHINES)
+def test_an_unusual_machine_is_drawn_whole_and_readably(name: str) -> None:
+    check_diagram(UNUSUAL_MACHINES[name])
 
 
 @pytest.mark.parametrize("count", range(1, 8))

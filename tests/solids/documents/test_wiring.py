@@ -7,7 +7,7 @@ import pytest
 from layflat.machine import Machine, load, names
 from layflat.solids.documents.wires import list_wires
 from layflat.solids.documents.wiring import draw_wiring, place_devices
-from tests.solids.documents.machines import with_joints
+from tests.solids.documents.machines import UNUSUAL_MACHINES, with_joints
 from tests.solids.documents.pictures import check_readable, labels
 
 MACHINES = [name for name in names() if load(name).controller is not None]
@@ -38,6 +38,11 @@ def check_diagram(machine: Machine) -> None:
 @pytest.mark.parametrize("name", MACHINES)
 def test_a_machine_is_drawn_whole_and_readably(name: str) -> None:
     check_diagram(load(name))
+
+
+@pytest.mark.parametrize("name", UNUSUAL_MACHINES)
+def test_an_unusual_machine_is_drawn_whole_and_readably(name: str) -> None:
+    check_diagram(UNUSUAL_MACHINES[name])
 
 
 @pytest.mark.parametrize(("count", "outputs"), [(1, 8), (2, 0), (3, 1), (4, 0), (5, 2), (6, 8), (7, 8)])

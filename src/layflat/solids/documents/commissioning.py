@@ -13,6 +13,7 @@ from layflat.plot import render_page
 from layflat.rig import check, open_loop
 from layflat.rig.abilities import falls_without_air, resting_angles
 from layflat.rig.driver import Capabilities
+from layflat.rig.safety.detectors import DetectorLimits
 from layflat.rig.safety.limits import detector_limits
 from layflat.solids.documents.components import BAR, max_supply_gauge
 from layflat.solids.documents.pins import ADC_REFERENCE, AIR_GPIO, STOP_GPIO, BoardPins
@@ -103,8 +104,10 @@ def rows_without_air(machine: Machine) -> list[SheetRow]:
         SheetRow("e-stop", "release it before", "released"),
         SheetRow("supply", "read", f"0 bar gauge +- {bar:g} bar"),
     ]
+    ends = resting_angles(machine)
     for j, name in enumerate(machine.joints):
-        rows += [_angle_row(machine, j, name), _pressure_row(machine, name)]
+        limits = detector_limits(machine, name)
+        rows += [_angle_row(machine, name, float(ends[j]), limits), _pressure_row(machine, name, limits)]
     return rows
 
 
@@ -121,20 +124,19 @@ def rows_with_air(machine: Machine) -> list[SheetRow]:
     return rows
 
 
-def _angle_row(machine: Machine, j: int, name: str) -> SheetRow:
-    """Return the check of the angle sensor of joint j."""
-    limits, described = detector_limits(machine, name), sensor(valve_and_sensors(machine)[1])
-    end = degrees(min(float(resting_angles(machine)[j]), limits.rail.high))
+def _angle_row(machine: Machine, name: str, end: float, limits: DetectorLimits) -> SheetRow:
+    """Return the check of the angle sensor of a joint that may rest up to an angle (rad) from mid-stroke."""
+    described, top = sensor(valve_and_sensors(machine)[1]), degrees(min(end, limits.rail.high))
     lower = check.MIN_NOISE_RATIO * described.noise / described.lsb if limits.angle_frozen.noisy > 0.0 else 0.0
-    noise = _noise_text(described, lower)
-    return SheetRow(f"angle of {name}", "do not touch the joint", f"{-end:.1f} to {end:.1f} deg, as it rests; {noise}")
+    expected = f"-{top:.1f} to {top:.1f} deg, as it rests; {_noise_text(described, lower)}"
+    return SheetRow(f"angle of {name}", "do not touch the joint", expected)
 
 
-def _pressure_row(machine: Machine, name: str) -> SheetRow:
+def _pressure_row(machine: Machine, name: str, limits: DetectorLimits) -> SheetRow:
     """Return the check of the differential pressure of a joint."""
-    limit = min(check.MAX_VENTED_PRESSURE, detector_limits(machine, name).over_pressure) / BAR
+    bar = min(check.MAX_VENTED_PRESSURE, limits.over_pressure) / BAR
     noise = _noise_text(sensor(valve_and_sensors(machine)[2]))
-    return SheetRow(f"pressure of {name}", "hoses empty", f"0 bar +- {limit:g} bar; {noise}")
+    return SheetRow(f"pressure of {name}", "hoses empty", f"0 bar +- {bar:g} bar; {noise}")
 
 
 def _noise_text(described: Sensor, lower: float = 0.0) -> str:
