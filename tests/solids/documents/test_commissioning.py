@@ -122,6 +122,13 @@ def test_the_page_has_a_field_for_every_check(name: str) -> None:
     assert all(row[4] == "" for row in shown)
 
 
+def test_the_commands_of_both_checks_stand_on_the_page() -> None:
+    page = commissioning_sheet(load("paper-arm"))
+    command = "layflat rig check paper-arm --driver serial:///dev/ttyACM0"
+    assert f"<code>{command}</code>" in page
+    assert f"<code>{command} --air</code>" in page
+
+
 def test_a_rig_without_valves_is_refused() -> None:
     with pytest.raises(MachineError, match="has no valve or sensors"):
         commissioning_sheet(load("rig-kevlar"))
