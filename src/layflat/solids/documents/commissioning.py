@@ -4,6 +4,7 @@ The checks have the names, the order and the limits of `rig/check.py` and `rig/o
 """
 
 from math import degrees, floor, radians
+from shlex import quote
 from typing import NamedTuple
 
 from layflat.machine import Machine
@@ -54,7 +55,8 @@ def commissioning_sheet(machine: Machine) -> str:
         SheetSection("B", "Without air", "Air shut off.", rows_without_air(machine), air=False),
         SheetSection("C", "With air", with_air, rows_with_air(machine), air=True),
     ]
-    return render_page("layflat.solids.documents", "commissioning.html.j2", machine=machine, sections=sections)
+    template, name = "commissioning.html.j2", quote(machine.origin)
+    return render_page("layflat.solids.documents", template, machine=machine, name=name, sections=sections)
 
 
 def rows_by_hand(machine: Machine) -> list[SheetRow]:
