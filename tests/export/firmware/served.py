@@ -172,7 +172,9 @@ def board_on_plant(machine: Machine, firmware: Firmware, target: str, folder: Pa
         ]  # fmt: skip
         with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
             assert process.stdout is not None
-            terminal = re.search(r"/dev/pts/\d+", process.stdout.readline())
-            assert terminal is not None
-            yield BoardOnPlant(f"serial://{terminal[0]}", rig)
-            process.kill()
+            try:
+                terminal = re.search(r"/dev/pts/\d+", process.stdout.readline())
+                assert terminal is not None
+                yield BoardOnPlant(f"serial://{terminal[0]}", rig)
+            finally:
+                process.kill()

@@ -65,6 +65,7 @@ static int exchange(void) {
     send_command();
     mps2_sample(&clock);
     for (const uint32_t asked = clock.time; clock.time - asked < PATIENCE; mps2_sample(&clock)) {
+        WATCHDOG_LOAD = WATCHDOG_TICKS;
         if ((PLANT_STATE & 2u) != 0u && frame_decode(&decoder, (uint8_t)PLANT_DATA, &taken) &&
             taken.kind == FRAME_READING && taken.sequence == number) {
             read_reading(&taken);
