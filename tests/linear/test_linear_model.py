@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import layflat as lf
+from layflat.description.change import changed_all
 from layflat.linear import linearize, measure_response
 
 control = pytest.importorskip("control")
@@ -37,10 +38,49 @@ def test_a_linear_model_has_the_response_of_the_plant(joints: str, outputs: list
     assert phase < PHASE_TOLERANCE
 
 
-def test_one_hose_lifts_a_load_against_gravity() -> None:
-    gain, phase = errors(linearize("single-joint-lift"), ["velocity"])
+SMALL_LOSSES, PRESSURES = "joint.small.losses", {"reference_pressure_gauge": "3 bar", "pressure_free": 0.25}
+CREEP = {"kind": "creep", "deflection": "2 deg", "per_decade": 0.1, "first": "10 ms", "last": "10 s"}
+MAXWELL = {"kind": "maxwell", "deflection": "2 deg", "times": ["20 ms", "1 s"], "weights": [0.5, 0.2]}
+STRIBECK = {"kind": "stribeck", "static_ratio": 1.05, "velocity": "0.5 deg/s", "load_ratio": 0.01}
+
+
+@pytest.mark.parametrize(
+    ("machine", "changes", "options"),
+    [
+        ("single-joint-lift", {}, {}),  # one hose lifts a load against gravity
+        ("earlier-actuator", {}, {}),  # webbing straps on a round roller
+        ("paper-small-joint-fast", {SMALL_LOSSES: CREEP | PRESSURES}, {}),
+        ("paper-small-joint-fast", {SMALL_LOSSES: MAXWELL | PRESSURES}, {"configuration": "30 deg"}),
+        ("paper-small-joint", {}, {"speed": "-20 deg/s"}),
+        ("paper-small-joint", {"joint.small.friction": STRIBECK}, {"speed": "2 deg/s"}),
+    ],
+)
+def test_other_machines_respond_as_their_plants(machine: str, changes: dict[str, Any], options: dict[str, Any]) -> None:
+    gain, phase = errors(linearize(changed_all(lf.load(machine), changes), **options), ["velocity"])
     assert gain < GAIN_TOLERANCE
     assert phase < PHASE_TOLERANCE
+
+
+def test_joints_that_move_each_other_respond_as_their_plant() -> None:
+    """Elbow and wrist move in opposition at 7.5 Hz, where slow damping by the ripple acts as a spring."""
+    model = linearize("picking-arm", joints={"elbow": "sliding", "wrist": "sliding"})
+    measured = measure_response(model, (0.75, 2.0, 4.0, 7.0, 7.5, 8.0, 10.0, 15.0), inputs=["elbow_voltage"])
+    for joint in ("elbow", "wrist"):
+        s, velocity = 1j * measured.omega, f"{joint}_velocity"
+        ratio = model[velocity, "elbow_voltage"](s) / measured[velocity, "elbow_voltage"](s)
+        assert np.abs(np.abs(ratio) - 1.0).max() < GAIN_TOLERANCE
+        assert np.degrees(np.abs(np.angle(ratio))).max() < PHASE_TOLERANCE
+
+
+def test_joints_that_stick_and_slip_have_no_response_to_measure() -> None:
+    falling = changed_all(lf.load("paper-small-joint"), {"joint.small.friction": STRIBECK | {"static_ratio": 1.4}})
+    with pytest.raises(lf.InputError, match=r"speed: joints do not slide steadily: .* give a higher one"):
+        measure_response(linearize(falling))
+
+
+def test_a_configuration_that_no_opening_holds_is_named() -> None:
+    with pytest.raises(lf.InputError, match=r"no opening of the valves .* a lower speed"):
+        linearize(lf.changed(lf.load("paper-small-joint"), "valve.conductance", 8e-11), speed="50 deg/s")
 
 
 def test_a_load_moves_a_joint_as_in_the_plant() -> None:
@@ -64,7 +104,7 @@ def test_the_plant_stays_at_the_operating_point() -> None:
     from layflat.linear.response import simulate
 
     point = linearize("paper-arm").operating_point
-    motion = simulate(point, np.zeros((400, 2)), np.zeros((2, 400, 2)))
+    motion = simulate(point, np.zeros((2, 400, 2)))
     assert motion[-100:, 1].mean(axis=0) == pytest.approx([state.velocity for state in point.states], rel=0.1)
     assert motion[-100:, 2].mean(axis=0) == pytest.approx([state.air_a.pressure for state in point.states], rel=2e-3)
 

@@ -22,12 +22,19 @@ def draw_bode(
     joints: Annotated[
         str,
         typer.Option(
-            metavar="sliding|held", help="state of all joints", autocompletion=complete_choice("sliding", "held")
+            help='"sliding" or "held", or those of some joints, such as "elbow=sliding"; others are held then',
+            autocompletion=complete_choice("sliding", "held"),
         ),
     ] = "sliding",
     configuration: Annotated[str, typer.Option(help='angles of the joints, such as "20 deg, 0 deg"')] = "0 deg",
     speed: Annotated[
         str | None, typer.Option(help="of joints that slide  [default: 0.3 deg/s, or above the dither's ripple]")
+    ] = None,
+    pressures: Annotated[
+        str | None,
+        typer.Option(
+            help='absolute, of hoses A and B: "3.5 bar:3 bar" or "elbow=4 bar:3 bar"  [default: that carry the load]'
+        ),
     ] = None,
     out: Out = Path("build/bode"),
 ) -> None:
@@ -49,15 +56,32 @@ def draw_bode(
     picture, table = f"{described.name}-bode.png", f"{described.name}-bode.csv"
     check_folder(out, picture, table)
     names = list(described.joints)
-    with naming_options({name: f"--{name}" for name in ("joints", "configuration", "speed")}):
-        angles = parse_row(configuration, names, "--configuration")
-        model = linearize(described, joints=joints, configuration=angles, speed=speed)
+    with naming_options({name: f"--{name}" for name in ("joints", "configuration", "speed", "pressures")}):
+        model = linearize(
+            described, joints={name: str(state) for name, state in parse_row(joints, names, "--joints").items()},
+            configuration=parse_row(configuration, names, "--configuration"),
+            pressures=None if pressures is None else _parse_pairs(pressures, names), speed=speed,
+        )  # fmt: skip
         comparison = BodeComparison(model)
         in_background(lambda: comparison.margins, "closing the loops")
         errors = in_background(comparison.errors, "measuring the plant")
     _print_comparison(comparison, errors, f"{described.name}, {joints}")
     typer.echo(f"wrote {save_figure(comparison.plot(), out / picture)}")
     typer.echo(f"wrote {comparison.save_table(out / table)}")
+
+
+def _parse_pairs(text: str, names: list[str]) -> dict[str, tuple[str, str]]:
+    """Return pressures of hoses A and B by joint, of the option --pressures; raise InputError if they are no pairs."""
+    from layflat.errors import InputError  # noqa: PLC0415
+
+    pairs = {}
+    for name, pair in parse_row(text, names, "--pressures").items():
+        a, colon, b = str(pair).partition(":")
+        if not colon:
+            right = 'give those of hoses A and B, such as "3.5 bar:3 bar"'
+            raise InputError(f"{pair!r} is no pair", where="--pressures", right=right)
+        pairs[name] = a.strip(), b.strip()
+    return pairs
 
 
 def _print_comparison(comparison: "BodeComparison", errors: "dict[str, tuple[float, float]]", title: str) -> None:
@@ -73,8 +97,10 @@ def _print_comparison(comparison: "BodeComparison", errors: "dict[str, tuple[flo
             margins = comparison.margins[joint]
             numbers = () if margins is None else (margins.gain, margins.phase, margins.crossover)
             texts = [f"{number:.3g}" if isfinite(number) else "-" for number in numbers]
-            row += texts or ["does not settle", "", ""]
+            closed = comparison.closes_loop(joint)
+            row += (texts or ["does not settle", "", ""]) if closed else ["no loop: the valve is centred", "", ""]
         rows.append(row)
     print_table(columns, rows, title)
-    if not errors:
-        typer.echo("the plant is not measured: its joints slide too far at this speed")
+    if comparison.growth:
+        grown = f"deviations grow by e in {1.0 / comparison.growth:.2g} s"
+        typer.echo(f"the plant is not measured: joints stick and slip, or fall, at this speed: {grown}")

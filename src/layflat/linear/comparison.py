@@ -8,10 +8,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from layflat.arrays import Array
-from layflat.errors import InputError
 from layflat.files import write_text
 from layflat.linear.loop import LoopMargins, loop_margins, measure_loops
-from layflat.linear.response import DEFAULT_FREQUENCIES, check_travel, measure_response
+from layflat.linear.response import DEFAULT_FREQUENCIES, deviations_growth, measure_response
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -31,13 +30,14 @@ class BodeComparison:
     model: Any
 
     @cached_property
+    def growth(self) -> float:
+        """Rate at which deviations grow, 1/s: joints do not slide steadily, and have no response to measure; else 0."""
+        return deviations_growth(self.model)
+
+    @cached_property
     def plant(self) -> Any:
-        """Response of the simulated plant to the valves' voltages; None where joints slide too fast to measure it."""
-        try:
-            check_travel(self.model.operating_point)
-        except InputError:
-            return None
-        return measure_response(self.model)
+        """Response of the simulated plant to the valves' voltages; None where joints do not slide steadily."""
+        return None if self.growth else measure_response(self.model)
 
     @cached_property
     def loops(self) -> Any:
@@ -48,6 +48,11 @@ class BodeComparison:
     def margins(self) -> dict[str, LoopMargins | None]:
         """Margins of the loops by joint, None of one that does not settle; empty without a control law."""
         return {} if self.loops is None else loop_margins(self.loops)
+
+    def closes_loop(self, joint: str) -> bool:
+        """Return whether the control law regulates a joint there, which it may leave to friction."""
+        j = self.joints.index(joint)
+        return bool(self.loops.frdata[j, j].any())
 
     @property
     def joints(self) -> list[str]:
@@ -90,7 +95,7 @@ class BodeComparison:
         if self.loops is not None:
             f = self.loops.omega / (2.0 * np.pi)
             drawn = {joint: self.loops.frdata[j, j] for j, joint in enumerate(self.joints) if self.margins[joint]}
-            loops = {joint: Responses((f, loop)) for joint, loop in drawn.items() if loop.any()}
+            loops = {joint: Responses((f, loop)) for joint, loop in drawn.items() if self.closes_loop(joint)}
             columns |= {"Loop with the control law (1)": loops} if loops else {}
         return bode_figure(columns)
 

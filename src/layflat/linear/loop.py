@@ -6,6 +6,8 @@ the law returns for a valve. Then L = -U / (U + D) is the loop, opened at that v
 Two runs with opposite sines are compared, as in response.py; the sines have whole periods in the time of evaluation.
 
 A loop that does not settle, as one that is not stable, has no margins. Dry friction may still bring the joint to rest.
+A law that leaves joints at rest to friction, and centres their valves, closes no loop then: it is 0, even if the law
+corrects their pressures now and then.
 """
 
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -26,6 +28,7 @@ SETTLING_TIME, WINDOW_TIME = 6.0, 10.0  # before a loop is evaluated, and in whi
 MIN_FREQUENCY, MAX_CYCLE_FRACTION = 0.2, 0.4  # lowest frequency, Hz, and highest one as a fraction of the cycles' rate
 FREQUENCY_COUNT = 60  # of frequencies, evenly spaced on a logarithmic axis
 SINES_SIZE = 0.005  # rms of the sum of sines, V
+IDLE_FRACTION = 0.5  # of the cycles in which a valve is centred by a law that closes no loop
 MAX_UNEXPLAINED = 0.2  # rms of what is no sine at these frequencies, fraction of all, in a loop that settles
 
 
@@ -46,7 +49,7 @@ def measure_loops(model: "StateSpace") -> "FrequencyResponseData":
 
     Returns:
         The response of each loop by python-control, on the diagonal: from a valve's voltage to the one that the law
-        returns, with its sign reversed. It is NaN where the loop does not settle.
+        returns, with its sign reversed. It is NaN where the loop does not settle, and 0 where the law closes none.
 
     Raises:
         MachineError: the machine has no controller.
@@ -75,7 +78,8 @@ def measure_loops(model: "StateSpace") -> "FrequencyResponseData":
             added = np.tile(-point.voltages, (len(t), 1))
             added[:, j] += sign * sines
             run(settings, first, demand, demands, steady, plant, added, cycle, voltages)
-        loops[j, j] = _opened(w, t, sines, 0.5 * (results[0] - results[1])[:, j])
+        if (results[:, t >= 0.0, j] == point.plant.joints[j].valve.centre_voltage).mean() < IDLE_FRACTION:
+            loops[j, j] = _opened(w, t, sines, 0.5 * (results[0] - results[1])[:, j])
     names = {"inputs": [f"{joint}_voltage" for joint in joints], "outputs": [f"{joint}_returned" for joint in joints]}
     return control.frd(loops, w, name="loop", **names)
 

@@ -104,7 +104,7 @@ def find_operating_point(
     pairs = _pressures_in_range(pressures, machine, around)
     search = _PointSearch(machine, plant, angles, pairs, read_speed(MIN_SLIDING_SPEED if speed is None else speed))
     check_strength(names, plant, angles, search.velocities)
-    x = search.solve(search.guess())
+    x = search.solve(*search.guesses())
     if not all(held):
         # The waves' ripple depends on the point, and the losses on the ripple, little as both are.
         peaks = search.follow_ripples(x)
@@ -204,22 +204,30 @@ class _PointSearch:
     def _loss_torque(self, j: int, p_a: float, p_b: float) -> float:
         return sum(steady_losses(*hose)[1] for hose in self.sliding_hoses(j, p_a, p_b))
 
-    def solve(self, guess: Array) -> Array:
-        """Return the unknowns at the operating point; raise InputError if there is none."""
-        scales = self._scales(guess)
+    def solve(self, *guesses: Array) -> Array:
+        """Return the unknowns at the operating point, from the first guess that leads there.
 
-        def residuals(x: Array) -> Array:
-            return self._residuals(x * scales)
+        Raises:
+            InputError: none does.
+        """
+        for guess in guesses:
+            scales = self._scales(guess)
 
-        x = np.asarray(root(residuals, guess / scales, tol=1e-10).x) * scales
-        opening = max(abs(float(numbers[0])) for numbers in self.apart(x))
-        if not (np.abs(self._residuals(x)) < RATE_TOLERANCE).all() or opening > 1.0:
-            raise InputError(
-                "no opening of the valves holds the joints there",
-                where="configuration",
-                right="choose another, a smaller payload, or pressures to linearize at",
-            )
-        return x
+            def residuals(x: Array, scales: Array = scales) -> Array:
+                return self._residuals(x * scales)
+
+            try:
+                x = np.asarray(root(residuals, guess / scales, tol=1e-10).x) * scales
+                opening = max(abs(float(numbers[0])) for numbers in self.apart(x))
+                if (np.abs(self._residuals(x)) < RATE_TOLERANCE).all() and opening <= 1.0:
+                    return x
+            except (ValueError, ArithmeticError):  # the search has left the states that exist
+                continue
+        raise InputError(
+            "no opening of the valves holds the joints there, or lets them slide at that speed",
+            where="configuration",
+            right="choose another, a smaller payload, a lower speed, or pressures to linearize at",
+        )
 
     def point(self, x: Array) -> OperatingPoint:
         """Return the operating point of the unknowns."""
@@ -241,10 +249,15 @@ class _PointSearch:
         )
         return OperatingPoint(self.machine, self.plant, states, inputs, valves, losses, steady)
 
-    def guess(self) -> Array:
-        """Return unknowns to begin with: pressures that are given or carry the load, ambient temperature."""
+    def guesses(self) -> list[Array]:
+        """Return unknowns to begin with, for a slow motion and for faster ones."""
+        first = np.array([self._first_opening(j) for j in range(len(self.hoses))])
+        faster = [np.sign(first) * np.maximum(np.abs(first), u) for u in FIRST_OPENINGS if u > np.abs(first).max()]
+        return [self._guess(openings) for openings in ([first, *faster] if first.any() else [first])]
+
+    def _guess(self, openings: Array) -> Array:
+        """Return unknowns with these openings: pressures that are given or carry the load, ambient temperature."""
         T, parts = self.plant.around.ambient_temperature, []
-        openings = [self._first_opening(j) for j in range(len(self.hoses))]
         rows = zip(self.plant.joints, self.targets, self.pairs, self.hoses, openings, strict=True)
         for joint, target, pair, count, opening in rows:
             p = np.where(np.isnan(pair), target, pair)

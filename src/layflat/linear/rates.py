@@ -114,6 +114,30 @@ def joint_state(joint: JointParameters, moving: MovingJoint, valve: Any, losses:
     return JointState(JointMotion(moving.angle, moving.velocity, 0.0), valve, a, b, AirLedger(0.0))
 
 
+def set_back(joint: JointParameters, state: JointState, rotation: float, p_a: float) -> JointState:
+    """Return the state of a joint at a smaller angle: pressures, temperatures and losses stay, volumes and air do not.
+
+    Args:
+        joint: parameters.
+        state: present state.
+        rotation: by which the angle is smaller, rad.
+        p_a: ambient pressure, Pa.
+    """
+    q = state.motion.angle - rotation
+    a = _refilled(joint.hose_a, state.hose_a, joint.hose_a.neutral + q, p_a)
+    b = _refilled(joint.hose_b, state.hose_b, joint.hose_b.neutral - q, p_a)
+    return state._replace(motion=state.motion._replace(angle=q), hose_a=a, hose_b=b)
+
+
+def _refilled(hose: HoseParameters, state: HoseState, travel: float, p_a: float) -> HoseState:
+    """Return the state of a hose at another travel (rad), its air at the same pressure and temperature."""
+    volume = hose.chamber.dead_volume + swept_volume(hose.stroke, travel)
+    p = pressure(hose.chamber, state.energy, state.volume, p_a)
+    T = temperature(hose.chamber, p, state.mass, state.volume, p_a)
+    contents = {"energy": energy(hose.chamber, p, volume, p_a), "mass": air_mass(hose.chamber, p, T, volume, p_a)}
+    return state._replace(volume=volume, **contents)
+
+
 def rates(plant: PlantLaws, states: tuple[MovingJoint, ...], inputs: Array) -> Array:
     """Return the rates of change of all numbers of the joints' states, (joints, numbers), in SI units per second.
 

@@ -25,8 +25,8 @@ from layflat.physics.valves import at_rest, move, start_wave, turn_wave
 SETTLING_TIME = 0.08  # after which a valve has forgotten its start, s
 MAX_PERIODS = 20  # periods of the wave over which it is averaged: more where they are no whole number of steps
 OPENING_STEP = 1e-3  # change of the opening for derivatives, fraction of full opening
-WIDE_STEP = 2e-2  # change of the opening over which a valve has to respond as to a small one, likewise
-MAX_CURVATURE = 0.05  # difference of its slopes over both, fraction of the greater one
+OTHER_STEPS = (1e-4, 2e-2)  # changes of the opening to which a valve has to respond as to that one, likewise
+MAX_CURVATURE = 0.05  # difference of its slopes over them, fraction of the greatest one
 LAG_FREQUENCY = 20.0  # at which the lag is fitted, Hz: the upper end of the band of interest
 LAG_PERIODS = 2  # of that frequency
 
@@ -45,7 +45,7 @@ class LinearValve(NamedTuple):
     state: Any  # of the valve's law, when the wave begins anew
     wave: Array  # conductances over whole periods, (steps, 2)
     slopes: PathConductances  # dC/du
-    wide_slopes: PathConductances  # the same over `WIDE_STEP`
+    other_slopes: Array  # the same over `OTHER_STEPS`, (2, 2)
     lag: tuple[float, float]  # a_1, a_2
 
     @property
@@ -90,12 +90,13 @@ def linearize_valve(valve: Any, opening: float, h: float) -> LinearValve:
         opening: demanded of the driver, -1 to 1.
         h: step, s.
     """
-    slopes, wide = (_mean_slopes(valve, opening, size, h) for size in (OPENING_STEP, WIDE_STEP))
+    slopes, *others = (_mean_slopes(valve, opening, size, h) for size in (OPENING_STEP, *OTHER_STEPS))
     lag = (0.0, 0.0)
     if slopes.any():
         lag = _fit_lag(valve, opening, slopes, h)
-    small, large = (PathConductances(*each.tolist()) for each in (slopes, wide))
-    return LinearValve(opening, *settle_valve(valve, opening, h), small, large, lag)
+    return LinearValve(
+        opening, *settle_valve(valve, opening, h), PathConductances(*slopes.tolist()), np.array(others), lag
+    )
 
 
 def check_response(name: str, valve: LinearValve) -> None:
@@ -108,12 +109,12 @@ def check_response(name: str, valve: LinearValve) -> None:
     Raises:
         InputError: it does not, as pulses too short for a coil, or a spool that sticks.
     """
-    slopes, wide = np.array(valve.slopes), np.array(valve.wide_slopes)
+    slopes = np.array(valve.slopes)
     if not slopes.any():
         what = f"the valve of joint {name!r} does not respond at an opening of {valve.opening:.3g}"
         right = "it sticks without dither, or is inside its dead band: slide, or give other pressures"
         raise InputError(what, where="linearize", right=right)
-    if abs(slopes - wide).max() > MAX_CURVATURE * abs(slopes).max():
+    if abs(slopes - valve.other_slopes).max() > MAX_CURVATURE * abs(slopes).max():
         what = f"the valve of joint {name!r} does not respond in proportion at an opening of {valve.opening:.3g}"
         right = "its dead band or its shortest pulse is near: give another speed, other pressures, or another valve"
         raise InputError(what, where="linearize", right=right)

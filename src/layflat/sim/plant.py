@@ -91,17 +91,24 @@ class SteppedPlant(MachinePlant):
     def payload(self, mass: Value) -> None:
         self._around[SURROUNDINGS_COLUMNS.payload] = _payload(self._described, mass)
 
-    def place(self, states: Sequence[JointState], openings: Sequence[float]) -> None:
-        """Set the states of the joints, whose valves' drivers have been at openings for long.
+    @property
+    def states(self) -> tuple[JointState, ...]:
+        """States of the joints."""
+        return tuple(read_numbers(self._like, row.tolist()).state for row in self._state_array)
+
+    def place(self, states: Sequence[JointState], openings: Sequence[float] | None = None) -> None:
+        """Set the states of the joints.
 
         Args:
             states: of the joints.
-            openings: of the drivers, -1 to 1; those of the valves are in their states.
+            openings: at which the valves' drivers have been for long, -1 to 1; those of the valves are in their states;
+                default: drivers stay as they are.
         """
-        for row, state, opening in zip(self._state_array, states, openings, strict=True):
+        for j, (row, state) in enumerate(zip(self._state_array, states, strict=True)):
             carry = read_numbers(self._like, row)
-            kept = state._replace(ledger=carry.state.ledger)
-            write_numbers(row, carry._replace(state=kept, line=CommandDelayLine(*[opening] * 3), opening=opening))
+            if openings is not None:
+                carry = carry._replace(line=CommandDelayLine(*[openings[j]] * 3), opening=openings[j])
+            write_numbers(row, carry._replace(state=state._replace(ledger=carry.state.ledger)))
         self._move_to(self._step_count)
 
     def drive(self, voltages: Array, shares: Sequence[DriveFractions] | Array | None = None) -> None:
