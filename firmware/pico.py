@@ -15,11 +15,12 @@ class PicoIO:
     """Input and output as `station.Station` wants it."""
 
     def __init__(self, settings):
-        if settings.ADC_BITS not in (12, 16):
-            raise ValueError(f"ADC_BITS is {settings.ADC_BITS}; it is 12 (MCP3208) or 16 (ADS8344)")
+        self._adc_bits = getattr(settings, "ADC_BITS", 12)
+        if self._adc_bits not in (12, 16):
+            raise ValueError(f"ADC_BITS is {self._adc_bits}; it is 12 (MCP3208) or 16 (ADS8344)")
         bits = max(settings.ANGLE_BITS, settings.PRESSURE_BITS, settings.SUPPLY_BITS)
-        if bits > settings.ADC_BITS:
-            raise ValueError(f"a sensor of {bits} bits; its converter has {settings.ADC_BITS}")
+        if bits > self._adc_bits:
+            raise ValueError(f"a sensor of {bits} bits; its converter has {self._adc_bits}")
         out, clock, into = settings.ADC_PINS
         self._settings = settings
         self._air = machine.Pin(settings.AIR_PIN, machine.Pin.OUT, value=0)
@@ -81,7 +82,7 @@ class PicoIO:
     def _count(self, channel, bits):
         """Return a channel's count in so many bits; the ADS8344 takes the bits of a channel in the order 0, 2, 1."""
         chosen, channel, told = self._chosen[channel >> 3], channel & 7, self._told
-        wide = self._settings.ADC_BITS == 16
+        wide = self._adc_bits == 16
         if wide:
             self._asked[0], self._asked[1] = 0x87 | (channel & 1) << 6 | (channel >> 1) << 4, 0
         else:
@@ -90,4 +91,4 @@ class PicoIO:
         self._adc.write_readinto(self._asked, told)
         chosen.value(1)
         count = (told[1] << 9 | told[2] << 1 | told[3] >> 7) & 0xFFFF if wide else (told[1] & 15) << 8 | told[2]
-        return count >> self._settings.ADC_BITS - bits
+        return count >> self._adc_bits - bits

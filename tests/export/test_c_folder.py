@@ -8,6 +8,7 @@ import pytest
 
 from layflat.arrays import Array
 from layflat.export import export
+from layflat.export.boards import EXAMPLE_BOARDS
 from layflat.machine import load
 from layflat.sim import Scenario
 from layflat.sim.run import prepare_run
@@ -119,10 +120,14 @@ def test_single_precision_is_the_same_as_on_the_host(tmp_path: Path) -> None:
     assert np.array_equal(voltages.astype(np.float32), jit_voltages(load("paper-arm")))
 
 
-@pytest.mark.parametrize(("target", "precision"), [("cortex-m7", "double"), ("cortex-m4f", "single")])
+@pytest.mark.parametrize(
+    ("target", "precision"),
+    [("cortex-m7", "double"), ("cortex-m4f", "single"), ("cortex-m33", "single"), ("riscv32", "double")],
+)
 def test_a_microcontroller_computes_the_same(target: str, precision: str, tmp_path: Path) -> None:
-    needing("arm-none-eabi-gcc")
+    compiler, emulator = EXAMPLE_BOARDS[target].tools
+    needing(compiler)
     export("paper-arm", target, tmp_path / target, precision=precision)
-    last = run_board(tmp_path / target, "arm-none-eabi-gcc", "qemu-system-arm")
+    last = run_board(tmp_path / target, compiler, emulator)
     assert last == "0 of 400 cycles differ from the recording"
     check_firmware(tmp_path / target / "firmware", patient(load("paper-arm")))

@@ -7,12 +7,12 @@ import ctypes
 from typing import NamedTuple
 
 import numpy as np
-from numba import types
+from numba import carray, types  # type: ignore[attr-defined]
 
 from layflat.jit import composition, law
 from layflat.jit.objects import code_size, host, load, machine_code
 from layflat.jit.portable import c_function
-from layflat.lanes import each, select
+from layflat.lanes import Like, each, read_numbers, select
 
 CALLS = 6
 
@@ -110,3 +110,67 @@ def test_items_in_lanes_have_the_same_bits_in_less_space() -> None:
     alone = np.array([0.3, 0.8, 0.45, *[0.0] * 10])
     entry_of_items(alone)
     assert np.array_equal(alone, results[0])
+
+
+class Model(NamedTuple):
+    """Numbers that a law gets by their address in small code."""
+
+    shares: tuple[Share, Share]
+    numbers: tuple[float, ...]
+
+
+@law
+def modelled(model, x):  # type: ignore[no-untyped-def]
+    """Return a number that depends on all numbers of a model."""
+    y = four_times(four_times(x)) * model.shares[0].of - model.shares[1].rest
+    for number in model.numbers:
+        y = four_times(y * number)
+    return four_times(y + model.shares[0].rest * model.shares[1].of)
+
+
+@law
+def modelled_twice(model, x):  # type: ignore[no-untyped-def]
+    """Return a number by two calls: the second is with another model, whose numbers are computed."""
+    y = modelled(model, x)
+    return y + modelled(Model((model.shares[0], Share(y, x)), model.numbers), x - 0.5 * y)
+
+
+MODEL_NUMBERS = 24
+MODEL = Model((Share(0.0, 0.0),) * 2, (0.0,) * (MODEL_NUMBERS - 4))
+
+
+def entry_of_models(constants, numbers):  # type: ignore[no-untyped-def]
+    model = read_numbers(MODEL_LIKE, carray(constants, (MODEL_NUMBERS,)))
+    numbers[0] = modelled_twice(model, 0.3)
+    numbers[1] = modelled_twice(model, numbers[0])
+
+
+MODEL_LIKE = Like.from_tuple(MODEL)
+
+
+def test_laws_get_the_address_of_constants() -> None:
+    sizes, results = [], []
+    for small, constant in ((False, ""), (True, ""), (True, "noalias readonly ")):
+        pointers = (types.CPointer(types.float64),) * 2
+        taken = f"ptr {constant}%a, ptr %b"
+        text = c_function("f", entry_of_models, pointers, taken, "ptr %a, ptr %b", small=small)
+        code = machine_code(text, ("f",), host(), ordered=False)
+        constants, numbers = np.linspace(0.1, 0.9, MODEL_NUMBERS), np.zeros(2)
+        load(code, "f", (ctypes.c_void_p,) * 2)(constants.ctypes.data, numbers.ctypes.data)
+        sizes.append(code_size(code))
+        results.append(numbers.tolist())
+    assert results[1] == results[2] == results[0]
+    assert sizes[2] < sizes[1] < sizes[0]
+
+
+def test_numbers_that_may_change_are_copied() -> None:
+    """A model that lies where the results go is read before they are written."""
+    results = []
+    for small in (False, True):
+        pointers = (types.CPointer(types.float64),) * 2
+        text = c_function("f", entry_of_models, pointers, "ptr %a, ptr %b", "ptr %a, ptr %b", small=small)
+        code = machine_code(text, ("f",), host(), ordered=False)
+        numbers = np.linspace(0.1, 0.9, MODEL_NUMBERS)
+        load(code, "f", (ctypes.c_void_p,) * 2)(numbers.ctypes.data, numbers.ctypes.data)
+        results.append(numbers.tolist())
+    assert results[1] == results[0]

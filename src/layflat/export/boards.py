@@ -24,6 +24,8 @@ class ExampleBoard(NamedTuple):
     ram: Memory
     emulator: str  # command that runs the example
     emulated: bool = False  # whether double precision is emulated, by libgcc
+    device: str = "board_mps2.c"  # the four functions of its firmware
+    uart_interrupt: int = 0  # number of the first UART's first interrupt
 
     @property
     def tools(self) -> tuple[str, str]:
@@ -70,10 +72,12 @@ COMPILER_PACKAGES = {
 """Debian's packages with the compilers of boards, and their libraries."""
 
 
-def _cortex(name: str, options: str, flash: int = 0, ram: int = 0x20000000) -> ExampleBoard:
+def _cortex(
+    name: str, options: str, flash: int = 0, ram: int = 0x20000000, uart_interrupt: int = 0
+) -> ExampleBoard:  # fmt: skip
     return ExampleBoard(
         name, "cortex", ARM_COMPILER, f"-mthumb {options}", Memory(flash, MEMORY_SIZE), Memory(ram, MEMORY_SIZE),
-        ARM_QEMU.format(name), emulated="fpv5-d16" not in options,
+        ARM_QEMU.format(name), emulated="fpv5-d16" not in options, uart_interrupt=uart_interrupt,
     )  # fmt: skip
 
 
@@ -81,7 +85,9 @@ EXAMPLE_BOARDS: dict[str, ExampleBoard] = {
     "cortex-m7": _cortex("mps2-an500", "-mcpu=cortex-m7 -mfloat-abi=hard -mfpu=fpv5-d16"),
     "cortex-m4f": _cortex("mps2-an386", "-mcpu=cortex-m4 -mfloat-abi=hard -mfpu=fpv4-sp-d16"),
     "cortex-m4": _cortex("mps2-an386", "-mcpu=cortex-m4 -mfloat-abi=soft"),
-    "cortex-m33": _cortex("mps2-an505", "-mcpu=cortex-m33 -mfloat-abi=hard -mfpu=fpv5-sp-d16", 0x10000000, 0x38000000),
+    "cortex-m33": _cortex(
+        "mps2-an505", "-mcpu=cortex-m33 -mfloat-abi=hard -mfpu=fpv5-sp-d16", 0x10000000, 0x38000000, uart_interrupt=32
+    ),
     "riscv32": ExampleBoard(
         "virt",
         "riscv",
@@ -91,6 +97,7 @@ EXAMPLE_BOARDS: dict[str, ExampleBoard] = {
         Memory(0x80400000, MEMORY_SIZE),
         "qemu-system-riscv32 -M virt -bios none -display none -serial none -monitor none "
         "-chardev stdio,id=output -semihosting-config enable=on,chardev=output -kernel",
+        device="board_virt.c",
     ),
 }
 """Board of the example, by target."""

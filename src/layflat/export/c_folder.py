@@ -9,7 +9,7 @@ from layflat.errors import InputError
 from layflat.export.boards import EXAMPLE_BOARDS
 from layflat.export.c_interface import CInterface
 from layflat.export.compiled import CompiledEntry, compiled_entry, portable_entry
-from layflat.export.firmware.folder import FIRMWARE_TARGETS, firmware_files
+from layflat.export.firmware.folder import firmware_files
 from layflat.export.host import HostControl
 from layflat.export.numbers import c_number
 from layflat.export.recording import DURATION, MOVE_TIME, cycles_of, move_target, record
@@ -91,7 +91,7 @@ def _write(path: Path, content: str | bytes) -> Path:
 
 def _firmware(machine: Machine, target: str, precision: str) -> tuple[list[tuple[str, str | bytes]], str]:
     """Return name and content of each file of the firmware, and why there are none where the machine can't be a rig."""
-    if target not in FIRMWARE_TARGETS:
+    if target not in EXAMPLE_BOARDS:
         return [], ""
     try:
         return list(firmware_files(machine, target, precision, EXAMPLE_BOARDS[target])), ""

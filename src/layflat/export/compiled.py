@@ -39,6 +39,7 @@ def portable_entry(entry: Entry, prefix: str, precision: str, *, small: bool = F
     number_kinds: dict[str, tuple[Any, str]] = {
         "real": (real, LLVM_NUMBERS[precision]), "int32_t": (types.int32, "i32"), "int64_t": (types.int64, "i64")
     }  # fmt: skip
+    constants = _constants(entry) if small else ()
     kinds, taken, passed, addresses = [], [], [], []
     for argument in entry.arguments:
         if argument.like is None:
@@ -47,7 +48,7 @@ def portable_entry(entry: Entry, prefix: str, precision: str, *, small: bool = F
             taken.append(f"{llvm} %{argument.name}")
             passed.append(taken[-1])
         else:
-            taken.append(f"ptr %{argument.name}")
+            taken.append(f"ptr {'noalias readonly ' if argument.name in constants else ''}%{argument.name}")
             for place in argument.places:
                 part = f"%{argument.name}" if place == 0 else f"%{argument.name}.{place}"
                 if place:
@@ -62,6 +63,13 @@ def portable_entry(entry: Entry, prefix: str, precision: str, *, small: bool = F
     if precision == "single" and not entry.lanes:
         return in_single_precision(in_registers(text, (name,)))
     return text
+
+
+def _constants(entry: Entry) -> set[str]:
+    """Return the names of an entry's structs that nobody writes during a call."""
+    written = {argument.struct_name for argument in entry.arguments if argument.output}
+    structs = [argument for argument in entry.arguments if argument.like is not None]
+    return {argument.name for argument in structs if argument.struct_name not in written}
 
 
 def object_file(entry: Entry, text: str, prefix: str, target: Target) -> bytes:

@@ -147,6 +147,18 @@ def in_registers(text: str, names: tuple[str, ...]) -> str:
     return without_target(str(module))
 
 
+def simplified(text: str, names: tuple[str, ...]) -> str:
+    """Return a module whose functions are inlined where they may be, and simplified for no processor in particular.
+
+    Args:
+        text: LLVM's portable text (see `portable`).
+        names: functions that are seen from outside.
+    """
+    module = _parsed(text, names)
+    _simplify(module)
+    return without_target(str(module))
+
+
 def without_target(text: str) -> str:
     """Return LLVM's text without the lines that name a target."""
     return "\n".join(line for line in text.split("\n") if not line.startswith(("target triple", "target datalayout")))
@@ -193,15 +205,20 @@ def _keep_addresses_in_registers(module: Any) -> None:
     Raises:
         CompilerError: an address stays in memory.
     """
+    _simplify(module)
+    left = ADDRESS_IN_MEMORY.search(str(module))
+    if left:
+        raise CompilerError(f"code for 32 bits would keep an address in memory: {left[0].strip()}")
+
+
+def _simplify(module: Any) -> None:
+    """Optimise a module without loops unrolled or vectorised, for addresses of 64 bits."""
     machine = _target_machine(LAID_OUT_FOR)
     module.triple, module.data_layout = LAID_OUT_FOR.triple, str(machine.target_data)
     options = binding.create_pipeline_tuning_options(speed_level=2)
     options.loop_vectorization, options.slp_vectorization, options.loop_unrolling = False, False, False
     builder = binding.create_pass_builder(machine, options)
     builder.getModulePassManager().run(module, builder)
-    left = ADDRESS_IN_MEMORY.search(str(module))
-    if left:
-        raise CompilerError(f"code for 32 bits would keep an address in memory: {left[0].strip()}")
 
 
 def code_size(code: bytes) -> int:

@@ -19,6 +19,7 @@ from numba import carray, njit, types  # type: ignore[attr-defined]
 from numba.extending import intrinsic
 
 from layflat.jit.compiler import INLINE_OPTIONS
+from layflat.jit.forwarding import forward_constants
 from layflat.jit.inlining import laws_as_functions
 from layflat.jit.internals import Compiler, JITCodeLibrary
 from layflat.jit.libraries import NoEnvironments
@@ -28,9 +29,8 @@ from layflat.lanes import Like
 C_ROOTS = {"sqrt": ("double", "f64"), "sqrtf": ("float", "f32")}
 """Roots that numba calls of the C library; as instructions they are the same bits everywhere, and set no errno."""
 
-MAX_REPEATED_LINES = 100
-"""Lines of LLVM's text of a law that small code still repeats wherever it is called: calls of shorter ones, which copy
-their arguments, gain no size."""
+MAX_REPEATED_LINES = 25
+"""Lines of LLVM's text of a law that small code still repeats wherever it is called."""
 
 COUNTS_OF_REFERENCES = (
     "NRT_incref",
@@ -153,7 +153,7 @@ entry:
   {short if integer else "ret void"}
 }}
 """
-    return _keep_calls(text, name) if small else text
+    return forward_constants(_keep_calls(text, name), name) if small else text
 
 
 def _keep_calls(text: str, name: str) -> str:

@@ -20,7 +20,7 @@ from layflat.parallel import end_process, start_process
 from layflat.physics.sensor import Sensor
 from layflat.rig.abilities import resting_angles
 from layflat.rig.clock import LoopClock, MonotonicClock
-from layflat.rig.driver import Driver
+from layflat.rig.driver import Capabilities, Driver
 from layflat.rig.open_loop import CheckResult, OpenLoopRig, check_signs
 from layflat.rig.system import set_fifo_priority
 
@@ -61,8 +61,7 @@ def check_rig(
     try:
         able = driver.configure()
         able.check(machine)
-        volts = f"{able.voltage_low:g} to {able.voltage_high:g} V, closed at {able.centre_voltage:g} V"
-        findings = [CheckResult("device", f"{able.joints} joints, {volts}, as described")]
+        findings = [CheckResult("device", describe_device(able))]
         bench = OpenLoopRig(machine, driver, clock)
         tell("looking on")
         findings += _check_without_air(bench)
@@ -75,6 +74,12 @@ def check_rig(
         return findings
     finally:
         driver.finalize()
+
+
+def describe_device(able: Capabilities) -> str:
+    """Return the finding of the check of a device that is as described."""
+    volts = f"{able.voltage_low:g} to {able.voltage_high:g} V, closed at {able.centre_voltage:g} V"
+    return f"{able.joints} joints, {volts}, as described"
 
 
 def _check_without_air(bench: OpenLoopRig) -> list[CheckResult]:
@@ -169,6 +174,11 @@ def estimate_noise(samples: Array) -> float:
     return float(np.median([np.std(part) for part in parts])) if len(bends) else 0.0
 
 
+def max_noise(sensor: Sensor) -> float:
+    """Return the greatest standard deviation of the noise with which a sensor passes, in the unit of the sensor."""
+    return MAX_NOISE_RATIO * float((sensor.noise**2 + sensor.lsb**2 / 12.0) ** 0.5) + sensor.lsb
+
+
 def _check_sensor(check_name: str, reading_text: str, sensor: Sensor, samples: Array, problem: str) -> CheckResult:
     """Return the result of a sensor's check: the given problem, or else that it is frozen or noisier than described.
 
@@ -182,7 +192,7 @@ def _check_sensor(check_name: str, reading_text: str, sensor: Sensor, samples: A
     noise = estimate_noise(samples)
     if not problem and sensor.noise > MIN_CHANGING_NOISE * sensor.lsb and np.ptp(samples) == 0.0:
         problem = "it repeats itself: its converter is frozen, or the wire is off"
-    elif not problem and noise > MAX_NOISE_RATIO * (sensor.noise**2 + sensor.lsb**2 / 12.0) ** 0.5 + sensor.lsb:
+    elif not problem and noise > max_noise(sensor):
         problem = "much noise: look at its screen and ground"
     return CheckResult(check_name, f"{reading_text}, noise {noise / sensor.lsb:.1f} counts", problem)
 

@@ -50,7 +50,9 @@ class FakeBoard:
     def answer(self, asked: bytes, into: bytearray) -> None:
         """Exchange bytes with the one converter that is selected."""
         (chosen,) = [i for i, pin in enumerate(self.settings.ADC_SELECTS) if not self.pins[pin]]
-        into[:] = converted(bytes(asked), self.counts[8 * chosen : 8 * chosen + 8], self.settings.ADC_BITS)
+        into[:] = converted(
+            bytes(asked), self.counts[8 * chosen : 8 * chosen + 8], getattr(self.settings, "ADC_BITS", 12)
+        )
 
     def modules(self) -> dict[str, types.ModuleType]:
         """Return MicroPython's modules of the board."""

@@ -119,6 +119,15 @@ def test_a_machine_that_the_firmware_cannot_serve_is_refused_with_the_limit(mach
     assert "\n" not in str(error.value)
 
 
+def test_settings_without_converters_bits_are_those_of_a_converter_of_12() -> None:
+    settings = settings_module(firmware_settings(load("paper-arm")))
+    with running(settings, list(range(100, 108))) as (_, station):
+        described = station.io.angle(1), station.io.supply()
+    del settings.ADC_BITS
+    with running(settings, list(range(100, 108))) as (_, station):
+        assert (station.io.angle(1), station.io.supply()) == described == (101, 104)
+
+
 def test_more_joints_than_pins_are_refused_with_their_number(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(board_pins, "VALVE_GPIOS", (2, 4, 10))  # arms have up to seven joints, as the firmware has pins
     with pytest.raises(

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from typing import Any
 
-from layflat.export.boards import ExampleBoard
+from layflat.export.boards import EXAMPLE_BOARDS, ExampleBoard
 from layflat.export.compiled import CompiledEntry, compiled_entry, portable_entry
 from layflat.export.firmware.controller import controller_sources
 from layflat.export.firmware.station import DEVICE_FOLDER
@@ -16,7 +16,7 @@ from layflat.jit.objects import code_size
 from layflat.machine import Machine
 
 C_PREFIX = "rig"  # of the supervisor's names in C
-FIRMWARE_TARGETS = ("cortex-m7", "cortex-m4f", "cortex-m4")  # whose boards have the UARTs of `board_mps2.c`
+STACK_SIZE = 1 << 16  # that a board's memory holds at least, bytes
 
 
 def firmware_files(
@@ -26,7 +26,7 @@ def firmware_files(
 
     Args:
         machine: the machine.
-        target: one of `FIRMWARE_TARGETS`.
+        target: a key of `boards.EXAMPLE_BOARDS`.
         precision: "double" or "single".
         board: board of the example.
 
@@ -51,7 +51,8 @@ def firmware_files(
     )
     yield f"{C_PREFIX}.c", api.source(f"{C_PREFIX}.h", entries.tables())
     yield from controller_sources(machine, precision)
-    for path in sorted(DEVICE_FOLDER.iterdir()):
+    boards = {one.device for one in EXAMPLE_BOARDS.values()} - {board.device}
+    for path in sorted(path for path in DEVICE_FOLDER.iterdir() if path.name not in boards):
         yield path.name, path.read_text(encoding="utf-8")
     yield from _board_files(machine, board, precision, compiled)
 
@@ -62,11 +63,13 @@ def _board_files(
     """Yield the files that build the programs, start the processor, and tell about them."""
     values: dict[str, Any] = {
         **board.values(precision), "title": machine.name, "firmware": True, "baud": machine.interface.serial.baud,
-        "cycle_ms": f"{1e3 * machine.cycle:g}", "stack": max(entry.stack for entry in compiled.values()),
+        "stack_size": STACK_SIZE, "cycle_ms": f"{1e3 * machine.cycle:g}",
+        "stack": max(entry.stack for entry in compiled.values()),
         "sizes": {name: code_size(entry.code) for name, entry in compiled.items()},
         "joints": list(machine.joints), "outputs": machine.interface.outputs,
     }  # fmt: skip
-    for name in ("startup.c", "board.ld", *(("sums.c",) if values["sums"] else ())):
+    started = ("startup.c", "board.ld") if board.template == "cortex" else ()
+    for name in (*started, *(("sums.c",) if values["sums"] else ())):
         yield name, fill_template(name, **values)
     for name in ("Makefile", "README.md"):
         yield name, fill_template(f"{name}.firmware", **values)

@@ -1,21 +1,30 @@
 /* The four functions for QEMU's MPS2 boards: the host is at the first UART; no machine is there. */
 #include "station.h"
 
-#define UART_DATA (*(volatile uint32_t *)0x40004000u)
-#define UART_STATE (*(volatile uint32_t *)0x40004004u)
-#define UART_CONTROL (*(volatile uint32_t *)0x40004008u)
-#define UART_INTERRUPT (*(volatile uint32_t *)0x4000400Cu)
-#define UART_DIVIDER (*(volatile uint32_t *)0x40004010u)
-#define WATCHDOG_LOAD (*(volatile uint32_t *)0x40008000u)
-#define WATCHDOG_CONTROL (*(volatile uint32_t *)0x40008008u)
-#define WATCHDOG_LOCK (*(volatile uint32_t *)0x40008C00u)
+#if defined(__ARM_ARCH_8M_MAIN__) /* AN505, in the secure state */
+#define UART 0x50200000u
+#define WATCHDOG 0x50081000u
+#define INTERRUPTS_ON (*(volatile uint32_t *)0xE000E104u) /* those from 32 on */
+#define TICKS_PER_US 20u
+#else
+#define UART 0x40004000u
+#define WATCHDOG 0x40008000u
+#define INTERRUPTS_ON (*(volatile uint32_t *)0xE000E100u)
+#define TICKS_PER_US 25u
+#endif
+#define UART_DATA (*(volatile uint32_t *)UART)
+#define UART_STATE (*(volatile uint32_t *)(UART + 0x4u))
+#define UART_CONTROL (*(volatile uint32_t *)(UART + 0x8u))
+#define UART_INTERRUPT (*(volatile uint32_t *)(UART + 0xCu))
+#define UART_DIVIDER (*(volatile uint32_t *)(UART + 0x10u))
+#define WATCHDOG_LOAD (*(volatile uint32_t *)WATCHDOG)
+#define WATCHDOG_CONTROL (*(volatile uint32_t *)(WATCHDOG + 0x8u))
+#define WATCHDOG_LOCK (*(volatile uint32_t *)(WATCHDOG + 0xC00u))
 #define SYSTICK_CONTROL (*(volatile uint32_t *)0xE000E010u)
 #define SYSTICK_RELOAD (*(volatile uint32_t *)0xE000E014u)
 #define SYSTICK_VALUE (*(volatile uint32_t *)0xE000E018u)
-#define INTERRUPTS_ON (*(volatile uint32_t *)0xE000E100u)
-#define TICKS_PER_US 25u
-#define WATCHDOG_TICKS 12500000u /* half a second; the second time it runs out, the processor starts anew */
-#define QUEUE 1024u              /* bytes, a power of two */
+#define WATCHDOG_TICKS (TICKS_PER_US * 500000u) /* half a second; the second time it runs out, the processor starts anew */
+#define QUEUE 1024u /* bytes, a power of two */
 #ifndef BAUD
 #define BAUD 921600u
 #endif
