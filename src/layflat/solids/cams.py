@@ -1,0 +1,148 @@
+"""The output's cams, or rollers, as parts: outlines with lugs for the rods that hold them together."""
+
+from __future__ import annotations
+
+from math import cos, pi, radians, sin
+from typing import TYPE_CHECKING
+
+from layflat.design.cam import Outline
+from layflat.design.straplines import direction_vector, rotate_quarter
+from layflat.errors import DesignError
+from layflat.lazy import numpy as np
+from layflat.solids.loops import Curve, Line, Loop, circle
+from layflat.solids.shapes import Hole, Prism
+from layflat.solids.sizes import MM
+
+if TYPE_CHECKING:
+    from layflat.arrays import Array
+    from layflat.solids.sizes import JointSizes
+    from layflat.solids.standard.threads import Thread
+
+PROFILE_STEP = 0.5  # least distance between points of a profile that is drawn as a curve, mm
+LUG_POINTS = 48
+FLAT_SHARE = 0.5  # length of the strap's clamp over the smallest lever arm, as `Outline` has it
+
+
+def rod_places(sizes: JointSizes, size: Thread) -> Array:
+    """Return the places of the two rods of a size in a cam's own frame, mm, (2, 2): on the arm's line at mid-stroke."""
+    r, angle = sizes.rod_distance(size), -sizes.stroke / 2
+    turn = np.array([[cos(angle), -sin(angle)], [sin(angle), cos(angle)]])
+    places: Array = np.array([[0.0, r], [0.0, -r]]) @ turn.T
+    return places
+
+
+def lug_room(sizes: JointSizes, size: Thread) -> float:
+    """Return the least distance (mm) from lugs around rods of a size to the lines of the strap; below 0 one crosses."""
+    lug = sizes.lug_radius(size)
+    if sizes.design.cam is None:
+        return sizes.joint.output.radius * MM - sizes.rod_distance(size) - lug
+    cam = sizes.design.cam
+    normals = direction_vector(cam.normal)
+    return float((cam.lever * MM - rod_places(sizes, size) @ normals.T).min()) - lug
+
+
+def winding(sizes: JointSizes) -> Array:
+    """Return the line along which the strap winds up in a cam's own frame, mm, (n, 2), from its first point on.
+
+    The last two points are the ends of the flat on which it is clamped.
+    """
+    cam = sizes.design.cam
+    if cam is None:
+        r = sizes.joint.output.radius * MM
+        first = float(_roller_normal(sizes, 0.0))
+        angles = np.linspace(first, first - sizes.stroke, 1 + int(np.degrees(sizes.stroke)))
+        profile, end, length = r * direction_vector(angles), angles[-1], FLAT_SHARE * r
+    else:
+        profile, end, length = cam.profile * MM, float(cam.normal[-1]), FLAT_SHARE * float(cam.lever.min()) * MM
+    tangent = rotate_quarter(direction_vector(end))
+    line: Array = np.vstack((profile, profile[-1] - length * tangent))
+    return line
+
+
+def _roller_normal(sizes: JointSizes, turn: float) -> float:
+    """Return the angle of the normal of the strap's line on a roller that has turned by an angle, rad."""
+    point = np.array(strap_point(sizes, turn)) - np.array([0.0, sizes.axis])
+    distance = float(np.hypot(*point))
+    r = sizes.joint.output.radius * MM
+    return float(np.arctan2(point[1], point[0]) - np.arccos(r / distance)) % (2 * pi) - 2 * pi
+
+
+def strap_point(sizes: JointSizes, turn: float) -> tuple[float, float]:
+    """Return the shell's strap point, mm, once cam or roller has turned by an angle (rad) from the collapsed hose."""
+    hinge, start = np.array(sizes.line.hinge) * MM, np.array(sizes.line.start) * MM
+    angle = opening(sizes, turn)
+    c, s = cos(angle), sin(angle)
+    x, y = hinge + np.array([[c, -s], [s, c]]) @ (start - hinge)
+    return float(x), float(y)
+
+
+def opening(sizes: JointSizes, turn: float) -> float:
+    """Return the angle (rad) by which the shell has opened once cam or roller has turned by an angle (rad).
+
+    Beyond the ends of the stroke the shell goes on as fast as it moved there.
+    """
+    chord = sizes.line.chord
+    if sizes.design.cam is None:
+        return turn * sizes.joint.output.radius / chord
+    cam = sizes.design.cam
+    if turn < 0:
+        return float(turn * cam.travel[1] / cam.angle[1]) / chord
+    if turn > cam.stroke:
+        slope = (cam.travel[-1] - cam.travel[-2]) / (cam.angle[-1] - cam.angle[-2])
+        return float(cam.travel[-1] + (turn - cam.stroke) * slope) / chord
+    return float(np.interp(turn, cam.angle, cam.travel)) / chord
+
+
+def cam_part(sizes: JointSizes, width: float, screws: int, thread: str) -> Prism:
+    """Return the cam of hose A, or a roller, in its own frame.
+
+    Args:
+        sizes: sizes of the joint.
+        width: along z, mm.
+        screws: number of screws that hold the strap's clamp.
+        thread: size of these screws.
+
+    Raises:
+        DesignError: the cam is not convex, or leaves no wall around the shaft.
+    """
+    holes = tuple(Hole((float(x), float(y)), sizes.rod.clearance_hole * MM) for x, y in rod_places(sizes, sizes.rod))
+    return Prism(_cam_loop(sizes), width, (Hole((0.0, 0.0), sizes.shaft), *holes), drilled=())
+
+
+def _cam_loop(sizes: JointSizes) -> Loop:
+    """Return the outline of a cam: its profile as a curve, its back the hull of run-out, clamp, hub and lugs."""
+    from scipy.spatial import ConvexHull  # noqa: PLC0415  # SciPy takes long to import
+
+    if sizes.design.cam is None:
+        return circle(0.0, 0.0, sizes.joint.output.radius * MM)
+    where = sizes.design.label
+    if sizes.shaft * 1.25 >= 2 * float(sizes.design.cam.lever.min()) * MM:
+        least = 1.25 * sizes.shaft / 2
+        what = f"a shaft of {sizes.shaft:g} mm needs lever arms of {least:.4g} mm"
+        raise DesignError(what, where=f"{where}.output", right="a shorter stroke or a larger cylinder lengthens them")
+    outline = Outline(sizes.design.cam, min(sizes.shaft / MM, 1.2 * float(sizes.design.cam.lever.min())))
+    profile = outline.profile * MM
+    ring = direction_vector(np.linspace(0.0, 2 * pi, LUG_POINTS, endpoint=False))
+    lugs = [centre + sizes.lug_radius(sizes.rod) * ring for centre in rod_places(sizes, sizes.rod)]
+    points = np.vstack((profile, outline.points[len(profile) :] * MM, *lugs))
+    order = ConvexHull(points).vertices
+    on_back = order >= len(profile)
+    first = int(np.argmax(on_back & ~np.roll(on_back, 1)))
+    back = points[np.roll(order, -first)][np.roll(on_back, -first)]
+    kept = _spaced(profile)
+    start = tuple(map(float, kept[0]))
+    curve = Curve(tuple((float(x), float(y)) for x, y in kept[1:]))
+    return Loop(start, (curve, *(Line((float(x), float(y))) for x, y in back), Line(start)))  # type: ignore[arg-type]
+
+
+def _spaced(points: Array) -> Array:
+    """Return points of a curve that are apart by `PROFILE_STEP` or more, with both ends."""
+    kept = [0]
+    for k in range(1, len(points) - 1):
+        if np.hypot(*(points[k] - points[kept[-1]])) >= PROFILE_STEP:
+            kept.append(k)
+    chosen: Array = points[[*kept, len(points) - 1]]
+    return chosen
+
+
+__all__ = ["cam_part", "lug_room", "opening", "radians", "rod_places", "strap_point", "winding"]

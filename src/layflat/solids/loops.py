@@ -1,0 +1,243 @@
+"""Closed outlines of flat parts, made of straight lines, arcs and smooth curves; all lengths in mm."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import atan2, cos, hypot, pi, sin
+from typing import TYPE_CHECKING, NamedTuple
+
+from layflat.errors import DesignError
+from layflat.lazy import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    from layflat.arrays import Array
+
+Point = tuple[float, float]
+
+ARC_STEP = pi / 36  # angle between two points of a drawn arc, rad
+HULL_POINTS = 720  # of a circle, by which the circles on a hull are found
+SHORTEST = 1e-6  # length of a side that is left out, mm
+
+
+class Line(NamedTuple):
+    """Straight side."""
+
+    to: Point
+
+
+class Arc(NamedTuple):
+    """Circular side through a point."""
+
+    via: Point
+    to: Point
+
+
+class Curve(NamedTuple):
+    """Smooth side through points."""
+
+    through: tuple[Point, ...]
+
+    @property
+    def to(self) -> Point:
+        """End of the side."""
+        return self.through[-1]
+
+
+Side = Line | Arc | Curve
+
+
+class Circle(NamedTuple):
+    """Circle in a plane."""
+
+    x: float
+    y: float
+    radius: float
+
+
+@dataclass(frozen=True)
+class Loop:
+    """Closed outline; the last side ends at the start."""
+
+    start: Point
+    sides: tuple[Side, ...]
+
+    def points(self) -> Array:
+        """Return corners, and points of arcs and curves, (n, 2); the first is not repeated at the end."""
+        found, before = [self.start], self.start
+        for side in self.sides:
+            match side:
+                case Line(to):
+                    found.append(to)
+                case Arc(via, to):
+                    found.extend(_arc_points(before, via, to))
+                case Curve(through):
+                    found.extend(through)
+            before = side.to
+        return np.array(found[:-1])
+
+    @property
+    def area(self) -> float:
+        """Enclosed area, mm2; arcs count by their points."""
+        x, y = self.points().T
+        return 0.5 * abs(float(x @ np.roll(y, -1) - y @ np.roll(x, -1)))
+
+    def mirrored(self) -> Loop:
+        """Return the mirror image about the y-axis."""
+        sides = [_mirrored_side(side) for side in self.sides]
+        return Loop(_mirror(self.start), tuple(sides))
+
+    def turned(self, angle: float, about: Point = (0.0, 0.0)) -> Loop:
+        """Return the outline rotated anticlockwise by an angle (rad) about a point."""
+
+        def turn(point: Point) -> Point:
+            x, y, c, s = point[0] - about[0], point[1] - about[1], cos(angle), sin(angle)
+            return about[0] + c * x - s * y, about[1] + s * x + c * y
+
+        return Loop(turn(self.start), tuple(_mapped(side, turn) for side in self.sides))
+
+
+def circle(x: float, y: float, radius: float) -> Loop:
+    """Return a circle as two arcs."""
+    return Loop((x + radius, y), (Arc((x, y + radius), (x - radius, y)), Arc((x, y - radius), (x + radius, y))))
+
+
+def polygon(points: Iterable[Sequence[float]]) -> Loop:
+    """Return a polygon through corners, without sides of no length."""
+    corners: list[Point] = []
+    for x, y in points:
+        if not corners or hypot(x - corners[-1][0], y - corners[-1][1]) > SHORTEST:
+            corners.append((float(x), float(y)))
+    if hypot(corners[0][0] - corners[-1][0], corners[0][1] - corners[-1][1]) <= SHORTEST:
+        corners.pop()
+    return Loop(corners[0], tuple(Line(corner) for corner in (*corners[1:], corners[0])))
+
+
+def rectangle(width: float, height: float, centre: Point = (0.0, 0.0)) -> Loop:
+    """Return a rectangle about a centre."""
+    x, y = width / 2, height / 2
+    return polygon([(centre[0] + a * x, centre[1] + b * y) for a, b in ((-1, -1), (1, -1), (1, 1), (-1, 1))])
+
+
+def sector(inner: float, outer: float, first: float, last: float) -> Loop:
+    """Return a sector of a ring.
+
+    Args:
+        inner: inner radius.
+        outer: outer radius.
+        first: angle at which it begins, rad.
+        last: angle at which it ends, rad; above `first`, by less than a whole turn.
+    """
+    middle = (first + last) / 2
+
+    def at(radius: float, angle: float) -> Point:
+        return radius * cos(angle), radius * sin(angle)
+
+    return Loop(
+        at(inner, first),
+        (
+            Line(at(outer, first)),
+            Arc(at(outer, middle), at(outer, last)),
+            Line(at(inner, last)),
+            Arc(at(inner, middle), at(inner, first)),
+        ),
+    )
+
+
+def hull(circles: Sequence[Circle]) -> Loop:
+    """Return the convex hull of circles: arcs, and the straight lines that touch two of them."""
+    order = _circles_on_hull(circles)
+    if len(order) == 1:
+        return circle(*circles[order[0]])
+    touches = [_tangent(circles[a], circles[b]) for a, b in zip(order, [*order[1:], order[0]], strict=True)]
+    sides: list[Side] = []
+    start = touches[-1][1]
+    for index, (leaves, arrives) in zip(order, touches, strict=True):
+        x, y, radius = circles[index]
+        before = sides[-1].to if sides else start
+        first, last = (atan2(p[1] - y, p[0] - x) for p in (before, leaves))
+        middle = first + ((last - first) % (2 * pi)) / 2
+        if hypot(before[0] - leaves[0], before[1] - leaves[1]) > SHORTEST:
+            sides.append(Arc((x + radius * cos(middle), y + radius * sin(middle)), leaves))
+        sides.append(Line(arrives))
+    return Loop(start, tuple(sides))
+
+
+def ribbon(centre: Array, thickness: float) -> Loop:
+    """Return the outline of a strip of a thickness about a centre line (n, 2) that does not turn back on itself."""
+    steps = np.diff(centre, axis=0)
+    normals = np.stack((-steps[:, 1], steps[:, 0]), axis=-1) / np.hypot(*steps.T)[:, None]
+    bisectors = np.vstack((normals[:1], normals[:-1] + normals[1:], normals[-1:]))
+    lengths = np.hypot(*bisectors.T)
+    # At a corner the strip keeps its thickness: its edge lies further out than half of it.
+    reach = np.r_[1.0, 2.0 / lengths[1:-1], 1.0] * thickness / 2
+    edge = bisectors / lengths[:, None] * reach[:, None]
+    return polygon(np.vstack((centre + edge, (centre - edge)[::-1])))
+
+
+def _circles_on_hull(circles: Sequence[Circle]) -> list[int]:
+    """Return the indices of the circles that a hull touches, anticlockwise; a circle may come twice."""
+    directions = np.linspace(0.0, 2 * pi, HULL_POINTS, endpoint=False)
+    support = np.array([c.x * np.cos(directions) + c.y * np.sin(directions) + c.radius for c in circles])
+    best = support.argmax(axis=0)
+    changes = np.flatnonzero(best != np.roll(best, 1))
+    return [int(best[at]) for at in changes] or [int(best[0])]
+
+
+def _tangent(one: Circle, other: Circle) -> tuple[Point, Point]:
+    """Return the points at which the line touches two circles that has both on its left."""
+    dx, dy = other.x - one.x, other.y - one.y
+    distance = hypot(dx, dy)
+    if distance <= abs(one.radius - other.radius):
+        raise DesignError("one circle lies inside the other", where="outline", right="leave the inner one out")
+    along = atan2(dy, dx)
+    # The normal of the line, pointing out of the hull, is the same at both circles.
+    normal = along - pi / 2 + np.arcsin((other.radius - one.radius) / distance)
+    n = cos(normal), sin(normal)
+    first = one.x + one.radius * n[0], one.y + one.radius * n[1]
+    return first, (other.x + other.radius * n[0], other.y + other.radius * n[1])
+
+
+def _arc_points(start: Point, via: Point, to: Point) -> list[Point]:
+    """Return points of an arc from after its start to its end."""
+    x, y = arc_centre(start, via, to)
+    radius = hypot(start[0] - x, start[1] - y)
+    first, middle, last = (atan2(p[1] - y, p[0] - x) for p in (start, via, to))
+    turn = (last - first) % (2 * pi)
+    if (middle - first) % (2 * pi) > turn:
+        turn -= 2 * pi
+    count = max(2, int(abs(turn) / ARC_STEP) + 1)
+    inner = [first + turn * k / count for k in range(1, count)]
+    return [*((x + radius * cos(a), y + radius * sin(a)) for a in inner), to]
+
+
+def arc_centre(start: Point, via: Point, to: Point) -> Point:
+    """Return the centre of the circle through three points."""
+    (ax, ay), (bx, by), (cx, cy) = start, via, to
+    d = 2 * (ax * (by - cy) + bx * (cy - ay) + cx * (ay - by))
+    a2, b2, c2 = ax * ax + ay * ay, bx * bx + by * by, cx * cx + cy * cy
+    return (
+        (a2 * (by - cy) + b2 * (cy - ay) + c2 * (ay - by)) / d,
+        (a2 * (cx - bx) + b2 * (ax - cx) + c2 * (bx - ax)) / d,
+    )
+
+
+def _mirror(point: Point) -> Point:
+    return -point[0], point[1]
+
+
+def _mirrored_side(side: Side) -> Side:
+    return _mapped(side, _mirror)
+
+
+def _mapped(side: Side, change: object) -> Side:
+    """Return a side with all its points changed."""
+    assert callable(change)
+    match side:
+        case Line(to):
+            return Line(change(to))
+        case Arc(via, to):
+            return Arc(change(via), change(to))
+        case Curve(through):
+            return Curve(tuple(change(point) for point in through))
