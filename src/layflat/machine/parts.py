@@ -13,6 +13,7 @@ from layflat.description import units as u
 from layflat.description.wrong import INPUT_VALUE, value_error
 from layflat.errors import MachineError
 from layflat.kinds import AnyKindOf
+from layflat.machine.build import Build
 from layflat.machine.gains import Gains
 from layflat.machine.tube import TubePart
 from layflat.physics.friction import FRICTION, FrictionPart
@@ -211,6 +212,7 @@ class Joint(Part):
     line: TubePart | None = Field(default=None, description="tube from the valve to each hose; default: the machine's")
     regulator: RegulatorPart | None = Field(default=None, description="default: the valve gets the supply as it is")
     spring: Spring | None = Field(default=None, description="default: none")
+    build: Build | None = Field(default=None, description="sizes of its parts; default: all by rules")
     gains: Gains | None = None
     valve_size: u.Ratio = Field(
         default=1.0, description="flow of this joint's valve over that of `valve`, open or shut"

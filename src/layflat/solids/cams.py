@@ -2,25 +2,29 @@
 
 from __future__ import annotations
 
-from math import cos, pi, radians, sin
+from math import cos, pi, sin
 from typing import TYPE_CHECKING
 
-from layflat.design.cam import Outline
+from layflat.design.cam import HUB_SHARE, Outline
 from layflat.design.straplines import direction_vector, rotate_quarter
 from layflat.errors import DesignError
 from layflat.lazy import numpy as np
 from layflat.solids.loops import Curve, Line, Loop, circle
-from layflat.solids.shapes import Hole, Prism
+from layflat.solids.shapes import Drilled, Hole, Prism
 from layflat.solids.sizes import MM
+from layflat.solids.standard.threads import THREADS
 
 if TYPE_CHECKING:
     from layflat.arrays import Array
     from layflat.solids.sizes import JointSizes
     from layflat.solids.standard.threads import Thread
 
-PROFILE_STEP = 0.5  # least distance between points of a profile that is drawn as a curve, mm
+PROFILE_STEP = 1.0  # least distance between points of a profile that is drawn as a curve, mm
 LUG_POINTS = 48
 FLAT_SHARE = 0.5  # length of the strap's clamp over the smallest lever arm, as `Outline` has it
+LEAST_FLAT = 7.0  # length of the strap's clamp, mm: a screw's head
+CLAMP_SCREW = THREADS["M3"]  # of the straps' clamps
+TAPPED = 8.0  # depth of their threads, mm
 
 
 def rod_places(sizes: JointSizes, size: Thread) -> Array:
@@ -51,9 +55,9 @@ def winding(sizes: JointSizes) -> Array:
         r = sizes.joint.output.radius * MM
         first = float(_roller_normal(sizes, 0.0))
         angles = np.linspace(first, first - sizes.stroke, 1 + int(np.degrees(sizes.stroke)))
-        profile, end, length = r * direction_vector(angles), angles[-1], FLAT_SHARE * r
+        profile, end, length = r * direction_vector(angles), angles[-1], max(FLAT_SHARE * r, LEAST_FLAT)
     else:
-        profile, end, length = cam.profile * MM, float(cam.normal[-1]), FLAT_SHARE * float(cam.lever.min()) * MM
+        profile, end, length = cam.profile * MM, float(cam.normal[-1]), max(FLAT_SHARE * float(cam.lever.min()) * MM, LEAST_FLAT)
     tangent = rotate_quarter(direction_vector(end))
     line: Array = np.vstack((profile, profile[-1] - length * tangent))
     return line
@@ -93,56 +97,79 @@ def opening(sizes: JointSizes, turn: float) -> float:
     return float(np.interp(turn, cam.angle, cam.travel)) / chord
 
 
-def cam_part(sizes: JointSizes, width: float, screws: int, thread: str) -> Prism:
-    """Return the cam of hose A, or a roller, in its own frame.
+def flat(sizes: JointSizes) -> tuple[Array, float]:
+    """Return the middle of the strap's clamp in a cam's own frame, mm, (2,), and the angle of its outward normal, rad."""
+    ends = winding(sizes)[-2:]
+    along = ends[0] - ends[1]
+    return ends.mean(axis=0), float(np.arctan2(along[1], along[0])) - pi / 2
+
+
+def cam_part(sizes: JointSizes, width: float, screws: tuple[float, ...]) -> Prism:
+    """Return a cam, or a roller, in its own frame, from 0 to its width along z.
 
     Args:
         sizes: sizes of the joint.
         width: along z, mm.
-        screws: number of screws that hold the strap's clamp.
-        thread: size of these screws.
+        screws: places of the screws of the strap's clamp along z, mm.
 
     Raises:
         DesignError: the cam is not convex, or leaves no wall around the shaft.
     """
     holes = tuple(Hole((float(x), float(y)), sizes.rod.clearance_hole * MM) for x, y in rod_places(sizes, sizes.rod))
-    return Prism(_cam_loop(sizes), width, (Hole((0.0, 0.0), sizes.shaft), *holes), drilled=())
+    (x, y), normal = flat(sizes)
+    inward = (-cos(normal), -sin(normal), 0.0)
+    drilled = tuple(
+        Drilled((float(x), float(y), z), inward, CLAMP_SCREW.tapping_hole * MM, TAPPED, CLAMP_SCREW.name)
+        for z in screws
+    )  # fmt: skip
+    return Prism(cam_loop(sizes), width, (Hole((0.0, 0.0), sizes.shaft), *holes), drilled=drilled)
 
 
-def _cam_loop(sizes: JointSizes) -> Loop:
-    """Return the outline of a cam: its profile as a curve, its back the hull of run-out, clamp, hub and lugs."""
+def cam_loop(sizes: JointSizes) -> Loop:
+    """Return the outline of a cam or roller: its profile as a curve, its back the hull of run-out, clamp, hub and lugs.
+
+    Raises:
+        DesignError: the cam is not convex, or leaves no wall around the shaft.
+    """
     from scipy.spatial import ConvexHull  # noqa: PLC0415  # SciPy takes long to import
 
-    if sizes.design.cam is None:
-        return circle(0.0, 0.0, sizes.joint.output.radius * MM)
-    where = sizes.design.label
-    if sizes.shaft * 1.25 >= 2 * float(sizes.design.cam.lever.min()) * MM:
-        least = 1.25 * sizes.shaft / 2
-        what = f"a shaft of {sizes.shaft:g} mm needs lever arms of {least:.4g} mm"
-        raise DesignError(what, where=f"{where}.output", right="a shorter stroke or a larger cylinder lengthens them")
-    outline = Outline(sizes.design.cam, min(sizes.shaft / MM, 1.2 * float(sizes.design.cam.lever.min())))
-    profile = outline.profile * MM
+    line = winding(sizes)
+    profile = line[-2::-1]
     ring = direction_vector(np.linspace(0.0, 2 * pi, LUG_POINTS, endpoint=False))
     lugs = [centre + sizes.lug_radius(sizes.rod) * ring for centre in rod_places(sizes, sizes.rod)]
-    points = np.vstack((profile, outline.points[len(profile) :] * MM, *lugs))
+    points = np.vstack((profile, line[-1:], _back(sizes), *lugs))
     order = ConvexHull(points).vertices
     on_back = order >= len(profile)
     first = int(np.argmax(on_back & ~np.roll(on_back, 1)))
     back = points[np.roll(order, -first)][np.roll(on_back, -first)]
-    kept = _spaced(profile)
-    start = tuple(map(float, kept[0]))
-    curve = Curve(tuple((float(x), float(y)) for x, y in kept[1:]))
-    return Loop(start, (curve, *(Line((float(x), float(y))) for x, y in back), Line(start)))  # type: ignore[arg-type]
+    (x, y), *rest = (tuple(map(float, point)) for point in _spaced(profile))
+    curve = Curve(tuple((float(x), float(y)) for x, y in rest))
+    return Loop((x, y), (curve, *(Line((float(x), float(y))) for x, y in back), Line((x, y))))
+
+
+def _back(sizes: JointSizes) -> Array:
+    """Return points of run-out and hub of a cam, or of a roller, mm, (n, 2)."""
+    cam = sizes.design.cam
+    if cam is None:
+        radius = sizes.joint.output.radius * MM
+        back: Array = radius * direction_vector(np.linspace(0.0, 2 * pi, 180, endpoint=False))
+        return back
+    thickest = 2 * float(cam.lever.min()) * MM / HUB_SHARE
+    if sizes.shaft >= thickest:
+        what = f"a shaft of {sizes.shaft:g} mm leaves no wall in a cam with a lever arm of {cam.lever.min() * MM:.4g} mm"
+        right = f"give build.shaft_diameter below {thickest:.4g} mm, a lower supply pressure, or a shorter stroke"
+        raise DesignError(what, where=f"{sizes.design.label}.output", right=right)
+    outline = Outline(cam, sizes.shaft / MM)
+    points: Array = outline.points[len(outline.profile) :] * MM
+    return points
 
 
 def _spaced(points: Array) -> Array:
     """Return points of a curve that are apart by `PROFILE_STEP` or more, with both ends."""
     kept = [0]
     for k in range(1, len(points) - 1):
-        if np.hypot(*(points[k] - points[kept[-1]])) >= PROFILE_STEP:
+        apart = np.hypot(*(points[k] - points[kept[-1]])), np.hypot(*(points[-1] - points[k]))
+        if min(apart) >= PROFILE_STEP:
             kept.append(k)
     chosen: Array = points[[*kept, len(points) - 1]]
     return chosen
-
-
-__all__ = ["cam_part", "lug_room", "opening", "radians", "rod_places", "strap_point", "winding"]

@@ -164,16 +164,22 @@ def hull(circles: Sequence[Circle]) -> Loop:
     return Loop(start, tuple(sides))
 
 
-def ribbon(centre: Array, thickness: float) -> Loop:
-    """Return the outline of a strip of a thickness about a centre line (n, 2) that does not turn back on itself."""
-    steps = np.diff(centre, axis=0)
+def ribbon(path: Array, below: float, above: float) -> Loop:
+    """Return the outline of a strip along a path (n, 2) that does not turn back on itself.
+
+    Args:
+        path: points, mm.
+        below: distance of the strip's edge on the right of the path; below 0 it lies on the left.
+        above: distance of the edge on the left.
+    """
+    steps = np.diff(path, axis=0)
     normals = np.stack((-steps[:, 1], steps[:, 0]), axis=-1) / np.hypot(*steps.T)[:, None]
     bisectors = np.vstack((normals[:1], normals[:-1] + normals[1:], normals[-1:]))
     lengths = np.hypot(*bisectors.T)
-    # At a corner the strip keeps its thickness: its edge lies further out than half of it.
-    reach = np.r_[1.0, 2.0 / lengths[1:-1], 1.0] * thickness / 2
-    edge = bisectors / lengths[:, None] * reach[:, None]
-    return polygon(np.vstack((centre + edge, (centre - edge)[::-1])))
+    # At a corner the strip keeps its thickness: its edges lie further from the path there.
+    reach = np.r_[1.0, 2.0 / lengths[1:-1], 1.0]
+    across = bisectors / lengths[:, None] * reach[:, None]
+    return polygon(np.vstack((path - below * across, (path + above * across)[::-1])))
 
 
 def _circles_on_hull(circles: Sequence[Circle]) -> list[int]:
