@@ -33,7 +33,7 @@ class Build(Part):
     disc_diameter: u.Size | None = Field(
         default=None, description="of the brake's disc; default: 0.7 of the cylinder's diameter"
     )
-    disc_thickness: u.Thickness = Field(default=0.004, description="of the brake's disc")
+    disc_thickness: u.Thickness = Field(default=0.003, description="of the brake's disc")
     pad_friction: Annotated[float, Field(gt=0, le=1)] = Field(
         default=0.25, description="friction coefficient of the brake's pads; nylon on aluminium"
     )

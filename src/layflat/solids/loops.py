@@ -199,7 +199,7 @@ def _tangent(one: Circle, other: Circle) -> tuple[Point, Point]:
         raise DesignError("one circle lies inside the other", where="outline", right="leave the inner one out")
     along = atan2(dy, dx)
     # The normal of the line, pointing out of the hull, is the same at both circles.
-    normal = along - pi / 2 + np.arcsin((other.radius - one.radius) / distance)
+    normal = along - pi / 2 + np.arcsin((one.radius - other.radius) / distance)
     n = cos(normal), sin(normal)
     first = one.x + one.radius * n[0], one.y + one.radius * n[1]
     return first, (other.x + other.radius * n[0], other.y + other.radius * n[1])

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from layflat.lazy import numpy as np
 from layflat.solids.cams import opening, winding
-from layflat.solids.loops import polygon, ribbon, sector
+from layflat.solids.loops import ribbon, sector
 from layflat.solids.sizes import MM
 
 if TYPE_CHECKING:
@@ -28,7 +28,7 @@ GAP = 0.05  # between a hose and what it lies on
 BAR = 4.5  # thickness of the bar under the shell's end, into which the strap's screws go
 STRIP = 2.0  # thickness of the strip that clamps the strap
 ARC_STEP = pi / 60  # between points of arcs, rad
-STATIONS = 12  # of a hose along its wrap
+STATIONS = 16  # of a hose along its wrap
 EDGE_POINTS = 7  # of a hose's rounded edge
 BEYOND = 0.05  # angle by which the shell's nose goes on beyond its last contact, rad
 
@@ -112,12 +112,13 @@ class Section:
         """Angle on the cylinder at which the collapsed hose ends, before the bar, rad, from -pi/2 down."""
         corners = self.bar().points()
         angles = np.unwrap([atan2(y, x) for x, y in corners])
-        return float(angles.max()) - 2 * pi * (angles.max() > 0) + 1.0 / self.sizes.radius
+        reach = (BAR + 1.0) / self.sizes.radius  # the bar swings into the hose as the shell opens
+        return float(angles.max()) - 2 * pi * (angles.max() > 0) + reach
 
     @property
     def window_end(self) -> float:
         """Angle at which the cylinder's window begins, rad, of the side of hose A: the bar dips into it."""
-        return self.hose_end + self.sizes.clearance / self.sizes.radius + 2 * pi
+        return self.hose_end + 2 * pi
 
     def _moved(self, points: Array, turn: float) -> Array:
         """Return points (..., 2) of the shell's frame where the shell is after a turn."""
@@ -165,10 +166,10 @@ class Section:
         sizes = self.sizes
         outer = sizes.radius + sizes.hose_thickness + sizes.shell
         first = -pi / 2 - asin(HINGE_GAP / outer)
-        lap = self._moved((outer + GAP) * _directions(first, first - LAP / outer), turn)
+        lap = self._moved((outer + GAP + WEBBING / 2) * _directions(first, first - LAP / outer), turn)
         x = -WEBBING / 2
         path = np.vstack(([x, -sizes.inner_radius + sizes.tail], [x, -sizes.radius - sizes.hose_thickness - 0.5], lap))
-        return polygon(ribbon(_shifted_first(path), WEBBING / 2, WEBBING / 2).points())
+        return ribbon(path, WEBBING / 2, WEBBING / 2)
 
     def hose(self, turn: float) -> tuple[tuple[tuple[float, float, float], ...], ...]:
         """Return sections of the hose after a turn, from its clamped end on: rounded at both edges, as its law has it."""
@@ -181,9 +182,12 @@ class Section:
             ((left, -R - GAP), (-WEBBING - 0.4 * h, -R - 0.75 * h)),
         ]
         first = -pi / 2 - asin((WEBBING + h) / R)
-        for angle in np.linspace(first, self.hose_end, STATIONS):
-            inner = (R + GAP) * np.array([cos(angle), sin(angle)])
-            outer = self._moved((R + h - GAP) * np.array([cos(angle), sin(angle)]), max(turn, 0.0))
+        stations = np.linspace(first, self.hose_end, STATIONS)
+        # Straight between stations, the hose would cut into the cylinder.
+        R_out = (R + GAP) / cos((stations[0] - stations[1]) / 2)
+        for angle in stations:
+            inner = R_out * np.array([cos(angle), sin(angle)])
+            outer = self._moved((R + h - GAP) * np.array([cos(angle), sin(angle)]), turn)
             pairs.append(((float(inner[0]), float(inner[1])), (float(outer[0]), float(outer[1]))))
         return tuple(_stadium(*pair, sizes.hose_width) for pair in pairs)
 
@@ -227,6 +231,3 @@ def _thinned(path: Array) -> Array:
             kept.append(point)
     return np.array(kept)
 
-
-def _shifted_first(path: Array) -> Array:
-    return path

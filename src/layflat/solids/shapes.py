@@ -57,6 +57,7 @@ class Lofted:
     """Solid through closed sections, each a polygon of as many corners as the others, with straight lines between."""
 
     sections: tuple[tuple[Vector, ...], ...]
+    drilled: tuple[Drilled, ...] = ()
 
 
 Shape = Prism | Turned | Lofted

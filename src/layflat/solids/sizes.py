@@ -31,18 +31,18 @@ if TYPE_CHECKING:
 MM = 1e3  # mm per metre
 RUBBER_DENSITY = 1150.0  # of a woven hose with its lining, kg/m3
 SPACER = 1.0  # thickness of the washers between cams and arm plates, mm
-RING = 4.0  # least width of the cylinder's rings beside its window, mm
-SHAFT_SAFETY = 1.5  # required yield over bending stress of the shaft beside a bush
+RING = 2.5  # least width of the cylinder's rings beside its window, mm
+SHAFT_SAFETY = 3.0  # required yield over bending stress of the shaft beside a bush: its load comes and goes
 PLATE_SAFETY = 2.0  # required yield over bending stress of arm plates and clamp bars
 ARM_WALL = 1.5  # wall of an arm plate beside its bore over the diameter of the frame's screws
 LEAST_PLATE = 0.004  # thickness of a plate, m
 CLAMP_PITCH = 40.0  # between screws of the clamp, mm
 DISC_SHARE = 0.7  # radius of the brake's disc over the cylinder's
-PLATE_SHARE = 0.05  # least thickness of an end plate over the cylinder's diameter
-LUG_WALL = 2.5  # around a rod, mm
-BORE_WALL = 2.0  # between bore and rod, mm
+PLATE_SHARE = 0.07  # least thickness of an end plate over the cylinder's diameter
+LUG_SHARE, LEAST_LUG = 0.4, 1.5  # wall around a rod over its diameter, and at least, mm
+BORE_WALL = 1.5  # between bore and rod, mm
 NOSE_STRESS_SHARE = 0.55  # share of the strap's yield stress that bending over the shell's nose may take
-PAD = 3.0  # thickness of a brake pad, mm
+PAD = 2.5  # thickness of a brake pad, mm
 SCREW_SIZES = ((80.0, "M4"), (120.0, "M5"), (200.0, "M6"), (float("inf"), "M8"))
 """Screws of a frame by cylinder diameter: up to a diameter (mm), a size."""
 
@@ -195,7 +195,7 @@ class JointSizes:
 
     def lug_radius(self, size: Thread) -> float:
         """Return the radius of the lug around a rod of a size."""
-        return size.clearance_hole * MM / 2 + LUG_WALL
+        return size.clearance_hole * MM / 2 + max(LUG_SHARE * size.diameter * MM, LEAST_LUG)
 
     @property
     def arm_width(self) -> float:
@@ -234,14 +234,13 @@ class JointSizes:
 
     @property
     def window(self) -> float:
-        """Half of the length of the cylinder's window."""
-        return self.arm_z[1] + self.clearance
+        """Half of the length of the cylinder's window: arm plates and their nuts swing in it."""
+        return self.arm_z[1] + (self.screw.nut_height + self.screw.pitch) * MM + 0.5
 
     @property
     def half_length(self) -> float:
-        """Half of the cylinder's length: hoses, output with its nuts, and rings beside the window fit inside."""
-        nuts = self.arm_z[1] + (self.screw.nut_height + 2 * self.screw.pitch) * MM
-        return max(self.hose_width / 2, nuts, self.window + RING - self.clearance) + self.clearance
+        """Half of the cylinder's length: hoses, and the output with rings of the cylinder beside it, fit inside."""
+        return max(self.hose_width / 2 + self.clearance, self.window + RING)
 
     @property
     def top(self) -> float:
@@ -294,3 +293,8 @@ class JointSizes:
     def disc(self) -> float:
         """Thickness of the brake's disc."""
         return self.build.disc_thickness * MM
+
+    @property
+    def disc_hub(self) -> float:
+        """Height of the disc's hub."""
+        return 8.0

@@ -1,0 +1,172 @@
+"""The brake: a disc on the shaft below the joint, pads on the lower end plate and on a beam that springs press."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from math import pi, sqrt
+from typing import TYPE_CHECKING
+
+from layflat.errors import DesignError
+from layflat.solids.component import Component
+from layflat.solids.hardware import hexagon_nut, plain_washer, rod, sleeve, stepped, stud
+from layflat.solids.loops import Circle, hull
+from layflat.solids.shapes import UPSIDE_DOWN, Drilled, Hole, Prism, Turned, place, turn_about_z
+from layflat.solids.sizes import MM, PAD
+from layflat.solids.standard.springs import CompressionSpring, spring_for
+from layflat.solids.standard.stock import next_thickness
+from layflat.solids.standard.threads import THREADS
+
+if TYPE_CHECKING:
+    from layflat.solids.sizes import JointSizes
+
+PAD_SHARE = 0.25  # radius of a pad over that of the disc
+STUD_GAP = 1.0  # between a stud's nut and the disc, mm
+BEAM_STRESS = 120e6  # allowed in the beam, Pa: half of the yield stress of EN AW-6082 T6
+SPRING_SPACES = tuple(size * 1e-3 for size in (8, 10, 12, 15, 20, 25, 30, 40))
+"""Lengths that a loaded spring may take, m, tried in this order."""
+SPRING_BEYOND = 8e-3  # outer diameter of a spring over that of a washer, m
+SET_SCREW = THREADS["M4"]  # in the disc's hub
+CYLINDER_HEIGHT = 20.0  # of a short-stroke cylinder, mm
+CYLINDER_WALL = 4.0  # around its bore, mm
+CYLINDER_BORES = (12.0, 16.0, 20.0, 25.0, 32.0, 40.0, 50.0, 63.0)
+"""Bores of short-stroke cylinders, mm (ISO 21287)."""
+
+
+def pad_distance(sizes: JointSizes) -> float:
+    """Return the distance of the pads from the output's axis, mm."""
+    return sizes.disc_radius * (1 - PAD_SHARE) - 1.0
+
+
+def pad_force(sizes: JointSizes) -> float:
+    """Return the force on the pads at which the brake slips as described, N: T/(2 mu r)."""
+    return sizes.joint.brake.torque / (2 * sizes.build.pad_friction * pad_distance(sizes) / MM)
+
+
+def stud_places(sizes: JointSizes) -> list[tuple[float, float]]:
+    """Return the places of the two studs that carry the beam, beside the disc, mm."""
+    distance = pad_distance(sizes)
+    chord = sqrt(sizes.disc_radius**2 - distance**2)
+    x, y = chord + sizes.screw.washer_diameter * MM / 2 + STUD_GAP, sizes.axis - distance
+    return [(-x, y), (x, y)]
+
+
+def brake_components(sizes: JointSizes, angle: float) -> list[Component]:
+    """Return the components of the brake with the output at an angle from mid-stroke, rad; none without a torque.
+
+    Raises:
+        DesignError: the studs do not fit on the end plate, or no spring or cylinder is strong enough.
+    """
+    if sizes.joint.brake.torque <= 0:
+        return []
+    (x, y), *_ = stud_places(sizes)
+    if sqrt(x * x + y * y) + sizes.screw.diameter * MM > sizes.radius + 2.0:
+        what = f"the brake's studs lie {sqrt(x * x + y * y):.4g} mm from the cylinder's axis, outside the end plate"
+        right = f"give build.disc_diameter below {2 * MM * sizes.disc_radius * 0.9 / MM:.4g} mm"
+        raise DesignError(what, where=sizes.where, right=right)
+    pads, face = pad_distance(sizes), sizes.top
+    radius, turned = PAD_SHARE * sizes.disc_radius, turn_about_z(angle).then(place(0.0, sizes.axis))
+    middle = sizes.axis - pads
+    pad = rod(2 * radius, PAD - 0.02)
+    disc_low = -(face + PAD + sizes.disc)
+    hub = 1.0 * sizes.shaft
+    outline = stepped((hub, -sizes.disc_hub, 0.0), (sizes.disc_radius, 0.0, sizes.disc), bore=sizes.shaft / 2)
+    set_hole = Drilled((hub, 0.0, -sizes.disc_hub / 2), (-1.0, 0.0, 0.0), SET_SCREW.tapping_hole * MM,
+                       hub - sizes.shaft / 2, SET_SCREW.name)  # fmt: skip
+    set_screw = rod(SET_SCREW.tapping_hole * MM - 0.02, hub - sizes.shaft / 2 - 0.2)
+    from layflat.solids.component import axes_towards  # noqa: PLC0415
+
+    at_set = place(sizes.shaft / 2 + 0.1, 0.0, -sizes.disc_hub / 2, axes_towards(1, 0, 0))
+    return [
+        Component("brake disc", "output", Turned(outline, (set_hole,)), "aluminium", "turning",
+                  (place(z=disc_low).then(turned),), f"round bar {2 * sizes.disc_radius:.4g}",
+                  tags=frozenset({"disc"})),
+        Component("set screw of the disc", "output", set_screw, "screw-steel", "bought",
+                  (at_set.then(place(z=disc_low)).then(turned),),
+                  f"ISO 4026 {SET_SCREW.name} x {hub - sizes.shaft / 2:.0f} - A2-21H"),
+        Component("brake pad", "body", pad, "PA6", "turning",
+                  (place(0.0, middle, -face - 0.01, UPSIDE_DOWN),
+                   place(0.0, middle, disc_low - 0.01, UPSIDE_DOWN)), f"round bar {2 * radius:.3g}"),
+        *_beam(sizes, disc_low - PAD),
+    ]  # fmt: skip
+
+
+def _beam(sizes: JointSizes, z: float) -> list[Component]:
+    """Return the beam below z (mm) with its studs, and what presses it: springs, or a cylinder of a calliper."""
+    force, studs = pad_force(sizes), stud_places(sizes)
+    radius = PAD_SHARE * sizes.disc_radius
+    span = 2 * studs[1][0]
+    thickness = next_thickness(max(sqrt(6 * force * span / 4 / MM / (BEAM_STRESS * 2 * radius / MM)), 0.003)) * MM
+    screw = sizes.screw
+    middle = studs[0][1]
+    ends = screw.washer_diameter * MM / 2
+    loop = hull([Circle(0.0, 0.0, radius), *(Circle(x, 0.0, ends) for x, _ in studs)])
+    beam = Prism(loop, thickness, tuple(Hole((x, 0.0), screw.clearance_hole * MM) for x, _ in studs))
+    low = z - thickness
+    found = [
+        Component("brake beam", "body", beam, "aluminium", "laser cutting", (place(0.0, middle, low),),
+                  f"plate {thickness:g}", tags=frozenset({"calliper"})),
+    ]  # fmt: skip
+    if sizes.joint.brake.calliper is None:
+        return found + _springs(sizes, force / 2, low)
+    return found + _cylinder(sizes, force, low, beam)
+
+
+def _studs(sizes: JointSizes, low: float) -> list[Component]:
+    """Return studs from the lower end plate to below z (mm), each with a nut there."""
+    screw, inner = sizes.screw, -sizes.half_length - 1.0
+    end = low - (screw.nut_height + screw.pitch) * MM
+    places = tuple(place(x, y, end) for x, y in stud_places(sizes))
+    nuts = tuple(place(x, y, low, UPSIDE_DOWN) for x, y in stud_places(sizes))
+    return [
+        stud("stud of the brake", "body", screw, inner - end, places),
+        hexagon_nut("nut of the brake", "body", screw, nuts),
+    ]
+
+
+def _springs(sizes: JointSizes, force: float, low: float) -> list[Component]:
+    """Return the springs on both studs below the beam, with washers and nuts; each presses with a force, N."""
+    screw, one = sizes.screw, _spring(sizes, force)
+    inner = one.outer - 2 * one.wire
+    length = max(one.free_length - force / one.rate, one.shortest) * MM
+    shape = sleeve(one.outer * MM, inner * MM, length)
+    springs = tuple(place(x, y, low - length) for x, y in stud_places(sizes))
+    washers = tuple(place(x, y, low - length, UPSIDE_DOWN) for x, y in stud_places(sizes))
+    return [
+        Component("brake spring", "body", shape, "spring-steel", "bought", springs, one.designation, one.mass,
+                  size=f"tightened to {length:.1f} mm: {force:.0f} N"),
+        plain_washer("washer of a brake spring", "body", screw, washers),
+        *_studs(sizes, low - length - screw.washer_thickness * MM),
+    ]  # fmt: skip
+
+
+def _spring(sizes: JointSizes, force: float) -> CompressionSpring:
+    """Return the shortest spring around a stud that presses with a force, N."""
+    screw = sizes.screw
+    for space in SPRING_SPACES:
+        with suppress(DesignError):
+            one = spring_for(force, space, screw.washer_diameter + SPRING_BEYOND)
+            if one.outer - 2 * one.wire > screw.diameter:
+                return one
+    what = f"no spring for {force:.0f} N goes around a stud {screw.name}"
+    right = "a larger build.disc_diameter needs less force; or give another build.screw"
+    raise DesignError(what, where=sizes.where, right=right)
+
+
+def _cylinder(sizes: JointSizes, force: float, low: float, beam: Prism) -> list[Component]:
+    """Return the short-stroke cylinder that presses the beam with a force (N), and the bridge that it stands on."""
+    pressure = sizes.design.pressure
+    need = 2 * sqrt(force / (pi * pressure)) * MM
+    bore = next((size for size in CYLINDER_BORES if size >= need), None)
+    if bore is None:
+        what = f"no short-stroke cylinder presses with {force:.0f} N at {pressure / 1e5:.3g} bar"
+        raise DesignError(what, where=sizes.where, right="a larger build.disc_diameter needs less force")
+    outer, middle = bore + 2 * CYLINDER_WALL, stud_places(sizes)[0][1]
+    body = rod(outer, CYLINDER_HEIGHT)
+    bridge = low - CYLINDER_HEIGHT - beam.height
+    return [
+        Component("brake cylinder", "body", body, "aluminium", "bought",
+                  (place(0.0, middle, low - CYLINDER_HEIGHT),), f"short-stroke cylinder ISO 21287 - {bore:g} x 5"),
+        Component("bridge of the brake", "body", beam, "aluminium", "laser cutting", (place(0.0, middle, bridge),),
+                  f"plate {beam.height:g}"),
+        *_studs(sizes, bridge),
+    ]  # fmt: skip

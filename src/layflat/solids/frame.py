@@ -1,0 +1,216 @@
+"""The frame of a joint: cylinder, end plates with bushes, bars that clamp the hoses, tie bars, bump stops."""
+
+from __future__ import annotations
+
+from math import asin, cos, radians, sin, sqrt
+from typing import TYPE_CHECKING
+
+from layflat.lazy import numpy as np
+from layflat.solids.brake import stud_places
+from layflat.solids.component import Component, axes_towards
+from layflat.solids.hardware import hexagon_nut, rod, sleeve, socket_screw, stepped, stud
+from layflat.solids.loops import Circle, circle, hull, rectangle
+from layflat.solids.section import WEBBING, window_loop
+from layflat.solids.sensor import STANDOFF_SCREW, standoff_places
+from layflat.solids.shapes import ALONG_X, UPSIDE_DOWN, Drilled, Hole, Prism, Turned, place
+from layflat.solids.sizes import MM
+from layflat.solids.standard.screws import nut_engagement, screw_for
+
+if TYPE_CHECKING:
+    from layflat.solids.section import Section
+    from layflat.solids.shapes import Place
+    from layflat.solids.sizes import JointSizes
+
+RIM = 2.0  # of an end plate around the cylinder, mm
+EDGE = 0.3  # between the clamp bars and the cylinder, mm
+TIE_ANGLE = radians(200.0)  # of the tie bar on the side of hose A
+TIE_SHARE = 2.4  # diameter of a tie bar over that of the screws in it
+STOP_SHARE = 2.0  # distance of a bump stop from the output's axis over half of an arm plate's width
+STOP_WALL = 0.6  # wall of a bump stop's rubber over the diameter of its screw
+
+
+def bar_place(sizes: JointSizes) -> tuple[float, float, float]:
+    """Return x and y of the middle of the clamp bar on the side of +x, and its depth along y, mm."""
+    low = WEBBING + sizes.hose_thickness
+    high = low + sizes.clamp_bar
+    bottom = -sqrt(sizes.inner_radius**2 - high**2) + EDGE
+    top = -sizes.inner_radius + sizes.tail
+    return (low + high) / 2, (bottom + top) / 2, top - bottom
+
+
+def clamp_heights(sizes: JointSizes) -> list[float]:
+    """Return where the screws of the clamp are along z, mm."""
+    room = sizes.hose_width - 2 * sizes.screw.head_diameter * MM
+    return [float(z) for z in np.linspace(-0.5, 0.5, sizes.clamp_screws) * room]
+
+
+def tie_places(sizes: JointSizes) -> list[tuple[float, float]]:
+    """Return the places of the two tie bars, mm."""
+    distance = sizes.inner_radius - TIE_SHARE * sizes.screw.diameter * MM / 2 - 1.0
+    x, y = distance * cos(TIE_ANGLE), distance * sin(TIE_ANGLE)
+    return [(x, y), (-x, y)]
+
+
+def stop_places(sizes: JointSizes) -> list[tuple[float, float]]:
+    """Return the places of the bump stops of an end plate, which the arm plates meet at the mechanical limits, mm."""
+    half = sizes.arm_width / 2
+    distance = STOP_SHARE * half
+    angle = sizes.swing + asin(min(1.0, (half + stop_radius(sizes)) / distance))
+    x, y = distance * sin(angle), sizes.axis + distance * cos(angle)
+    return [(-x, y), (x, y)]
+
+
+def stop_radius(sizes: JointSizes) -> float:
+    """Return the outer radius of a bump stop, mm."""
+    return sizes.screw.diameter * MM * (0.5 + STOP_WALL)
+
+
+def frame_components(sizes: JointSizes, section: Section) -> list[Component]:
+    """Return the components of the frame; arguments: sizes of the joint, and its cross-section."""
+    return [
+        _cylinder(sizes, section),
+        *_end_plates(sizes),
+        *_bushes(sizes),
+        *_clamp(sizes),
+        *_ties(sizes),
+        *_stops(sizes),
+    ]
+
+
+def _cylinder(sizes: JointSizes, section: Section) -> Component:
+    R, length = sizes.radius, 2 * sizes.half_length
+    slot = rectangle(2 * (WEBBING + sizes.hose_thickness) + 0.2, sizes.radius, (0.0, -R))
+    middle = sizes.half_length
+    shape = Prism(
+        circle(0.0, 0.0, R),
+        length,
+        openings=(circle(0.0, 0.0, sizes.inner_radius),),
+        pockets=(
+            (window_loop(sizes, section), middle - sizes.window, middle + sizes.window),
+            (slot, middle - sizes.hose_width / 2 - 1.0, middle + sizes.hose_width / 2 + 1.0),
+        ),
+    )
+    stock = f"tube {2 * R:.4g} x {R - sizes.inner_radius:.3g}"
+    return Component("cylinder", "body", shape, "aluminium-tube", "milling", (place(z=-middle),), stock,
+                     size=f"{length:.1f} mm long")  # fmt: skip
+
+
+def end_plate(sizes: JointSizes, *, upper: bool) -> Prism:
+    """Return an end plate, from its inner face on along z.
+
+    Args:
+        sizes: sizes of the joint.
+        upper: whether it is the one that carries the angle sensor; the other one carries the brake.
+    """
+    screw, bore = sizes.screw, sizes.bush.outer * MM
+    x, y, _ = bar_place(sizes)
+    frame = [(x, y), (-x, y), *tie_places(sizes)]
+    stops = stop_places(sizes)
+    reach = sizes.bush.flange * MM / 2 + 4.0
+    rim = stop_radius(sizes)
+    mirrored = 1.0 if upper else -1.0  # the lower plate is laid upside down
+    holes = [Hole((0.0, sizes.axis), bore), *(Hole(p, screw.clearance_hole * MM) for p in frame)]
+    holes += [Hole(p, screw.tapping_hole * MM, screw.name) for p in stops]
+    if upper:
+        holes += [Hole(p, STANDOFF_SCREW.clearance_hole * MM) for p in standoff_places(sizes)]
+    else:
+        holes += [Hole(p, screw.tapping_hole * MM, screw.name) for p in stud_places(sizes)]
+    loop = hull([Circle(0.0, 0.0, sizes.radius + RIM), Circle(0.0, sizes.axis, reach),
+                 *(Circle(px, py, rim) for px, py in stops)])  # fmt: skip
+    if mirrored < 0:
+        loop = loop.mirrored()
+        holes = [Hole((-hole.centre[0], hole.centre[1]), hole.diameter, hole.thread) for hole in holes]
+    return Prism(loop, sizes.end_plate, tuple(holes))
+
+
+def _end_plates(sizes: JointSizes) -> list[Component]:
+    stock, low = f"plate {sizes.end_plate:g}", sizes.half_length
+    turned = np.diag([-1.0, 1.0, -1.0])
+    return [
+        Component("lower end plate", "body", end_plate(sizes, upper=False), "aluminium", "laser cutting",
+                  (place(z=-low, axes=turned),), stock, tags=frozenset({"end plate"})),
+        Component("upper end plate", "body", end_plate(sizes, upper=True), "aluminium", "laser cutting",
+                  (place(z=low),), stock, tags=frozenset({"end plate"})),
+    ]  # fmt: skip
+
+
+def _bushes(sizes: JointSizes) -> list[Component]:
+    one, length = sizes.bush, sizes.end_plate
+    flange = one.flange_thickness * MM
+    outline = stepped((one.flange * MM / 2, -flange, 0.0), (one.outer * MM / 2 - 0.01, 0.0, length),
+                      bore=one.bore * MM / 2 + 0.01)  # fmt: skip
+    low = sizes.half_length
+    places = (place(0.0, sizes.axis, low), place(0.0, sizes.axis, -low, UPSIDE_DOWN))
+    name = one.designation(length / MM)
+    return [
+        Component("bush", "body", Turned(outline), "POM", "bought", places, name, one.mass(length / MM)),
+    ]
+
+
+def _clamp(sizes: JointSizes) -> list[Component]:
+    """Return the bars that clamp the hoses back to back, with their screws and nuts."""
+    x, y, depth = bar_place(sizes)
+    screw, length, bar = sizes.screw, 2 * sizes.half_length, sizes.clamp_bar
+    across = clamp_heights(sizes)
+    hole = screw.clearance_hole * MM
+    ends = tuple(
+        Drilled((0.0, s * length / 2, bar / 2), (0.0, -s, 0.0), screw.tapping_hole * MM, 3 * screw.diameter * MM,
+                screw.name)
+        for s in (1.0, -1.0)
+    )  # fmt: skip
+    shape = Prism(rectangle(depth, length), bar, tuple(Hole((0.0, z), hole) for z in across), drilled=ends)
+    places = (place(x - bar / 2, y, 0.0, ALONG_X), place(-x - bar / 2, y, 0.0, ALONG_X))
+    grip = 2 * (x + bar / 2)
+    one = screw_for(grip / MM, screw.name, nut_engagement(screw.name))
+    heads = tuple(place(x + bar / 2, y, z, axes_towards(1, 0, 0)) for z in across)
+    nuts = tuple(place(-x - bar / 2, y, z, axes_towards(-1, 0, 0)) for z in across)
+    return [
+        Component("clamp bar", "body", shape, "aluminium", "milling", places, f"flat bar {depth:.1f} x {bar:g}",
+                  size=f"{length:.1f} mm long", tags=frozenset({"clamp bar"})),
+        socket_screw("screw of the clamp", "body", one, heads),
+        hexagon_nut("nut of the clamp", "body", screw, nuts),
+    ]  # fmt: skip
+
+
+def _ties(sizes: JointSizes) -> list[Component]:
+    """Return the tie bars, and the screws that hold the end plates on them and on the clamp bars."""
+    screw, length = sizes.screw, 2 * sizes.half_length
+    diameter = TIE_SHARE * screw.diameter * MM
+    ends = tuple(
+        Drilled((0.0, 0.0, z), (0.0, 0.0, d), screw.tapping_hole * MM, 3 * screw.diameter * MM, screw.name)
+        for z, d in ((0.0, 1.0), (length, -1.0))
+    )
+    bar = Turned(rod(diameter, length).outline, ends)
+    x, y, _ = bar_place(sizes)
+    frame = [(x, y), (-x, y), *tie_places(sizes)]
+    one = screw_for(sizes.end_plate / MM, screw.name)
+    return [
+        Component("tie bar", "body", bar, "aluminium", "turning",
+                  tuple(place(tx, ty, -length / 2) for tx, ty in tie_places(sizes)), f"round bar {diameter:g}",
+                  size=f"{length:.1f} mm long"),
+        socket_screw("screw of an end plate", "body", one, _on_faces(frame, sizes.top)),
+    ]  # fmt: skip
+
+
+def _stops(sizes: JointSizes) -> list[Component]:
+    """Return the bump stops: rubber sleeves on studs that reach from the end plates to the arm plates."""
+    screw, inner = sizes.screw, sizes.half_length
+    reach = inner - sizes.arm_z[0] - 0.5
+    rubber = sleeve(2 * stop_radius(sizes), screw.tapping_hole * MM, reach)
+    stops = stop_places(sizes)
+    low = [place(x, y, -inner) for x, y in stops]
+    high = [place(x, y, inner, UPSIDE_DOWN) for x, y in stops]
+    long = reach + sizes.end_plate
+    return [
+        Component("bump stop", "body", rubber, "rubber", "cutting", (*low, *high),
+                  f"rubber hose {2 * stop_radius(sizes):g} x {stop_radius(sizes) - screw.diameter * MM / 2:.3g}",
+                  size=f"{reach:.1f} mm long"),
+        stud("stud of a bump stop", "body", screw, long,
+             (*(place(x, y, -sizes.top) for x, y in stops), *(place(x, y, inner - reach) for x, y in stops))),
+    ]  # fmt: skip
+
+
+def _on_faces(points: list[tuple[float, float]], top: float) -> tuple[Place, ...]:
+    """Return places of screws on the outer faces of both end plates."""
+    upper = [place(x, y, top) for x, y in points]
+    return (*upper, *(place(x, y, -top, UPSIDE_DOWN) for x, y in points))

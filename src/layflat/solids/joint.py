@@ -1,0 +1,47 @@
+"""The components of one joint at an angle of its output: frame, hoses, output, brake and angle sensor."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from layflat.design import design_joint
+from layflat.solids.brake import brake_components
+from layflat.solids.frame import frame_components
+from layflat.solids.hoses import hose_components
+from layflat.solids.output import output_components
+from layflat.solids.section import Section
+from layflat.solids.sensor import sensor_components
+from layflat.solids.sizes import JointSizes
+
+if TYPE_CHECKING:
+    from layflat.machine import Machine
+    from layflat.solids.component import Component
+
+
+def joint_sizes(machine: Machine, name: str) -> JointSizes:
+    """Return the sizes of a joint's parts; raise DesignError if its kind has no solids, or no cam can be made."""
+    from layflat.design.summary import refuse_errors  # noqa: PLC0415
+
+    design = design_joint(machine, name)
+    refuse_errors(design.findings)
+    return JointSizes(design)
+
+
+def joint_components(sizes: JointSizes, angle: float = 0.0) -> list[Component]:
+    """Return the components of a joint in its own frame, mm, in the order in which they are put together.
+
+    Args:
+        sizes: sizes of its parts.
+        angle: of the output from mid-stroke, rad.
+
+    Raises:
+        DesignError: no size keeps a rule; the message says which value would mend it.
+    """
+    section = Section(sizes)
+    return [
+        *frame_components(sizes, section),
+        *output_components(sizes, angle),
+        *hose_components(sizes, section, angle),
+        *brake_components(sizes, angle),
+        *sensor_components(sizes, angle),
+    ]

@@ -1,0 +1,153 @@
+"""The output of a joint: cams with the straps' clamps, arm plates, and the rods and shaft through them."""
+
+from __future__ import annotations
+
+from math import cos, sin
+from typing import TYPE_CHECKING
+
+from layflat.lazy import numpy as np
+from layflat.solids.cams import CLAMP_SCREW, cam_part, flat
+from layflat.solids.component import Component, axes_towards
+from layflat.solids.hardware import hexagon_nut, rod, sleeve, socket_screw, stud
+from layflat.solids.loops import Circle, hull
+from layflat.solids.section import STRIP, Section
+from layflat.solids.sensor import COUPLED
+from layflat.solids.shapes import UPSIDE_DOWN, Hole, Place, Prism, place, turn_about_z
+from layflat.solids.sizes import MM, PAD, SPACER
+from layflat.solids.standard.screws import screw_for
+
+if TYPE_CHECKING:
+    from layflat.solids.sizes import JointSizes
+
+ARM_BEYOND = 30.0  # of the arm plates beyond the cylinder at mid-stroke, mm
+RING_THICKNESS = 1.0  # of a retaining ring, mm
+RING_SHARE = 1.45  # outer diameter of a retaining ring over the shaft's
+SCREW_PITCH = 25.0  # between screws of a strap's clamp, mm
+MIRROR = np.diag([-1.0, 1.0, -1.0])  # the cam of hose B, laid upside down, is the mirror image of that of hose A
+
+
+def clamp_places(width: float) -> tuple[float, ...]:
+    """Return where the screws of a strap's clamp are along its width, mm, from its middle."""
+    count = max(1, round(width / SCREW_PITCH))
+    return tuple(float(width * ((k + 0.5) / count - 0.5)) for k in range(count))
+
+
+def arm_reach(sizes: JointSizes) -> float:
+    """Return the distance of the middle of an arm plate's end from the output's axis, mm."""
+    return sizes.radius - sizes.axis + ARM_BEYOND
+
+
+def arm_plate(sizes: JointSizes) -> Prism:
+    """Return an arm plate about the output's axis, with the arm along y: bore, holes of rods and of the link."""
+    distance, half = sizes.rod_distance(sizes.rod), sizes.arm_width / 2
+    lug = Circle(0.0, -distance, sizes.lug_radius(sizes.rod))
+    reach = arm_reach(sizes)
+    hub = Circle(0.0, 0.0, half)
+    loop = hull([lug, hub, Circle(0.0, reach, half)] if distance + lug.radius > half else [hub, Circle(0.0, reach, half)])
+    rods = tuple(Hole((0.0, y), sizes.rod.clearance_hole * MM) for y in (distance, -distance))
+    link = tuple(Hole((0.0, y), sizes.screw.clearance_hole * MM) for y in link_holes(sizes))
+    return Prism(loop, sizes.arm_plate, (Hole((0.0, 0.0), sizes.shaft), *rods, *link))
+
+
+def link_holes(sizes: JointSizes) -> tuple[float, float]:
+    """Return the distances of the two holes for a link from the output's axis, mm."""
+    reach = arm_reach(sizes)
+    return reach - 2.5 * sizes.screw.diameter * MM, reach
+
+
+def output_components(sizes: JointSizes, angle: float) -> list[Component]:
+    """Return the components that turn with the output, at an angle from mid-stroke, rad."""
+    out = turn_about_z(angle).then(place(0.0, sizes.axis))
+    moved = [*_cams(sizes), *_arm(sizes), *_shaft(sizes)]
+    return [one.moved(out) for one in moved]
+
+
+def _cams(sizes: JointSizes) -> list[Component]:
+    """Return the cams with the clamps of the straps, in the output's frame at mid-stroke."""
+    turned = turn_about_z(sizes.stroke / 2)
+    width = sizes.strap_width
+    kind = sizes.joint.output.kind
+    found = _cam(sizes, f"{kind} of hose A", width, (place(z=-width / 2).then(turned),))
+    if sizes.double:
+        low, high = sizes.cam_b
+        mirrored = Place(MIRROR, np.zeros(3))
+        places = tuple(place(z=z).then(turned).then(mirrored) for z in (low, -high))
+        found += _cam(sizes, f"{kind} of hose B", width / 2, places)
+    return found
+
+
+def _cam(sizes: JointSizes, name: str, width: float, places: tuple[Place, ...]) -> list[Component]:
+    """Return cams of a width (mm) at places, each with strip and screws of its strap's clamp."""
+    at = clamp_places(width)
+    shape = cam_part(sizes, width, tuple(z + width / 2 for z in at))
+    section = Section(sizes)
+    holes = CLAMP_SCREW.clearance_hole * MM
+    (x, y), normal = flat(sizes)
+    high = sizes.strap_thickness + STRIP + 0.05
+    strip, frame = _strip(section, width, holes, at, (x, y), normal)
+    screw = screw_for((STRIP + sizes.strap_thickness) / MM, CLAMP_SCREW.name)
+    n = np.array([cos(normal), sin(normal), 0.0])
+    heads = tuple(
+        Place(axes_towards(*n), np.array([x, y, z + width / 2]) + high * n).then(one) for one in places for z in at
+    )
+    return [
+        Component(name, "output", shape, "aluminium", "milling", places, f"plate {width:g}", tags=frozenset({"cam"})),
+        Component(f"strap clamp on the {name}", "output", strip, "stainless-steel", "laser cutting",
+                  tuple(frame.then(one) for one in places), f"sheet {STRIP:g}"),
+        socket_screw(f"screw of the strap clamp on the {name}", "output", screw, heads),
+    ]  # fmt: skip
+
+
+def _strip(
+    section: Section, width: float, hole: float, at: tuple[float, ...], middle: tuple[float, float], normal: float
+) -> tuple[Prism, Place]:
+    """Return the strip of a strap's clamp, flat on its own xy-plane, and its place in the cam's frame."""
+    from layflat.solids.cams import winding  # noqa: PLC0415
+    from layflat.solids.loops import rectangle  # noqa: PLC0415
+
+    ends = winding(section.sizes)[-2:]
+    length = float(np.hypot(*(ends[1] - ends[0])))
+    strip = Prism(rectangle(length, width), STRIP, tuple(Hole((0.0, z), hole) for z in at))
+    n = np.array([cos(normal), sin(normal), 0.0])
+    z = np.array([0.0, 0.0, 1.0])
+    axes = np.column_stack([np.cross(z, n), z, n])
+    return strip, Place(axes, np.array([*middle, width / 2]) + (section.sizes.strap_thickness + 0.04) * n)
+
+
+def _arm(sizes: JointSizes) -> list[Component]:
+    """Return arm plates, spacers and rods, in the output's frame at mid-stroke."""
+    low, high = sizes.arm_z
+    size, distance = sizes.rod, sizes.rod_distance(sizes.rod)
+    lug = sizes.lug_radius(size)
+    spacer = Prism(hull([Circle(0.0, distance, lug), Circle(0.0, 0.0, sizes.shaft / 2 + 1.5), Circle(0.0, -distance, lug)]), SPACER - 0.02, (
+        Hole((0.0, 0.0), sizes.shaft), Hole((0.0, distance), size.clearance_hole * MM),
+        Hole((0.0, -distance), size.clearance_hole * MM)))  # fmt: skip
+    between = [sizes.strap_width / 2, sizes.cam_b[1]] if sizes.double else [sizes.strap_width / 2]
+    spacers = tuple(place(z=s * z + (0.01 if s > 0 else 0.01 - SPACER)) for z in between for s in (1.0, -1.0))
+    overhang = size.pitch * MM
+    length = 2 * (high + size.nut_height * MM + overhang)
+    rods = tuple(place(0.0, y, -length / 2) for y in (distance, -distance))
+    nuts = tuple(p for y in (distance, -distance) for p in (place(0.0, y, high), place(0.0, y, -high, UPSIDE_DOWN)))
+    plates = (place(z=low), place(z=-low, axes=np.diag([-1.0, 1.0, -1.0])))
+    return [
+        Component("spacer", "output", spacer, "aluminium-sheet", "laser cutting", spacers, f"sheet {SPACER:g}"),
+        Component("arm plate", "output", arm_plate(sizes), "aluminium", "laser cutting", plates,
+                  f"plate {sizes.arm_plate:g}", tags=frozenset({"arm plate"})),
+        stud("rod of the output", "output", size, length, rods),
+        hexagon_nut("nut of the output", "output", size, nuts),
+    ]  # fmt: skip
+
+
+def _shaft(sizes: JointSizes) -> list[Component]:
+    """Return the shaft, from the brake's disc to the coupling of the angle sensor, and its retaining rings."""
+    top = sizes.top + COUPLED
+    low = -(sizes.top + PAD + sizes.disc + sizes.disc_hub)
+    flange = sizes.half_length - sizes.bush.flange_thickness * MM
+    ring = sleeve(RING_SHARE * sizes.shaft + 2.0, sizes.shaft + 0.02, RING_THICKNESS)
+    places = (place(z=flange - RING_THICKNESS - 0.05), place(z=-flange + 0.05))
+    return [
+        Component("shaft", "output", rod(sizes.shaft, top - low), "shaft-steel", "turning", (place(z=low),),
+                  f"ground bar {sizes.shaft:g} h6", size=f"{top - low:.1f} mm long", tags=frozenset({"shaft"})),
+        Component("retaining ring", "output", ring, "spring-steel", "bought", places,
+                  f"DIN 471 - {sizes.shaft:g} x {RING_THICKNESS:g}"),
+    ]  # fmt: skip
