@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from layflat.lazy import numpy as np
 from layflat.solids.brake import stud_places
 from layflat.solids.component import Component, axes_towards
+from layflat.solids.inlets import inlet_holes
 from layflat.solids.hardware import hexagon_nut, rod, sleeve, socket_screw, stepped, stud
 from layflat.solids.loops import Circle, circle, hull, rectangle
 from layflat.solids.section import WEBBING, window_loop
@@ -21,10 +22,10 @@ if TYPE_CHECKING:
     from layflat.solids.shapes import Place
     from layflat.solids.sizes import JointSizes
 
-RIM = 2.0  # of an end plate around the cylinder, mm
 EDGE = 0.3  # between the clamp bars and the cylinder, mm
-TIE_ANGLE = radians(200.0)  # of the tie bar on the side of hose A
-TIE_SHARE = 2.4  # diameter of a tie bar over that of the screws in it
+SCREW_SHARE, END_SHARE = 0.18, -0.25  # places of the clamp's and the end plates' screws over a bar's depth
+TIE_ANGLE = radians(189.0)  # of the tie bar on the side of hose A
+TIE_SHARE = 2.0  # diameter of a tie bar over that of the screws in it
 STOP_SHARE = 2.0  # distance of a bump stop from the output's axis over half of an arm plate's width
 STOP_WALL = 0.6  # wall of a bump stop's rubber over the diameter of its screw
 
@@ -36,6 +37,18 @@ def bar_place(sizes: JointSizes) -> tuple[float, float, float]:
     bottom = -sqrt(sizes.inner_radius**2 - high**2) + EDGE
     top = -sizes.inner_radius + sizes.tail
     return (low + high) / 2, (bottom + top) / 2, top - bottom
+
+
+def frame_places(sizes: JointSizes) -> list[tuple[float, float]]:
+    """Return the places of the screws of an end plate: two in the clamp bars, two in the tie bars, mm."""
+    x, y, depth = bar_place(sizes)
+    return [(x, y + END_SHARE * depth), (-x, y + END_SHARE * depth), *tie_places(sizes)]
+
+
+def clamp_line(sizes: JointSizes) -> float:
+    """Return y of the screws through both clamp bars, mm."""
+    _, y, depth = bar_place(sizes)
+    return y + SCREW_SHARE * depth
 
 
 def clamp_heights(sizes: JointSizes) -> list[float]:
@@ -84,6 +97,7 @@ def _cylinder(sizes: JointSizes, section: Section) -> Component:
     shape = Prism(
         circle(0.0, 0.0, R),
         length,
+        drilled=inlet_holes(sizes),
         openings=(circle(0.0, 0.0, sizes.inner_radius),),
         pockets=(
             (window_loop(sizes, section), middle - sizes.window, middle + sizes.window),
@@ -103,8 +117,7 @@ def end_plate(sizes: JointSizes, *, upper: bool) -> Prism:
         upper: whether it is the one that carries the angle sensor; the other one carries the brake.
     """
     screw, bore = sizes.screw, sizes.bush.outer * MM
-    x, y, _ = bar_place(sizes)
-    frame = [(x, y), (-x, y), *tie_places(sizes)]
+    frame = frame_places(sizes)
     stops = stop_places(sizes)
     reach = sizes.bush.flange * MM / 2 + 4.0
     rim = stop_radius(sizes)
@@ -115,7 +128,7 @@ def end_plate(sizes: JointSizes, *, upper: bool) -> Prism:
         holes += [Hole(p, STANDOFF_SCREW.clearance_hole * MM) for p in standoff_places(sizes)]
     else:
         holes += [Hole(p, screw.tapping_hole * MM, screw.name) for p in stud_places(sizes)]
-    loop = hull([Circle(0.0, 0.0, sizes.radius + RIM), Circle(0.0, sizes.axis, reach),
+    loop = hull([Circle(0.0, 0.0, sizes.rim), Circle(0.0, sizes.axis, reach),
                  *(Circle(px, py, rim) for px, py in stops)])  # fmt: skip
     if mirrored < 0:
         loop = loop.mirrored()
@@ -154,16 +167,16 @@ def _clamp(sizes: JointSizes) -> list[Component]:
     across = clamp_heights(sizes)
     hole = screw.clearance_hole * MM
     ends = tuple(
-        Drilled((0.0, s * length / 2, bar / 2), (0.0, -s, 0.0), screw.tapping_hole * MM, 3 * screw.diameter * MM,
+        Drilled((END_SHARE * depth, s * length / 2, bar / 2), (0.0, -s, 0.0), screw.tapping_hole * MM, 3 * screw.diameter * MM,
                 screw.name)
         for s in (1.0, -1.0)
     )  # fmt: skip
-    shape = Prism(rectangle(depth, length), bar, tuple(Hole((0.0, z), hole) for z in across), drilled=ends)
+    shape = Prism(rectangle(depth, length), bar, tuple(Hole((SCREW_SHARE * depth, z), hole) for z in across), drilled=ends)
     places = (place(x - bar / 2, y, 0.0, ALONG_X), place(-x - bar / 2, y, 0.0, ALONG_X))
     grip = 2 * (x + bar / 2)
     one = screw_for(grip / MM, screw.name, nut_engagement(screw.name))
-    heads = tuple(place(x + bar / 2, y, z, axes_towards(1, 0, 0)) for z in across)
-    nuts = tuple(place(-x - bar / 2, y, z, axes_towards(-1, 0, 0)) for z in across)
+    heads = tuple(place(x + bar / 2, clamp_line(sizes), z, axes_towards(1, 0, 0)) for z in across)
+    nuts = tuple(place(-x - bar / 2, clamp_line(sizes), z, axes_towards(-1, 0, 0)) for z in across)
     return [
         Component("clamp bar", "body", shape, "aluminium", "milling", places, f"flat bar {depth:.1f} x {bar:g}",
                   size=f"{length:.1f} mm long", tags=frozenset({"clamp bar"})),
@@ -181,8 +194,7 @@ def _ties(sizes: JointSizes) -> list[Component]:
         for z, d in ((0.0, 1.0), (length, -1.0))
     )
     bar = Turned(rod(diameter, length).outline, ends)
-    x, y, _ = bar_place(sizes)
-    frame = [(x, y), (-x, y), *tie_places(sizes)]
+    frame = frame_places(sizes)
     one = screw_for(sizes.end_plate / MM, screw.name)
     return [
         Component("tie bar", "body", bar, "aluminium", "turning",

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING
 from layflat.lazy import numpy as np
 from layflat.solids.cams import CLAMP_SCREW, flat, opening
 from layflat.solids.component import Component, axes_towards
-from layflat.solids.frame import bar_place, clamp_heights
+from layflat.solids.frame import clamp_heights, clamp_line
 from layflat.solids.hardware import socket_screw
+from layflat.solids.inlets import inlet
 from layflat.solids.output import clamp_places
 from layflat.solids.section import BAR, STRIP, WEBBING
 from layflat.solids.shapes import Drilled, Hole, Lofted, Place, Prism, place, turn_about_z
@@ -66,6 +67,7 @@ def _side(section: Section, side: str, turn: float) -> list[Component]:
                   mass, size=f"{cut:.0f} mm long", tags=frozenset({"hose"})),
         Component(f"hinge of hose {letter}", hose, Prism(section.webbing(turn), width, drilled=_clamp_holes(sizes, width / 2)), "webbing", "cutting",
                   (place(z=-width / 2),), f"webbing {width:g} x 1", tags=frozenset({"hinge"})),
+        inlet(sizes, hose),
         *_shell(section, side, turn),
         Component(f"strap of hose {letter}", hose, strap, "steel-strip", "cutting",
                   tuple(place(z=low) for low, _ in strips), f"{name}, {layers} layers",
@@ -75,7 +77,7 @@ def _side(section: Section, side: str, turn: float) -> list[Component]:
 
 def _clamp_holes(sizes: JointSizes, middle: float) -> tuple[Drilled, ...]:
     """Return the holes for the screws of the clamp, in a part whose z = 0 lies below the middle by a distance, mm."""
-    _, y, _ = bar_place(sizes)
+    y = clamp_line(sizes)
     reach = 2 * (sizes.hose_thickness + WEBBING)
     hole = sizes.screw.clearance_hole * MM
     return tuple(

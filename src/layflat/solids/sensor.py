@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import cos, pi, sin
+from math import cos, radians, sin
 from typing import TYPE_CHECKING
 
 from layflat.solids.component import Component, axes_towards
@@ -18,9 +18,10 @@ if TYPE_CHECKING:
     from layflat.solids.sizes import JointSizes
 
 STANDOFF_SCREW = THREADS["M3"]
+STANDOFF_ANGLE = radians(150.0)  # from the arm at mid-stroke
 STANDOFF = 7.0  # diameter of a standoff, mm
-PLATE = 3.0  # thickness of the sensor's plate, mm
-SHAFT_LENGTH = 10.0  # of the potentiometer, cut, mm
+PLATE = 2.0  # thickness of the sensor's plate, mm
+SHAFT_LENGTH = 8.0  # of the potentiometer, cut, mm
 COUPLED = 6.0  # length of shaft in the coupling, mm
 COUPLING_GAP = 1.0  # between coupling and end plate, mm
 SHAFT_GAP = 0.5  # between both shafts in the coupling, mm
@@ -33,9 +34,9 @@ def _plate_height() -> float:
 
 
 def standoff_places(sizes: JointSizes) -> list[tuple[float, float]]:
-    """Return the places of the three standoffs around the output's axis, mm."""
+    """Return the places of the two standoffs beside the output's axis, mm."""
     distance = max(ANGLE_SENSOR.body_diameter * MM / 2, sizes.bush.flange * MM / 2, _coupling_radius(sizes)) + STANDOFF
-    return [(distance * sin(a), sizes.axis + distance * cos(a)) for a in (pi / 2, -pi / 2, pi)]
+    return [(distance * sin(a), sizes.axis + distance * cos(a)) for a in (STANDOFF_ANGLE, -STANDOFF_ANGLE)]
 
 
 def _coupling_radius(sizes: JointSizes) -> float:
@@ -47,8 +48,8 @@ def sensor_components(sizes: JointSizes, angle: float) -> list[Component]:
     sensor, face, height = ANGLE_SENSOR, sizes.top, _plate_height()
     turned = turn_about_z(angle).then(place(0.0, sizes.axis))
     places = standoff_places(sizes)
-    screw = screw_for(sizes.end_plate / MM, STANDOFF_SCREW.name)
-    upper_screw = screw_for(PLATE / MM, STANDOFF_SCREW.name)
+    screw = screw_for(sizes.end_plate / MM, STANDOFF_SCREW.name, STANDOFF_SCREW.diameter)
+    upper_screw = screw_for(PLATE / MM, STANDOFF_SCREW.name, STANDOFF_SCREW.diameter)
     thread = Drilled((0.0, 0.0, 0.0), (0.0, 0.0, 1.0), STANDOFF_SCREW.tapping_hole * MM, height, STANDOFF_SCREW.name)
     standoff = Turned(stepped((STANDOFF / 2, 0.0, height)), (thread,))
     around = Circle(0.0, 0.0, sensor.body_diameter * MM / 2)
@@ -78,7 +79,7 @@ def _coupling(sizes: JointSizes) -> list[Component]:
     """Return the coupling of both shafts with its set screws, about the output's axis."""
     sensor, radius = ANGLE_SENSOR, _coupling_radius(sizes)
     low, reach = sizes.top + COUPLING_GAP, SHAFT_LENGTH - PLATE - 1.0
-    middle, high = sizes.top + COUPLED + SHAFT_GAP / 2, sizes.top + COUPLED + SHAFT_GAP + reach - 2.0
+    middle, high = sizes.top + COUPLED + SHAFT_GAP / 2, sizes.top + COUPLED + SHAFT_GAP + reach
     wide, narrow = sizes.shaft / 2 + 0.01, sensor.shaft_diameter * MM / 2 + 0.01
     bores = stepped((radius, 0.0, high - low), bore=min(wide, narrow))
     inner = max(wide, narrow)

@@ -31,19 +31,22 @@ if TYPE_CHECKING:
 MM = 1e3  # mm per metre
 RUBBER_DENSITY = 1150.0  # of a woven hose with its lining, kg/m3
 SPACER = 1.0  # thickness of the washers between cams and arm plates, mm
+TAIL_SHARE = 0.5  # most that a hose's clamp takes of the cylinder's inner radius
+RIM = 2.0  # of an end plate beyond the shells, mm
 RING = 2.5  # least width of the cylinder's rings beside its window, mm
-SHAFT_SAFETY = 3.0  # required yield over bending stress of the shaft beside a bush: its load comes and goes
-PLATE_SAFETY = 2.0  # required yield over bending stress of arm plates and clamp bars
+SHAFT_SAFETY = 2.0  # required yield over bending stress of the shaft beside a bush: its load comes and goes
+PLATE_SAFETY = 3.0  # required yield over bending stress of arm plates and clamp bars
 ARM_WALL = 1.5  # wall of an arm plate beside its bore over the diameter of the frame's screws
 LEAST_PLATE = 0.004  # thickness of a plate, m
 CLAMP_PITCH = 40.0  # between screws of the clamp, mm
 DISC_SHARE = 0.7  # radius of the brake's disc over the cylinder's
-PLATE_SHARE = 0.07  # least thickness of an end plate over the cylinder's diameter
+PLATE_SHARE = 0.09  # least thickness of an end plate over the cylinder's diameter
 LUG_SHARE, LEAST_LUG = 0.4, 1.5  # wall around a rod over its diameter, and at least, mm
 BORE_WALL = 1.5  # between bore and rod, mm
+NUT_GAP = 0.3  # between a rod's nut and the shaft, mm
 NOSE_STRESS_SHARE = 0.55  # share of the strap's yield stress that bending over the shell's nose may take
-PAD = 2.5  # thickness of a brake pad, mm
-SCREW_SIZES = ((80.0, "M4"), (120.0, "M5"), (200.0, "M6"), (float("inf"), "M8"))
+PAD = 2.0  # thickness of a brake pad, mm
+SCREW_SIZES = ((70.0, "M3"), (85.0, "M4"), (120.0, "M5"), (200.0, "M6"), (float("inf"), "M8"))
 """Screws of a frame by cylinder diameter: up to a diameter (mm), a size."""
 
 
@@ -116,8 +119,8 @@ class JointSizes:
 
     @property
     def tail(self) -> float:
-        """Length of hose in the clamp."""
-        return CLAMPED_LENGTH * MM
+        """Length of hose in the clamp: that of `part_masses`, or as much as a small cylinder takes."""
+        return min(CLAMPED_LENGTH * MM, TAIL_SHARE * self.inner_radius)
 
     @property
     def strap_width(self) -> float:
@@ -190,8 +193,9 @@ class JointSizes:
         raise DesignError(what, where=f"{self.design.label}.output", right=right)
 
     def rod_distance(self, size: Thread) -> float:
-        """Return the distance of the rods of a size from the output's axis."""
-        return self.shaft / 2 + BORE_WALL + size.clearance_hole * MM / 2
+        """Return the distance of the rods of a size from the output's axis: bore and nut leave room between."""
+        room = max(BORE_WALL + size.clearance_hole * MM / 2, size.nut_flats * MM / 2 + NUT_GAP)
+        return self.shaft / 2 + room
 
     def lug_radius(self, size: Thread) -> float:
         """Return the radius of the lug around a rod of a size."""
@@ -234,13 +238,19 @@ class JointSizes:
 
     @property
     def window(self) -> float:
-        """Half of the length of the cylinder's window: arm plates and their nuts swing in it."""
-        return self.arm_z[1] + (self.screw.nut_height + self.screw.pitch) * MM + 0.5
+        """Half of the length of the cylinder's window: shells, arm plates and their nuts move in it."""
+        nuts = self.arm_z[1] + (self.screw.nut_height + self.screw.pitch) * MM
+        return max(self.hose_width / 2 + self.clearance / 2, nuts + 0.5)
 
     @property
     def half_length(self) -> float:
-        """Half of the cylinder's length: hoses, and the output with rings of the cylinder beside it, fit inside."""
-        return max(self.hose_width / 2 + self.clearance, self.window + RING)
+        """Half of the cylinder's length, with a ring beside the window."""
+        return self.window + RING
+
+    @property
+    def rim(self) -> float:
+        """Radius of an end plate about the cylinder's axis: it covers the collapsed hoses and their shells."""
+        return self.radius + self.hose_thickness + self.shell + RIM
 
     @property
     def top(self) -> float:
