@@ -13,7 +13,7 @@ from layflat.description import units as u
 from layflat.description.wrong import INPUT_VALUE, value_error
 from layflat.errors import MachineError
 from layflat.kinds import AnyKindOf
-from layflat.machine.build import Build
+from layflat.machine.build_sizes import Build
 from layflat.machine.gains import Gains
 from layflat.machine.tube import TubePart
 from layflat.physics.friction import FRICTION, FrictionPart

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 from layflat.errors import DesignError
 from layflat.solids.component import Component
 from layflat.solids.hardware import hexagon_nut, plain_washer, rod, sleeve, stepped, stud
-from layflat.solids.loops import Circle, hull
+from layflat.solids.loops import HullCircle, hull
 from layflat.solids.shapes import UPSIDE_DOWN, Drilled, Hole, Prism, Turned, place, turn_about_z
-from layflat.solids.sizes import MM, PAD
+from layflat.solids.sizes import MM, PAD_THICKNESS
 from layflat.solids.standard.springs import CompressionSpring, spring_for
 from layflat.solids.standard.stock import next_thickness
 from layflat.solids.standard.threads import THREADS
@@ -62,12 +62,12 @@ def brake_components(sizes: JointSizes, angle: float) -> list[Component]:
     if sqrt(x * x + y * y) + sizes.screw.diameter * MM > sizes.radius + 2.0:
         what = f"the brake's studs lie {sqrt(x * x + y * y):.4g} mm from the cylinder's axis, outside the end plate"
         right = f"give build.disc_diameter below {2 * MM * sizes.disc_radius * 0.9 / MM:.4g} mm"
-        raise DesignError(what, where=sizes.where, right=right)
+        raise DesignError(what, where=sizes.label, right=right)
     pads, face = pad_distance(sizes), sizes.top
     radius, turned = PAD_SHARE * sizes.disc_radius, turn_about_z(angle).then(place(0.0, sizes.axis))
     middle = sizes.axis - pads
-    pad = rod(2 * radius, PAD - 0.02)
-    disc_low = -(face + PAD + sizes.disc)
+    pad = rod(2 * radius, PAD_THICKNESS - 0.02)
+    disc_low = -(face + PAD_THICKNESS + sizes.disc)
     hub = 1.0 * sizes.shaft
     outline = stepped((hub, -sizes.disc_hub, 0.0), (sizes.disc_radius, 0.0, sizes.disc), bore=sizes.shaft / 2)
     set_hole = Drilled((hub, 0.0, -sizes.disc_hub / 2), (-1.0, 0.0, 0.0), SET_SCREW.tapping_hole * MM,
@@ -86,7 +86,7 @@ def brake_components(sizes: JointSizes, angle: float) -> list[Component]:
         Component("brake pad", "body", pad, "PA6", "turning",
                   (place(0.0, middle, -face - 0.01, UPSIDE_DOWN),
                    place(0.0, middle, disc_low - 0.01, UPSIDE_DOWN)), f"round bar {2 * radius:.3g}"),
-        *_beam(sizes, disc_low - PAD),
+        *_beam(sizes, disc_low - PAD_THICKNESS),
     ]  # fmt: skip
 
 
@@ -99,7 +99,7 @@ def _beam(sizes: JointSizes, z: float) -> list[Component]:
     screw = sizes.screw
     middle = studs[0][1]
     ends = screw.washer_diameter * MM / 2
-    loop = hull([Circle(0.0, 0.0, radius), *(Circle(x, 0.0, ends) for x, _ in studs)])
+    loop = hull([HullCircle(0.0, 0.0, radius), *(HullCircle(x, 0.0, ends) for x, _ in studs)])
     beam = Prism(loop, thickness, tuple(Hole((x, 0.0), screw.clearance_hole * MM) for x, _ in studs))
     low = z - thickness
     found = [
@@ -149,7 +149,7 @@ def _spring(sizes: JointSizes, force: float) -> CompressionSpring:
                 return one
     what = f"no spring for {force:.0f} N goes around a stud {screw.name}"
     right = "a larger build.disc_diameter needs less force; or give another build.screw"
-    raise DesignError(what, where=sizes.where, right=right)
+    raise DesignError(what, where=sizes.label, right=right)
 
 
 def _cylinder(sizes: JointSizes, force: float, low: float, beam: Prism) -> list[Component]:
@@ -159,7 +159,7 @@ def _cylinder(sizes: JointSizes, force: float, low: float, beam: Prism) -> list[
     bore = next((size for size in CYLINDER_BORES if size >= need), None)
     if bore is None:
         what = f"no short-stroke cylinder presses with {force:.0f} N at {pressure / 1e5:.3g} bar"
-        raise DesignError(what, where=sizes.where, right="a larger build.disc_diameter needs less force")
+        raise DesignError(what, where=sizes.label, right="a larger build.disc_diameter needs less force")
     outer, middle = bore + 2 * CYLINDER_WALL, stud_places(sizes)[0][1]
     body = rod(outer, CYLINDER_HEIGHT)
     bridge = low - CYLINDER_HEIGHT - beam.height

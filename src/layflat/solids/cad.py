@@ -5,20 +5,20 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from layflat import extras
-from layflat.solids.loops import Arc, Curve, Line
-from layflat.solids.shapes import Drilled, Lofted, Place, Prism, Shape, Turned
+from layflat.solids.loops import ArcSide, CurveSide, StraightSide
+from layflat.solids.shapes import Drilled, Joined, Lofted, PartPlace, Prism, Shape, Turned
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from layflat.solids.loops import Loop
 
-WHERE = "solids"
+ROOM_NAME = "solids"
 
 
 def kernel() -> Any:
     """Return the module of the CAD kernel; raise MissingExtraError without the extra `cad`."""
-    return extras.import_extra("cad", "build123d", WHERE)
+    return extras.import_extra("cad", "build123d", ROOM_NAME)
 
 
 def solid(shape: Shape) -> Any:
@@ -30,14 +30,17 @@ def solid(shape: Shape) -> Any:
             return _drill(_turned(shape), shape.drilled)
         case Lofted():
             return _drill(_lofted(shape), shape.drilled)
+        case Joined():
+            first, *others = [placed(solid(piece), at) for piece, at in shape.placed()]
+            return max(first.fuse(*others).solids(), key=lambda one: one.volume) if others else first
 
 
-def placed(body: Any, at: Place) -> Any:
+def placed(body: Any, at: PartPlace) -> Any:
     """Return a copy of a solid at a place; it shares its geometry with the original."""
     return body.moved(location(at))
 
 
-def location(at: Place) -> Any:
+def location(at: PartPlace) -> Any:
     """Return the kernel's location of a place."""
     b = kernel()
     x, _, z = at.axes.T
@@ -54,13 +57,13 @@ def wire(loop: Loop, plane: str = "xy") -> Any:
     edges, before = [], loop.start
     for side in loop.sides:
         match side:
-            case Line(to):
+            case StraightSide(to):
                 edges.append(b.Edge.make_line(point(before), point(to)))
-            case Arc(via, to):
+            case ArcSide(via, to):
                 edges.append(b.Edge.make_three_point_arc(point(before), point(via), point(to)))
-            case Curve(through):
+            case CurveSide(through):
                 edges.append(b.Edge.make_spline([point(before), *map(point, through)]))
-        before = side.to
+        before = side.end
     return b.Wire(edges)
 
 

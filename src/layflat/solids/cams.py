@@ -9,40 +9,21 @@ from layflat.design.cam import HUB_SHARE, Outline
 from layflat.design.straplines import direction_vector, rotate_quarter
 from layflat.errors import DesignError
 from layflat.lazy import numpy as np
-from layflat.solids.loops import Curve, Line, Loop, circle
+from layflat.solids.loops import CurveSide, Loop, StraightSide
 from layflat.solids.shapes import Drilled, Hole, Prism
-from layflat.solids.sizes import MM
+from layflat.solids.sizes import MM, rod_places
 from layflat.solids.standard.threads import THREADS
 
 if TYPE_CHECKING:
     from layflat.arrays import Array
     from layflat.solids.sizes import JointSizes
-    from layflat.solids.standard.threads import Thread
 
 PROFILE_STEP = 1.0  # least distance between points of a profile that is drawn as a curve, mm
 LUG_POINTS = 48
 FLAT_SHARE = 0.5  # length of the strap's clamp over the smallest lever arm, as `Outline` has it
 LEAST_FLAT = 7.0  # length of the strap's clamp, mm: a screw's head
 CLAMP_SCREW = THREADS["M3"]  # of the straps' clamps
-TAPPED = 8.0  # depth of their threads, mm
-
-
-def rod_places(sizes: JointSizes, size: Thread) -> Array:
-    """Return the places of the two rods of a size in a cam's own frame, mm, (2, 2): on the arm's line at mid-stroke."""
-    r, angle = sizes.rod_distance(size), -sizes.stroke / 2
-    turn = np.array([[cos(angle), -sin(angle)], [sin(angle), cos(angle)]])
-    places: Array = np.array([[0.0, r], [0.0, -r]]) @ turn.T
-    return places
-
-
-def lug_room(sizes: JointSizes, size: Thread) -> float:
-    """Return the least distance (mm) from lugs around rods of a size to the lines of the strap; below 0 one crosses."""
-    lug = sizes.lug_radius(size)
-    if sizes.design.cam is None:
-        return sizes.joint.output.radius * MM - sizes.rod_distance(size) - lug
-    cam = sizes.design.cam
-    normals = direction_vector(cam.normal)
-    return float((cam.lever * MM - rod_places(sizes, size) @ normals.T).min()) - lug
+TAPPED_DEPTH = 8.0  # depth of their threads, mm
 
 
 def winding(sizes: JointSizes) -> Array:
@@ -57,7 +38,8 @@ def winding(sizes: JointSizes) -> Array:
         angles = np.linspace(first, first - sizes.stroke, 1 + int(np.degrees(sizes.stroke)))
         profile, end, length = r * direction_vector(angles), angles[-1], max(FLAT_SHARE * r, LEAST_FLAT)
     else:
-        profile, end, length = cam.profile * MM, float(cam.normal[-1]), max(FLAT_SHARE * float(cam.lever.min()) * MM, LEAST_FLAT)
+        profile, end = cam.profile * MM, float(cam.normal[-1])
+        length = max(FLAT_SHARE * float(cam.lever.min()) * MM, LEAST_FLAT)
     tangent = rotate_quarter(direction_vector(end))
     line: Array = np.vstack((profile, profile[-1] - length * tangent))
     return line
@@ -98,7 +80,7 @@ def opening(sizes: JointSizes, turn: float) -> float:
 
 
 def flat(sizes: JointSizes) -> tuple[Array, float]:
-    """Return the middle of the strap's clamp in a cam's own frame, mm, (2,), and the angle of its outward normal, rad."""
+    """Return the middle of the strap's clamp in a cam's own frame, mm, (2,), and the angle of its normal, rad."""
     ends = winding(sizes)[-2:]
     along = ends[0] - ends[1]
     return ends.mean(axis=0), float(np.arctan2(along[1], along[0])) - pi / 2
@@ -119,7 +101,7 @@ def cam_part(sizes: JointSizes, width: float, screws: tuple[float, ...]) -> Pris
     (x, y), normal = flat(sizes)
     inward = (-cos(normal), -sin(normal), 0.0)
     drilled = tuple(
-        Drilled((float(x), float(y), z), inward, CLAMP_SCREW.tapping_hole * MM, TAPPED, CLAMP_SCREW.name)
+        Drilled((float(x), float(y), z), inward, CLAMP_SCREW.tapping_hole * MM, TAPPED_DEPTH, CLAMP_SCREW.name)
         for z in screws
     )  # fmt: skip
     return Prism(cam_loop(sizes), width, (Hole((0.0, 0.0), sizes.shaft), *holes), drilled=drilled)
@@ -143,8 +125,8 @@ def cam_loop(sizes: JointSizes) -> Loop:
     first = int(np.argmax(on_back & ~np.roll(on_back, 1)))
     back = points[np.roll(order, -first)][np.roll(on_back, -first)]
     (x, y), *rest = (tuple(map(float, point)) for point in _spaced(profile))
-    curve = Curve(tuple((float(x), float(y)) for x, y in rest))
-    return Loop((x, y), (curve, *(Line((float(x), float(y))) for x, y in back), Line((x, y))))
+    curve = CurveSide(tuple((float(x), float(y)) for x, y in rest))
+    return Loop((x, y), (curve, *(StraightSide((float(x), float(y))) for x, y in back), StraightSide((x, y))))
 
 
 def _back(sizes: JointSizes) -> Array:
@@ -152,11 +134,12 @@ def _back(sizes: JointSizes) -> Array:
     cam = sizes.design.cam
     if cam is None:
         radius = sizes.joint.output.radius * MM
-        back: Array = radius * direction_vector(np.linspace(0.0, 2 * pi, 180, endpoint=False))
+        first = _roller_normal(sizes, 0.0)
+        back: Array = radius * direction_vector(np.linspace(first, first + 2 * pi - sizes.stroke, 180)[1:-1])
         return back
     thickest = 2 * float(cam.lever.min()) * MM / HUB_SHARE
     if sizes.shaft >= thickest:
-        what = f"a shaft of {sizes.shaft:g} mm leaves no wall in a cam with a lever arm of {cam.lever.min() * MM:.4g} mm"
+        what = f"a shaft of {sizes.shaft:g} mm leaves no wall with a lever arm of {cam.lever.min() * MM:.4g} mm"
         right = f"give build.shaft_diameter below {thickest:.4g} mm, a lower supply pressure, or a shorter stroke"
         raise DesignError(what, where=f"{sizes.design.label}.output", right=right)
     outline = Outline(cam, sizes.shaft / MM)

@@ -9,7 +9,7 @@ from layflat.lazy import numpy as np
 from layflat.solids.standard.materials import material
 
 if TYPE_CHECKING:
-    from layflat.solids.shapes import Place, Shape
+    from layflat.solids.shapes import PartPlace, Shape
 
 Group = Literal["body", "output", "shell a", "shell b", "hose a", "hose b"]
 """Parts of a joint that move together; hoses and straps change their shape."""
@@ -26,7 +26,7 @@ class Component:
     shape: Shape
     material: str  # a name of `MATERIALS`
     making: Making
-    places: tuple[Place, ...]  # in the frame of the joint, mm
+    places: tuple[PartPlace, ...]  # in the frame of the joint, mm
     designation: str = ""  # of a standard part, or the stock that it is made from
     bought_mass: float | None = None  # of one, kg; None: volume times density
     size: str = ""  # main sizes, such as lengths to cut
@@ -48,11 +48,11 @@ class Component:
         """Density of its material, kg/m3."""
         return material(self.material).density
 
-    def moved(self, outer: Place) -> Component:
+    def moved(self, outer: PartPlace) -> Component:
         """Return it where its frame has a place in another frame."""
-        return self.at(tuple(one.then(outer) for one in self.places))
+        return self.put_at(tuple(one.then(outer) for one in self.places))
 
-    def at(self, places: tuple[Place, ...]) -> Component:
+    def put_at(self, places: tuple[PartPlace, ...]) -> Component:
         """Return it at other places."""
         from dataclasses import replace  # noqa: PLC0415
 
@@ -60,7 +60,13 @@ class Component:
 
 
 def axes_towards(x: float, y: float, z: float) -> np.ndarray:
-    """Return axes (3, 3) of which the third points along a direction."""
+    """Return axes (3, 3) of which the third points along a direction.
+
+    Args:
+        x: component of the direction, of any length.
+        y: the same.
+        z: the same.
+    """
     direction = np.array([x, y, z], float) / float(np.hypot(np.hypot(x, y), z))
     across = np.eye(3)[int(np.argmin(np.abs(direction)))]
     first = np.cross(across, direction)

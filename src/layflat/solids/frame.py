@@ -2,83 +2,41 @@
 
 from __future__ import annotations
 
-from math import asin, cos, radians, sin, sqrt
 from typing import TYPE_CHECKING
 
 from layflat.lazy import numpy as np
 from layflat.solids.brake import stud_places
 from layflat.solids.component import Component, axes_towards
-from layflat.solids.inlets import inlet_holes
 from layflat.solids.hardware import hexagon_nut, rod, sleeve, socket_screw, stepped, stud
-from layflat.solids.loops import Circle, circle, hull, rectangle
-from layflat.solids.section import WEBBING, window_loop
+from layflat.solids.inlets import inlet_holes
+from layflat.solids.loops import HullCircle, circle, hull, rectangle
+from layflat.solids.places import (
+    END_SHARE,
+    SCREW_SHARE,
+    TIE_SHARE,
+    bar_place,
+    clamp_heights,
+    clamp_line,
+    foot_places,
+    frame_places,
+    stop_places,
+    stop_radius,
+    tie_places,
+    tongue_holes,
+)
+from layflat.solids.section import WEBBING_THICKNESS, window_loop
 from layflat.solids.sensor import STANDOFF_SCREW, standoff_places
 from layflat.solids.shapes import ALONG_X, UPSIDE_DOWN, Drilled, Hole, Prism, Turned, place
 from layflat.solids.sizes import MM
 from layflat.solids.standard.screws import nut_engagement, screw_for
 
 if TYPE_CHECKING:
-    from layflat.solids.section import Section
-    from layflat.solids.shapes import Place
+    from layflat.solids.section import CrossSection
+    from layflat.solids.shapes import PartPlace
     from layflat.solids.sizes import JointSizes
 
-EDGE = 0.3  # between the clamp bars and the cylinder, mm
-SCREW_SHARE, END_SHARE = 0.18, -0.25  # places of the clamp's and the end plates' screws over a bar's depth
-TIE_ANGLE = radians(189.0)  # of the tie bar on the side of hose A
-TIE_SHARE = 2.0  # diameter of a tie bar over that of the screws in it
-STOP_SHARE = 2.0  # distance of a bump stop from the output's axis over half of an arm plate's width
-STOP_WALL = 0.6  # wall of a bump stop's rubber over the diameter of its screw
 
-
-def bar_place(sizes: JointSizes) -> tuple[float, float, float]:
-    """Return x and y of the middle of the clamp bar on the side of +x, and its depth along y, mm."""
-    low = WEBBING + sizes.hose_thickness
-    high = low + sizes.clamp_bar
-    bottom = -sqrt(sizes.inner_radius**2 - high**2) + EDGE
-    top = -sizes.inner_radius + sizes.tail
-    return (low + high) / 2, (bottom + top) / 2, top - bottom
-
-
-def frame_places(sizes: JointSizes) -> list[tuple[float, float]]:
-    """Return the places of the screws of an end plate: two in the clamp bars, two in the tie bars, mm."""
-    x, y, depth = bar_place(sizes)
-    return [(x, y + END_SHARE * depth), (-x, y + END_SHARE * depth), *tie_places(sizes)]
-
-
-def clamp_line(sizes: JointSizes) -> float:
-    """Return y of the screws through both clamp bars, mm."""
-    _, y, depth = bar_place(sizes)
-    return y + SCREW_SHARE * depth
-
-
-def clamp_heights(sizes: JointSizes) -> list[float]:
-    """Return where the screws of the clamp are along z, mm."""
-    room = sizes.hose_width - 2 * sizes.screw.head_diameter * MM
-    return [float(z) for z in np.linspace(-0.5, 0.5, sizes.clamp_screws) * room]
-
-
-def tie_places(sizes: JointSizes) -> list[tuple[float, float]]:
-    """Return the places of the two tie bars, mm."""
-    distance = sizes.inner_radius - TIE_SHARE * sizes.screw.diameter * MM / 2 - 1.0
-    x, y = distance * cos(TIE_ANGLE), distance * sin(TIE_ANGLE)
-    return [(x, y), (-x, y)]
-
-
-def stop_places(sizes: JointSizes) -> list[tuple[float, float]]:
-    """Return the places of the bump stops of an end plate, which the arm plates meet at the mechanical limits, mm."""
-    half = sizes.arm_width / 2
-    distance = STOP_SHARE * half
-    angle = sizes.swing + asin(min(1.0, (half + stop_radius(sizes)) / distance))
-    x, y = distance * sin(angle), sizes.axis + distance * cos(angle)
-    return [(-x, y), (x, y)]
-
-
-def stop_radius(sizes: JointSizes) -> float:
-    """Return the outer radius of a bump stop, mm."""
-    return sizes.screw.diameter * MM * (0.5 + STOP_WALL)
-
-
-def frame_components(sizes: JointSizes, section: Section) -> list[Component]:
+def frame_components(sizes: JointSizes, section: CrossSection) -> list[Component]:
     """Return the components of the frame; arguments: sizes of the joint, and its cross-section."""
     return [
         _cylinder(sizes, section),
@@ -90,9 +48,9 @@ def frame_components(sizes: JointSizes, section: Section) -> list[Component]:
     ]
 
 
-def _cylinder(sizes: JointSizes, section: Section) -> Component:
+def _cylinder(sizes: JointSizes, section: CrossSection) -> Component:
     R, length = sizes.radius, 2 * sizes.half_length
-    slot = rectangle(2 * (WEBBING + sizes.hose_thickness) + 0.2, sizes.radius, (0.0, -R))
+    slot = rectangle(2 * (WEBBING_THICKNESS + sizes.hose_thickness) + 0.2, sizes.radius, (0.0, -R))
     middle = sizes.half_length
     shape = Prism(
         circle(0.0, 0.0, R),
@@ -128,8 +86,12 @@ def end_plate(sizes: JointSizes, *, upper: bool) -> Prism:
         holes += [Hole(p, STANDOFF_SCREW.clearance_hole * MM) for p in standoff_places(sizes)]
     else:
         holes += [Hole(p, screw.tapping_hole * MM, screw.name) for p in stud_places(sizes)]
-    loop = hull([Circle(0.0, 0.0, sizes.rim), Circle(0.0, sizes.axis, reach),
-                 *(Circle(px, py, rim) for px, py in stops)])  # fmt: skip
+    holes += [Hole(p, screw.tapping_hole * MM, screw.name) for p in tongue_holes(sizes)]
+    if not upper:
+        holes += [Hole(p, screw.tapping_hole * MM, screw.name) for p in foot_places(sizes)]
+    tongue = [HullCircle(x, y, sizes.arm_width / 2) for x, y in tongue_holes(sizes)[1:]]
+    loop = hull([*tongue, HullCircle(0.0, 0.0, sizes.rim), HullCircle(0.0, sizes.axis, reach),
+                 *(HullCircle(px, py, rim) for px, py in stops)])  # fmt: skip
     if mirrored < 0:
         loop = loop.mirrored()
         holes = [Hole((-hole.centre[0], hole.centre[1]), hole.diameter, hole.thread) for hole in holes]
@@ -155,9 +117,7 @@ def _bushes(sizes: JointSizes) -> list[Component]:
     low = sizes.half_length
     places = (place(0.0, sizes.axis, low), place(0.0, sizes.axis, -low, UPSIDE_DOWN))
     name = one.designation(length / MM)
-    return [
-        Component("bush", "body", Turned(outline), "POM", "bought", places, name, one.mass(length / MM)),
-    ]
+    return [Component("bush", "body", Turned(outline), "POM", "bought", places, name, one.mass(length / MM))]
 
 
 def _clamp(sizes: JointSizes) -> list[Component]:
@@ -166,12 +126,13 @@ def _clamp(sizes: JointSizes) -> list[Component]:
     screw, length, bar = sizes.screw, 2 * sizes.half_length, sizes.clamp_bar
     across = clamp_heights(sizes)
     hole = screw.clearance_hole * MM
+    deep = 3 * screw.diameter * MM
     ends = tuple(
-        Drilled((END_SHARE * depth, s * length / 2, bar / 2), (0.0, -s, 0.0), screw.tapping_hole * MM, 3 * screw.diameter * MM,
-                screw.name)
+        Drilled((END_SHARE * depth, s * length / 2, bar / 2), (0.0, -s, 0.0), screw.tapping_hole * MM, deep, screw.name)
         for s in (1.0, -1.0)
     )  # fmt: skip
-    shape = Prism(rectangle(depth, length), bar, tuple(Hole((SCREW_SHARE * depth, z), hole) for z in across), drilled=ends)
+    holes = tuple(Hole((SCREW_SHARE * depth, z), hole) for z in across)
+    shape = Prism(rectangle(depth, length), bar, holes, drilled=ends)
     places = (place(x - bar / 2, y, 0.0, ALONG_X), place(-x - bar / 2, y, 0.0, ALONG_X))
     grip = 2 * (x + bar / 2)
     one = screw_for(grip / MM, screw.name, nut_engagement(screw.name))
@@ -222,7 +183,7 @@ def _stops(sizes: JointSizes) -> list[Component]:
     ]  # fmt: skip
 
 
-def _on_faces(points: list[tuple[float, float]], top: float) -> tuple[Place, ...]:
+def _on_faces(points: list[tuple[float, float]], top: float) -> tuple[PartPlace, ...]:
     """Return places of screws on the outer faces of both end plates."""
     upper = [place(x, y, top) for x, y in points]
     return (*upper, *(place(x, y, -top, UPSIDE_DOWN) for x, y in points))

@@ -17,7 +17,7 @@ from layflat.solids.standard.screws import Screw, nut, threaded_rod, washer
 if TYPE_CHECKING:
     from layflat.solids.component import Group
     from layflat.solids.loops import Loop
-    from layflat.solids.shapes import Place
+    from layflat.solids.shapes import PartPlace
     from layflat.solids.standard.threads import Thread
 
 
@@ -33,7 +33,13 @@ def stepped(*steps: tuple[float, float, float], bore: float = 0.0) -> Loop:
 
 
 def sleeve(outer: float, bore: float, length: float) -> Turned:
-    """Return a tube along z from 0 on, of outer and inner diameter and a length, mm."""
+    """Return a tube along z from 0 on.
+
+    Args:
+        outer: outer diameter, mm.
+        bore: inner diameter, mm.
+        length: mm.
+    """
     return Turned(stepped((outer / 2, 0.0, length), bore=bore / 2))
 
 
@@ -42,23 +48,30 @@ def rod(diameter: float, length: float) -> Turned:
     return Turned(stepped((diameter / 2, 0.0, length)))
 
 
-def socket_screw(name: str, group: Group, one: Screw, places: tuple[Place, ...]) -> Component:
+def socket_screw(name: str, group: Group, screw: Screw, places: tuple[PartPlace, ...]) -> Component:
     """Return socket screws; the seat of the head is at z = 0, the head above it.
 
     Args:
         name: of the parts in the list.
         group: with which they move.
-        one: the screw.
+        screw: the screw.
         places: where they are.
     """
-    size = one.thread
+    size = screw.thread
     shank, head = size.tapping_hole * MM / 2 - 0.01, size.head_diameter * MM / 2
-    outline = stepped((shank, -one.length * MM, 0.0), (head, 0.0, size.head_height * MM))
-    return Component(name, group, Turned(outline), "screw-steel", "bought", places, one.designation, one.mass)
+    outline = stepped((shank, -screw.length * MM, 0.0), (head, 0.0, size.head_height * MM))
+    return Component(name, group, Turned(outline), "screw-steel", "bought", places, screw.designation, screw.mass)
 
 
-def hexagon_nut(name: str, group: Group, size: Thread, places: tuple[Place, ...]) -> Component:
-    """Return nuts that stand on z = 0; arguments as of `socket_screw`, with their thread."""
+def hexagon_nut(name: str, group: Group, size: Thread, places: tuple[PartPlace, ...]) -> Component:
+    """Return nuts that stand on z = 0.
+
+    Args:
+        name: of the parts in the list.
+        group: with which they move.
+        size: their thread.
+        places: where they are.
+    """
     half = size.nut_flats * MM / 2
     corner = 2 * half / sqrt(3)
     outline = polygon([(corner, 0), (corner / 2, half), (-corner / 2, half), (-corner, 0), (-corner / 2, -half),
@@ -68,15 +81,30 @@ def hexagon_nut(name: str, group: Group, size: Thread, places: tuple[Place, ...]
     return Component(name, group, shape, "screw-steel", "bought", places, one.designation, one.mass)
 
 
-def plain_washer(name: str, group: Group, size: Thread, places: tuple[Place, ...]) -> Component:
-    """Return washers that lie on z = 0; arguments as of `hexagon_nut`."""
+def plain_washer(name: str, group: Group, size: Thread, places: tuple[PartPlace, ...]) -> Component:
+    """Return washers that lie on z = 0.
+
+    Args:
+        name: of the parts in the list.
+        group: with which they move.
+        size: their thread.
+        places: where they are.
+    """
     one = washer(size.name)
     shape = sleeve(size.washer_diameter * MM, size.washer_hole * MM, size.washer_thickness * MM)
     return Component(name, group, shape, "screw-steel", "bought", places, one.designation, one.mass)
 
 
-def stud(name: str, group: Group, size: Thread, length: float, places: tuple[Place, ...]) -> Component:
-    """Return pieces of threaded rod of a length (mm) along z from 0 on; other arguments as of `hexagon_nut`."""
+def stud(name: str, group: Group, size: Thread, length: float, places: tuple[PartPlace, ...]) -> Component:
+    """Return pieces of threaded rod along z from 0 on.
+
+    Args:
+        name: of the parts in the list.
+        group: with which they move.
+        size: their thread.
+        length: mm.
+        places: where they are.
+    """
     one = threaded_rod(size.name, length / MM)
     shape = rod(size.tapping_hole * MM - 0.02, length)
     return Component(name, group, shape, "screw-steel", "bought", places, one.designation, one.mass)

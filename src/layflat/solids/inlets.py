@@ -10,7 +10,8 @@ from layflat.errors import DesignError
 from layflat.lazy import numpy as np
 from layflat.solids.component import Component, axes_towards
 from layflat.solids.hardware import stepped
-from layflat.solids.section import GAP
+from layflat.solids.places import TIE_SHARE, bar_place, clamp_heights, tie_places
+from layflat.solids.section import CONTACT_GAP
 from layflat.solids.shapes import Drilled, Turned, place
 from layflat.solids.sizes import MM
 from layflat.solids.standard.fittings import TUBE_SIZES, HollowScrew, PushInFitting, push_in_fitting
@@ -23,14 +24,14 @@ INLET_ANGLES = tuple(radians(float(a)) for a in range(-170, -115, 1))  # on the 
 LEAST_ROOM = 0.5  # between an inlet and what lies beside it, mm
 HOLE_GAP = 0.2  # between a stem and its hole, mm
 DEFAULT_BORE = {False: 2.5e-3, True: 4e-3}  # of a tube where no line is described, m: hose below or above 60 mm wide
-WIDE = 60.0  # mm
-ELBOW = 3e-3  # length of an elbow beyond its tube's diameter, m
+WIDE_HOSE = 60.0  # mm
+ELBOW_LENGTH = 3e-3  # length of an elbow beyond its tube's diameter, m
 
 
 def tube_bore(sizes: JointSizes) -> float:
     """Return the bore of the tube to a hose, m: the described line's, or one by the hose's width."""
     line = sizes.joint.line or sizes.design.machine.line
-    return line.bore if line is not None else DEFAULT_BORE[sizes.hose_width > WIDE]
+    return line.bore if line is not None else DEFAULT_BORE[sizes.hose_width > WIDE_HOSE]
 
 
 @dataclass(frozen=True)
@@ -43,7 +44,7 @@ class Inlet:
     @property
     def elbow(self) -> float:
         """Length of its elbow, mm."""
-        return (self.fitting.tube_outer + ELBOW) * MM
+        return (self.fitting.tube_outer + ELBOW_LENGTH) * MM
 
     @property
     def reach(self) -> float:
@@ -66,13 +67,11 @@ def choose_inlet(sizes: JointSizes) -> Inlet:
         if room >= LEAST_ROOM:
             return Inlet(fitting, angle)
     what = f"no inlet fits into a cylinder with an inner diameter of {2 * sizes.inner_radius:.4g} mm"
-    raise DesignError(what, where=sizes.where, right="give a wider cylinder, or a smaller build.screw")
+    raise DesignError(what, where=sizes.label, right="give a wider cylinder, or a smaller build.screw")
 
 
 def _room(sizes: JointSizes, fitting: PushInFitting, angle: float) -> float:
     """Return the least distance of a fitting at an angle (rad) from tie bar and clamp bar, mm; below 0 they overlap."""
-    from layflat.solids.frame import TIE_SHARE, bar_place, tie_places  # noqa: PLC0415  # the frame needs these holes
-
     radius = max(fitting.body_diameter, fitting.port.flange) * MM / 2
     reach = Inlet(fitting, angle).reach
     line = np.linspace(sizes.inner_radius - reach, sizes.inner_radius, 20)[:, None] * [[cos(angle), sin(angle)]]
@@ -91,14 +90,13 @@ def inlet_holes(sizes: JointSizes) -> tuple[Drilled, ...]:
     for s, z in _sides(sizes):
         x, y = s * cos(angle), sin(angle)
         diameter = one.diameter * MM + 2 * HOLE_GAP
-        found.append(Drilled((R * x, R * y, sizes.half_length + z), (-x, -y, 0.0), diameter, R - 0.8 * sizes.inner_radius))
+        start = (R * x, R * y, sizes.half_length + z)
+        found.append(Drilled(start, (-x, -y, 0.0), diameter, R - 0.8 * sizes.inner_radius))
     return tuple(found)
 
 
 def _sides(sizes: JointSizes) -> list[tuple[float, float]]:
     """Return the side of each inlet, 1 for that of hose A, and its height between two screws of the clamp, mm."""
-    from layflat.solids.frame import clamp_heights  # noqa: PLC0415  # the frame needs these holes
-
     heights = clamp_heights(sizes)
     z = (heights[-1] + heights[-2]) / 2
     return [(1.0, z), (-1.0, -z)][: 2 if sizes.double else 1]
@@ -110,7 +108,7 @@ def inlet(sizes: JointSizes, group: Group) -> Component:
     fitting, one, outer = chosen.fitting, chosen.fitting.port, chosen.fitting.tube_outer
     (_, z), *_ = _sides(sizes)
     seat = sqrt(sizes.inner_radius**2 - (one.flange * MM / 2) ** 2) - 0.02  # the nut's rim meets the cylinder
-    stem = sizes.radius + GAP - seat
+    stem = sizes.radius + CONTACT_GAP - seat
     nut, elbow = one.depth * MM, chosen.elbow
     outline = stepped(
         (fitting.body_diameter * MM / 2, 0.0, elbow),

@@ -9,7 +9,7 @@ from layflat.solids.brake import brake_components
 from layflat.solids.frame import frame_components
 from layflat.solids.hoses import hose_components
 from layflat.solids.output import output_components
-from layflat.solids.section import Section
+from layflat.solids.section import CrossSection
 from layflat.solids.sensor import sensor_components
 from layflat.solids.sizes import JointSizes
 
@@ -37,7 +37,7 @@ def joint_components(sizes: JointSizes, angle: float = 0.0) -> list[Component]:
     Raises:
         DesignError: no size keeps a rule; the message says which value would mend it.
     """
-    section = Section(sizes)
+    section = CrossSection(sizes)
     return [
         *frame_components(sizes, section),
         *output_components(sizes, angle),

@@ -18,38 +18,38 @@ Point = tuple[float, float]
 
 ARC_STEP = pi / 36  # angle between two points of a drawn arc, rad
 HULL_POINTS = 720  # of a circle, by which the circles on a hull are found
-SHORTEST = 1e-6  # length of a side that is left out, mm
+SHORTEST_SIDE = 1e-6  # length of a side that is left out, mm
 
 
-class Line(NamedTuple):
+class StraightSide(NamedTuple):
     """Straight side."""
 
-    to: Point
+    end: Point
 
 
-class Arc(NamedTuple):
+class ArcSide(NamedTuple):
     """Circular side through a point."""
 
     via: Point
-    to: Point
+    end: Point
 
 
-class Curve(NamedTuple):
+class CurveSide(NamedTuple):
     """Smooth side through points."""
 
     through: tuple[Point, ...]
 
     @property
-    def to(self) -> Point:
+    def end(self) -> Point:
         """End of the side."""
         return self.through[-1]
 
 
-Side = Line | Arc | Curve
+Side = StraightSide | ArcSide | CurveSide
 
 
-class Circle(NamedTuple):
-    """Circle in a plane."""
+class HullCircle(NamedTuple):
+    """HullCircle in a plane."""
 
     x: float
     y: float
@@ -68,13 +68,13 @@ class Loop:
         found, before = [self.start], self.start
         for side in self.sides:
             match side:
-                case Line(to):
+                case StraightSide(to):
                     found.append(to)
-                case Arc(via, to):
+                case ArcSide(via, to):
                     found.extend(_arc_points(before, via, to))
-                case Curve(through):
+                case CurveSide(through):
                     found.extend(through)
-            before = side.to
+            before = side.end
         return np.array(found[:-1])
 
     @property
@@ -99,23 +99,35 @@ class Loop:
 
 
 def circle(x: float, y: float, radius: float) -> Loop:
-    """Return a circle as two arcs."""
-    return Loop((x + radius, y), (Arc((x, y + radius), (x - radius, y)), Arc((x, y - radius), (x + radius, y))))
+    """Return a circle as two arcs.
+
+    Args:
+        x: coordinate of its centre, mm.
+        y: the same.
+        radius: mm.
+    """
+    return Loop((x + radius, y), (ArcSide((x, y + radius), (x - radius, y)), ArcSide((x, y - radius), (x + radius, y))))
 
 
 def polygon(points: Iterable[Sequence[float]]) -> Loop:
     """Return a polygon through corners, without sides of no length."""
     corners: list[Point] = []
     for x, y in points:
-        if not corners or hypot(x - corners[-1][0], y - corners[-1][1]) > SHORTEST:
+        if not corners or hypot(x - corners[-1][0], y - corners[-1][1]) > SHORTEST_SIDE:
             corners.append((float(x), float(y)))
-    if hypot(corners[0][0] - corners[-1][0], corners[0][1] - corners[-1][1]) <= SHORTEST:
+    if hypot(corners[0][0] - corners[-1][0], corners[0][1] - corners[-1][1]) <= SHORTEST_SIDE:
         corners.pop()
-    return Loop(corners[0], tuple(Line(corner) for corner in (*corners[1:], corners[0])))
+    return Loop(corners[0], tuple(StraightSide(corner) for corner in (*corners[1:], corners[0])))
 
 
 def rectangle(width: float, height: float, centre: Point = (0.0, 0.0)) -> Loop:
-    """Return a rectangle about a centre."""
+    """Return a rectangle.
+
+    Args:
+        width: along x, mm.
+        height: along y, mm.
+        centre: mm.
+    """
     x, y = width / 2, height / 2
     return polygon([(centre[0] + a * x, centre[1] + b * y) for a, b in ((-1, -1), (1, -1), (1, 1), (-1, 1))])
 
@@ -131,21 +143,21 @@ def sector(inner: float, outer: float, first: float, last: float) -> Loop:
     """
     middle = (first + last) / 2
 
-    def at(radius: float, angle: float) -> Point:
+    def point_at(radius: float, angle: float) -> Point:
         return radius * cos(angle), radius * sin(angle)
 
     return Loop(
-        at(inner, first),
+        point_at(inner, first),
         (
-            Line(at(outer, first)),
-            Arc(at(outer, middle), at(outer, last)),
-            Line(at(inner, last)),
-            Arc(at(inner, middle), at(inner, first)),
+            StraightSide(point_at(outer, first)),
+            ArcSide(point_at(outer, middle), point_at(outer, last)),
+            StraightSide(point_at(inner, last)),
+            ArcSide(point_at(inner, middle), point_at(inner, first)),
         ),
     )
 
 
-def hull(circles: Sequence[Circle]) -> Loop:
+def hull(circles: Sequence[HullCircle]) -> Loop:
     """Return the convex hull of circles: arcs, and the straight lines that touch two of them."""
     order = _circles_on_hull(circles)
     if len(order) == 1:
@@ -155,12 +167,12 @@ def hull(circles: Sequence[Circle]) -> Loop:
     start = touches[-1][1]
     for index, (leaves, arrives) in zip(order, touches, strict=True):
         x, y, radius = circles[index]
-        before = sides[-1].to if sides else start
+        before = sides[-1].end if sides else start
         first, last = (atan2(p[1] - y, p[0] - x) for p in (before, leaves))
         middle = first + ((last - first) % (2 * pi)) / 2
-        if hypot(before[0] - leaves[0], before[1] - leaves[1]) > SHORTEST:
-            sides.append(Arc((x + radius * cos(middle), y + radius * sin(middle)), leaves))
-        sides.append(Line(arrives))
+        if hypot(before[0] - leaves[0], before[1] - leaves[1]) > SHORTEST_SIDE:
+            sides.append(ArcSide((x + radius * cos(middle), y + radius * sin(middle)), leaves))
+        sides.append(StraightSide(arrives))
     return Loop(start, tuple(sides))
 
 
@@ -182,7 +194,7 @@ def ribbon(path: Array, below: float, above: float) -> Loop:
     return polygon(np.vstack((path - below * across, (path + above * across)[::-1])))
 
 
-def _circles_on_hull(circles: Sequence[Circle]) -> list[int]:
+def _circles_on_hull(circles: Sequence[HullCircle]) -> list[int]:
     """Return the indices of the circles that a hull touches, anticlockwise; a circle may come twice."""
     directions = np.linspace(0.0, 2 * pi, HULL_POINTS, endpoint=False)
     support = np.array([c.x * np.cos(directions) + c.y * np.sin(directions) + c.radius for c in circles])
@@ -191,18 +203,18 @@ def _circles_on_hull(circles: Sequence[Circle]) -> list[int]:
     return [int(best[at]) for at in changes] or [int(best[0])]
 
 
-def _tangent(one: Circle, other: Circle) -> tuple[Point, Point]:
+def _tangent(first: HullCircle, second: HullCircle) -> tuple[Point, Point]:
     """Return the points at which the line touches two circles that has both on its left."""
-    dx, dy = other.x - one.x, other.y - one.y
+    dx, dy = second.x - first.x, second.y - first.y
     distance = hypot(dx, dy)
-    if distance <= abs(one.radius - other.radius):
+    if distance <= abs(first.radius - second.radius):
         raise DesignError("one circle lies inside the other", where="outline", right="leave the inner one out")
     along = atan2(dy, dx)
     # The normal of the line, pointing out of the hull, is the same at both circles.
-    normal = along - pi / 2 + np.arcsin((one.radius - other.radius) / distance)
+    normal = along - pi / 2 + np.arcsin((first.radius - second.radius) / distance)
     n = cos(normal), sin(normal)
-    first = one.x + one.radius * n[0], one.y + one.radius * n[1]
-    return first, (other.x + other.radius * n[0], other.y + other.radius * n[1])
+    start = first.x + first.radius * n[0], first.y + first.radius * n[1]
+    return start, (second.x + second.radius * n[0], second.y + second.radius * n[1])
 
 
 def _arc_points(start: Point, via: Point, to: Point) -> list[Point]:
@@ -219,7 +231,13 @@ def _arc_points(start: Point, via: Point, to: Point) -> list[Point]:
 
 
 def arc_centre(start: Point, via: Point, to: Point) -> Point:
-    """Return the centre of the circle through three points."""
+    """Return the centre of the circle through three points.
+
+    Args:
+        start: first point, mm.
+        via: second point, mm.
+        to: third point, mm.
+    """
     (ax, ay), (bx, by), (cx, cy) = start, via, to
     d = 2 * (ax * (by - cy) + bx * (cy - ay) + cx * (ay - by))
     a2, b2, c2 = ax * ax + ay * ay, bx * bx + by * by, cx * cx + cy * cy
@@ -241,9 +259,9 @@ def _mapped(side: Side, change: object) -> Side:
     """Return a side with all its points changed."""
     assert callable(change)
     match side:
-        case Line(to):
-            return Line(change(to))
-        case Arc(via, to):
-            return Arc(change(via), change(to))
-        case Curve(through):
-            return Curve(tuple(change(point) for point in through))
+        case StraightSide(to):
+            return StraightSide(change(to))
+        case ArcSide(via, to):
+            return ArcSide(change(via), change(to))
+        case CurveSide(through):
+            return CurveSide(tuple(change(point) for point in through))

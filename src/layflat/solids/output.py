@@ -2,28 +2,28 @@
 
 from __future__ import annotations
 
-from math import cos, sin
+from math import cos, sin, sqrt
 from typing import TYPE_CHECKING
 
 from layflat.lazy import numpy as np
 from layflat.solids.cams import CLAMP_SCREW, cam_part, flat
 from layflat.solids.component import Component, axes_towards
 from layflat.solids.hardware import hexagon_nut, rod, sleeve, socket_screw, stud
-from layflat.solids.loops import Circle, hull
-from layflat.solids.section import STRIP, Section
-from layflat.solids.sensor import COUPLED
-from layflat.solids.shapes import UPSIDE_DOWN, Hole, Place, Prism, place, turn_about_z
-from layflat.solids.sizes import MM, PAD, SPACER
+from layflat.solids.loops import HullCircle, hull
+from layflat.solids.section import STRIP_THICKNESS, CrossSection
+from layflat.solids.sensor import COUPLED_LENGTH
+from layflat.solids.shapes import UPSIDE_DOWN, Hole, PartPlace, Prism, place, turn_about_z
+from layflat.solids.sizes import MM, PAD_THICKNESS, SPACER_THICKNESS
 from layflat.solids.standard.screws import screw_for
 
 if TYPE_CHECKING:
     from layflat.solids.sizes import JointSizes
 
-ARM_BEYOND = 30.0  # of the arm plates beyond the cylinder at mid-stroke, mm
+LINK_PITCH = 2.5  # between the holes for a link over the diameter of the screws
 RING_THICKNESS = 1.0  # of a retaining ring, mm
 RING_SHARE = 1.45  # outer diameter of a retaining ring over the shaft's
 SCREW_PITCH = 25.0  # between screws of a strap's clamp, mm
-MIRROR = np.diag([-1.0, 1.0, -1.0])  # the cam of hose B, laid upside down, is the mirror image of that of hose A
+MIRROR_AXES = np.diag([-1.0, 1.0, -1.0])  # the cam of hose B, laid upside down, is the mirror image of that of hose A
 
 
 def clamp_places(width: float) -> tuple[float, ...]:
@@ -32,27 +32,34 @@ def clamp_places(width: float) -> tuple[float, ...]:
     return tuple(float(width * ((k + 0.5) / count - 0.5)) for k in range(count))
 
 
+def link_holes(sizes: JointSizes) -> tuple[float, float, float]:
+    """Return the distances of the holes for a link from the output's axis, mm: screw, tie, screw.
+
+    The first screw's head passes beside the end plates at all angles up to the mechanical limit.
+    """
+    across, along = sizes.axis * sin(sizes.swing), sizes.axis * cos(sizes.swing)
+    rim = sqrt(sizes.rim**2 - across**2) - along
+    first = rim + sizes.screw.head_diameter * MM / 2 + sizes.clearance
+    step = LINK_PITCH * sizes.screw.diameter * MM
+    return first, first + step, first + 2 * step
+
+
 def arm_reach(sizes: JointSizes) -> float:
-    """Return the distance of the middle of an arm plate's end from the output's axis, mm."""
-    return sizes.radius - sizes.axis + ARM_BEYOND
+    """Return the distance of the last hole of an arm plate from the output's axis, mm."""
+    return link_holes(sizes)[-1]
 
 
 def arm_plate(sizes: JointSizes) -> Prism:
     """Return an arm plate about the output's axis, with the arm along y: bore, holes of rods and of the link."""
     distance, half = sizes.rod_distance(sizes.rod), sizes.arm_width / 2
-    lug = Circle(0.0, -distance, sizes.lug_radius(sizes.rod))
+    lug = HullCircle(0.0, -distance, sizes.lug_radius(sizes.rod))
     reach = arm_reach(sizes)
-    hub = Circle(0.0, 0.0, half)
-    loop = hull([lug, hub, Circle(0.0, reach, half)] if distance + lug.radius > half else [hub, Circle(0.0, reach, half)])
+    hub = HullCircle(0.0, 0.0, half)
+    inside = distance + lug.radius <= half
+    loop = hull([hub, HullCircle(0.0, reach, half), *(() if inside else (lug,))])
     rods = tuple(Hole((0.0, y), sizes.rod.clearance_hole * MM) for y in (distance, -distance))
     link = tuple(Hole((0.0, y), sizes.screw.clearance_hole * MM) for y in link_holes(sizes))
     return Prism(loop, sizes.arm_plate, (Hole((0.0, 0.0), sizes.shaft), *rods, *link))
-
-
-def link_holes(sizes: JointSizes) -> tuple[float, float]:
-    """Return the distances of the two holes for a link from the output's axis, mm."""
-    reach = arm_reach(sizes)
-    return reach - 2.5 * sizes.screw.diameter * MM, reach
 
 
 def output_components(sizes: JointSizes, angle: float) -> list[Component]:
@@ -70,48 +77,48 @@ def _cams(sizes: JointSizes) -> list[Component]:
     found = _cam(sizes, f"{kind} of hose A", width, (place(z=-width / 2).then(turned),))
     if sizes.double:
         low, high = sizes.cam_b
-        mirrored = Place(MIRROR, np.zeros(3))
+        mirrored = PartPlace(MIRROR_AXES, np.zeros(3))
         places = tuple(place(z=z).then(turned).then(mirrored) for z in (low, -high))
         found += _cam(sizes, f"{kind} of hose B", width / 2, places)
     return found
 
 
-def _cam(sizes: JointSizes, name: str, width: float, places: tuple[Place, ...]) -> list[Component]:
+def _cam(sizes: JointSizes, name: str, width: float, places: tuple[PartPlace, ...]) -> list[Component]:
     """Return cams of a width (mm) at places, each with strip and screws of its strap's clamp."""
     at = clamp_places(width)
     shape = cam_part(sizes, width, tuple(z + width / 2 for z in at))
-    section = Section(sizes)
+    section = CrossSection(sizes)
     holes = CLAMP_SCREW.clearance_hole * MM
     (x, y), normal = flat(sizes)
-    high = sizes.strap_thickness + STRIP + 0.05
+    high = sizes.strap_thickness + STRIP_THICKNESS + 0.05
     strip, frame = _strip(section, width, holes, at, (x, y), normal)
-    screw = screw_for((STRIP + sizes.strap_thickness) / MM, CLAMP_SCREW.name)
+    screw = screw_for((STRIP_THICKNESS + sizes.strap_thickness) / MM, CLAMP_SCREW.name)
     n = np.array([cos(normal), sin(normal), 0.0])
     heads = tuple(
-        Place(axes_towards(*n), np.array([x, y, z + width / 2]) + high * n).then(one) for one in places for z in at
+        PartPlace(axes_towards(*n), np.array([x, y, z + width / 2]) + high * n).then(one) for one in places for z in at
     )
     return [
         Component(name, "output", shape, "aluminium", "milling", places, f"plate {width:g}", tags=frozenset({"cam"})),
         Component(f"strap clamp on the {name}", "output", strip, "stainless-steel", "laser cutting",
-                  tuple(frame.then(one) for one in places), f"sheet {STRIP:g}"),
+                  tuple(frame.then(one) for one in places), f"sheet {STRIP_THICKNESS:g}"),
         socket_screw(f"screw of the strap clamp on the {name}", "output", screw, heads),
     ]  # fmt: skip
 
 
 def _strip(
-    section: Section, width: float, hole: float, at: tuple[float, ...], middle: tuple[float, float], normal: float
-) -> tuple[Prism, Place]:
+    section: CrossSection, width: float, hole: float, at: tuple[float, ...], middle: tuple[float, float], normal: float
+) -> tuple[Prism, PartPlace]:
     """Return the strip of a strap's clamp, flat on its own xy-plane, and its place in the cam's frame."""
     from layflat.solids.cams import winding  # noqa: PLC0415
     from layflat.solids.loops import rectangle  # noqa: PLC0415
 
     ends = winding(section.sizes)[-2:]
     length = float(np.hypot(*(ends[1] - ends[0])))
-    strip = Prism(rectangle(length, width), STRIP, tuple(Hole((0.0, z), hole) for z in at))
+    strip = Prism(rectangle(length, width), STRIP_THICKNESS, tuple(Hole((0.0, z), hole) for z in at))
     n = np.array([cos(normal), sin(normal), 0.0])
     z = np.array([0.0, 0.0, 1.0])
     axes = np.column_stack([np.cross(z, n), z, n])
-    return strip, Place(axes, np.array([*middle, width / 2]) + (section.sizes.strap_thickness + 0.04) * n)
+    return strip, PartPlace(axes, np.array([*middle, width / 2]) + (section.sizes.strap_thickness + 0.04) * n)
 
 
 def _arm(sizes: JointSizes) -> list[Component]:
@@ -119,18 +126,20 @@ def _arm(sizes: JointSizes) -> list[Component]:
     low, high = sizes.arm_z
     size, distance = sizes.rod, sizes.rod_distance(sizes.rod)
     lug = sizes.lug_radius(size)
-    spacer = Prism(hull([Circle(0.0, distance, lug), Circle(0.0, 0.0, sizes.shaft / 2 + 1.5), Circle(0.0, -distance, lug)]), SPACER - 0.02, (
+    around = [(distance, lug), (0.0, sizes.shaft / 2 + 1.5), (-distance, lug)]
+    spacer = Prism(hull([HullCircle(0.0, y, radius) for y, radius in around]), SPACER_THICKNESS - 0.02, (
         Hole((0.0, 0.0), sizes.shaft), Hole((0.0, distance), size.clearance_hole * MM),
         Hole((0.0, -distance), size.clearance_hole * MM)))  # fmt: skip
     between = [sizes.strap_width / 2, sizes.cam_b[1]] if sizes.double else [sizes.strap_width / 2]
-    spacers = tuple(place(z=s * z + (0.01 if s > 0 else 0.01 - SPACER)) for z in between for s in (1.0, -1.0))
+    spacers = tuple(place(z=s * z + (0.01 if s > 0 else 0.01 - SPACER_THICKNESS)) for z in between for s in (1.0, -1.0))
     overhang = size.pitch * MM
     length = 2 * (high + size.nut_height * MM + overhang)
     rods = tuple(place(0.0, y, -length / 2) for y in (distance, -distance))
     nuts = tuple(p for y in (distance, -distance) for p in (place(0.0, y, high), place(0.0, y, -high, UPSIDE_DOWN)))
     plates = (place(z=low), place(z=-low, axes=np.diag([-1.0, 1.0, -1.0])))
     return [
-        Component("spacer", "output", spacer, "aluminium-sheet", "laser cutting", spacers, f"sheet {SPACER:g}"),
+        Component("spacer", "output", spacer, "aluminium-sheet", "laser cutting", spacers,
+                  f"sheet {SPACER_THICKNESS:g}"),
         Component("arm plate", "output", arm_plate(sizes), "aluminium", "laser cutting", plates,
                   f"plate {sizes.arm_plate:g}", tags=frozenset({"arm plate"})),
         stud("rod of the output", "output", size, length, rods),
@@ -140,8 +149,8 @@ def _arm(sizes: JointSizes) -> list[Component]:
 
 def _shaft(sizes: JointSizes) -> list[Component]:
     """Return the shaft, from the brake's disc to the coupling of the angle sensor, and its retaining rings."""
-    top = sizes.top + COUPLED
-    low = -(sizes.top + PAD + sizes.disc + sizes.disc_hub)
+    top = sizes.top + COUPLED_LENGTH
+    low = -(sizes.top + PAD_THICKNESS + sizes.disc + sizes.disc_hub)
     flange = sizes.half_length - sizes.bush.flange_thickness * MM
     ring = sleeve(RING_SHARE * sizes.shaft + 2.0, sizes.shaft + 0.02, RING_THICKNESS)
     places = (place(z=flange - RING_THICKNESS - 0.05), place(z=-flange + 0.05))

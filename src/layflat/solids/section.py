@@ -1,4 +1,6 @@
-"""Cross-section of a joint at any angle of its output: shell, strap, hose and hinge of hose A; hose B is its mirror image.
+"""Cross-section of a joint at any angle of its output: shell, strap, hose and hinge of hose A.
+
+Hose B is its mirror image.
 
 All lengths are in mm, in the frame of `sizes.py`. Turns count from the collapsed hose on, in rad.
 """
@@ -20,21 +22,21 @@ if TYPE_CHECKING:
     from layflat.solids.loops import Loop, Point
     from layflat.solids.sizes import JointSizes
 
-WEBBING = 1.0  # thickness of the hinge's webbing
-LAP = 20.0  # length of webbing on the shell
+WEBBING_THICKNESS = 1.0  # thickness of the hinge's webbing
+LAP_LENGTH = 20.0  # length of webbing on the shell
 HINGE_GAP = 6.0  # from the plane of both hinges to the edge of the shell
-FILM = 0.02  # between a strap and what it lies on
-GAP = 0.05  # between a hose and what it lies on
-BAR = 4.5  # thickness of the bar under the shell's end, into which the strap's screws go
-STRIP = 2.0  # thickness of the strip that clamps the strap
+FILM_THICKNESS = 0.02  # between a strap and what it lies on
+CONTACT_GAP = 0.05  # between a hose and what it lies on
+BAR_THICKNESS = 4.5  # thickness of the bar under the shell's end, into which the strap's screws go
+STRIP_THICKNESS = 2.0  # thickness of the strip that clamps the strap
 ARC_STEP = pi / 60  # between points of arcs, rad
-STATIONS = 16  # of a hose along its wrap
+STATION_COUNT = 16  # of a hose along its wrap
 EDGE_POINTS = 7  # of a hose's rounded edge
-BEYOND = 0.05  # angle by which the shell's nose goes on beyond its last contact, rad
+BEYOND_ANGLE = 0.05  # angle by which the shell's nose goes on beyond its last contact, rad
 
 
 @dataclass(frozen=True)
-class Section:
+class CrossSection:
     """Cross-section of the parts of hose A, in the frame of the joint with the hose collapsed."""
 
     sizes: JointSizes
@@ -48,11 +50,15 @@ class Section:
     def headings(self) -> Array:
         """Direction of the strap towards the output in the shell's own frame at each turn of the stroke, rad, (n,)."""
         sizes, cam = self.sizes, self.sizes.design.cam
+        headings: Array
         if cam is not None:
-            return np.unwrap(cam.line_normal) - pi / 2 - cam.travel / sizes.line.chord
+            headings = np.unwrap(cam.line_normal) - pi / 2 - cam.travel / sizes.line.chord
+            return headings
         turns = np.linspace(0.0, sizes.stroke, 41)
         feet = [self.foot(float(turn)) - self._moved(self.start, float(turn)) for turn in turns]
-        return np.unwrap([atan2(y, x) for x, y in feet]) - np.array([opening(sizes, float(turn)) for turn in turns])
+        headings = np.unwrap([atan2(y, x) for x, y in feet])
+        headings -= np.array([opening(sizes, float(turn)) for turn in turns])
+        return headings
 
     @cached_property
     def nose(self) -> tuple[Array, float, float]:
@@ -86,7 +92,7 @@ class Section:
         (x, y), (centre, high, low) = self.ramp[0], self.nose
         first, last = -pi / 2 - asin(HINGE_GAP / outer), atan2(y, x) - 2 * pi * (y > 0)
         arc = outer * _directions(first, last)
-        curl = [centre - sizes.nose_radius * _right(a) for a in _angles(high, low - BEYOND)]
+        curl = [centre - sizes.nose_radius * _right(a) for a in _angles(high, low - BEYOND_ANGLE)]
         return np.vstack((arc, curl))
 
     def shell(self) -> Loop:
@@ -100,20 +106,20 @@ class Section:
 
     def bar(self) -> Loop:
         """Return the bar under the ramp, into which the strap's screws go."""
-        return self._on_ramp(0.12, 1.0, self.sizes.shell + BAR, -self.sizes.shell)
+        return self._on_ramp(0.12, 1.0, self.sizes.shell + BAR_THICKNESS, -self.sizes.shell)
 
     def clamp_strip(self) -> Loop:
         """Return the strip that clamps the strap on the ramp."""
-        below = self.sizes.strap_thickness + 2 * FILM
-        return self._on_ramp(0.05, 0.95, -below, below + STRIP)
+        below = self.sizes.strap_thickness + 2 * FILM_THICKNESS
+        return self._on_ramp(0.05, 0.95, -below, below + STRIP_THICKNESS)
 
     @cached_property
     def hose_end(self) -> float:
         """Angle on the cylinder at which the collapsed hose ends, before the bar, rad, from -pi/2 down."""
         corners = self.bar().points()
-        angles = np.unwrap([atan2(y, x) for x, y in corners])
-        reach = (BAR + 1.0) / self.sizes.radius  # the bar swings into the hose as the shell opens
-        return float(angles.max()) - 2 * pi * (angles.max() > 0) + reach
+        last = max(float(angle) for angle in np.unwrap([atan2(y, x) for x, y in corners]))
+        reach = (BAR_THICKNESS + 1.0) / self.sizes.radius  # the bar swings into the hose as the shell opens
+        return last - 2 * pi * (last > 0) + reach
 
     @property
     def window_end(self) -> float:
@@ -129,7 +135,8 @@ class Section:
 
     def foot(self, turn: float) -> Array:
         """Return the point at which the strap leaves cam or roller, (2,)."""
-        return self._wound(turn)[0]
+        point: Array = self._wound(turn)[0]
+        return point
 
     def _wound(self, turn: float) -> Array:
         """Return the part of the strap that lies on cam or roller, in the joint's frame, from its foot on, (n, 2)."""
@@ -142,7 +149,8 @@ class Section:
         rest = line[int(np.searchsorted(angles, inside + 1e-9)) :]
         points = np.vstack((foot, rest)) if len(rest) else np.array([foot])
         c, s = cos(turn), sin(turn)
-        return points @ np.array([[c, s], [-s, c]]) + np.array([0.0, sizes.axis])
+        placed: Array = points @ np.array([[c, s], [-s, c]]) + np.array([0.0, sizes.axis])
+        return placed
 
     def strap_path(self, turn: float) -> Array:
         """Return the line of the strap's inner face after a turn, from the ramp to the flat of the cam, (n, 2)."""
@@ -154,45 +162,47 @@ class Section:
 
     def strap(self, turn: float) -> Loop:
         """Return the strap after a turn."""
-        return ribbon(self.strap_path(turn), -FILM, FILM + self.sizes.strap_thickness)
+        return ribbon(self.strap_path(turn), -FILM_THICKNESS, FILM_THICKNESS + self.sizes.strap_thickness)
 
     def cam_clamp(self) -> Loop:
         """Return the strip that clamps the strap on the flat of the cam, in the cam's own frame."""
-        low = self.sizes.strap_thickness + 2 * FILM
-        return ribbon(winding(self.sizes)[-2:], -low, low + STRIP)
+        low = self.sizes.strap_thickness + 2 * FILM_THICKNESS
+        return ribbon(winding(self.sizes)[-2:], -low, low + STRIP_THICKNESS)
 
     def webbing(self, turn: float) -> Loop:
         """Return the hinge's webbing after a turn: from the clamp to its lap on the shell."""
         sizes = self.sizes
         outer = sizes.radius + sizes.hose_thickness + sizes.shell
         first = -pi / 2 - asin(HINGE_GAP / outer)
-        lap = self._moved((outer + GAP + WEBBING / 2) * _directions(first, first - LAP / outer), turn)
-        x = -WEBBING / 2
+        lap = self._moved(
+            (outer + CONTACT_GAP + WEBBING_THICKNESS / 2) * _directions(first, first - LAP_LENGTH / outer), turn
+        )
+        x = -WEBBING_THICKNESS / 2
         path = np.vstack(([x, -sizes.inner_radius + sizes.tail], [x, -sizes.radius - sizes.hose_thickness - 0.5], lap))
-        return ribbon(path, WEBBING / 2, WEBBING / 2)
+        return ribbon(path, WEBBING_THICKNESS / 2, WEBBING_THICKNESS / 2)
 
     def hose(self, turn: float) -> tuple[tuple[tuple[float, float, float], ...], ...]:
-        """Return sections of the hose after a turn, from its clamped end on: rounded at both edges, as its law has it."""
+        """Return sections of the hose after a turn, from its clamped end on, with rounded edges as its law has them."""
         sizes = self.sizes
         h, R = sizes.hose_thickness, sizes.radius
-        left, right = -WEBBING - h + GAP, -WEBBING - GAP
+        left, right = -WEBBING_THICKNESS - h + CONTACT_GAP, -WEBBING_THICKNESS - CONTACT_GAP
         pairs = [
             ((left, -sizes.inner_radius + sizes.tail), (right, -sizes.inner_radius + sizes.tail)),
-            ((left, -R - GAP), (right, -R - GAP)),
-            ((left, -R - GAP), (-WEBBING - 0.4 * h, -R - 0.75 * h)),
+            ((left, -R - CONTACT_GAP), (right, -R - CONTACT_GAP)),
+            ((left, -R - CONTACT_GAP), (-WEBBING_THICKNESS - 0.4 * h, -R - 0.75 * h)),
         ]
-        first = -pi / 2 - asin((WEBBING + h) / R)
-        stations = np.linspace(first, self.hose_end, STATIONS)
+        first = -pi / 2 - asin((WEBBING_THICKNESS + h) / R)
+        stations = np.linspace(first, self.hose_end, STATION_COUNT)
         # Straight between stations, the hose would cut into the cylinder.
-        R_out = (R + GAP) / cos((stations[0] - stations[1]) / 2)
+        R_out = (R + CONTACT_GAP) / cos((stations[0] - stations[1]) / 2)
         for angle in stations:
             inner = R_out * np.array([cos(angle), sin(angle)])
-            outer = self._moved((R + h - GAP) * np.array([cos(angle), sin(angle)]), turn)
+            outer = self._moved((R + h - CONTACT_GAP) * np.array([cos(angle), sin(angle)]), turn)
             pairs.append(((float(inner[0]), float(inner[1])), (float(outer[0]), float(outer[1]))))
         return tuple(_stadium(*pair, sizes.hose_width) for pair in pairs)
 
 
-def window_loop(sizes: JointSizes, section: Section) -> Loop:
+def window_loop(sizes: JointSizes, section: CrossSection) -> Loop:
     """Return the sector that the cylinder's window takes."""
     first = pi - section.window_end
     return sector(0.5 * sizes.inner_radius, 1.5 * sizes.radius, first, section.window_end)
@@ -230,4 +240,3 @@ def _thinned(path: Array) -> Array:
         if np.hypot(*(point - kept[-1])) > 0.3:
             kept.append(point)
     return np.array(kept)
-

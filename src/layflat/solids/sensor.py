@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from layflat.solids.component import Component, axes_towards
 from layflat.solids.hardware import sleeve, socket_screw, stepped
-from layflat.solids.loops import Circle, hull
+from layflat.solids.loops import HullCircle, hull
 from layflat.solids.shapes import UPSIDE_DOWN, Drilled, Hole, Prism, Turned, place, turn_about_z
 from layflat.solids.sizes import MM
 from layflat.solids.standard.fittings import ANGLE_SENSOR
@@ -19,10 +19,10 @@ if TYPE_CHECKING:
 
 STANDOFF_SCREW = THREADS["M3"]
 STANDOFF_ANGLE = radians(150.0)  # from the arm at mid-stroke
-STANDOFF = 7.0  # diameter of a standoff, mm
-PLATE = 2.0  # thickness of the sensor's plate, mm
+STANDOFF_DIAMETER = 7.0  # diameter of a standoff, mm
+PLATE_THICKNESS = 2.0  # thickness of the sensor's plate, mm
 SHAFT_LENGTH = 8.0  # of the potentiometer, cut, mm
-COUPLED = 6.0  # length of shaft in the coupling, mm
+COUPLED_LENGTH = 6.0  # length of shaft in the coupling, mm
 COUPLING_GAP = 1.0  # between coupling and end plate, mm
 SHAFT_GAP = 0.5  # between both shafts in the coupling, mm
 SET_SCREW = THREADS["M3"]
@@ -30,12 +30,13 @@ SET_SCREW = THREADS["M3"]
 
 def _plate_height() -> float:
     """Return the height of the sensor's plate above the end plate, mm: its shaft reaches into the coupling."""
-    return COUPLED + SHAFT_GAP + (SHAFT_LENGTH - PLATE)
+    return COUPLED_LENGTH + SHAFT_GAP + (SHAFT_LENGTH - PLATE_THICKNESS)
 
 
 def standoff_places(sizes: JointSizes) -> list[tuple[float, float]]:
     """Return the places of the two standoffs beside the output's axis, mm."""
-    distance = max(ANGLE_SENSOR.body_diameter * MM / 2, sizes.bush.flange * MM / 2, _coupling_radius(sizes)) + STANDOFF
+    widest = max(ANGLE_SENSOR.body_diameter * MM / 2, sizes.bush.flange * MM / 2, _coupling_radius(sizes))
+    distance = widest + STANDOFF_DIAMETER
     return [(distance * sin(a), sizes.axis + distance * cos(a)) for a in (STANDOFF_ANGLE, -STANDOFF_ANGLE)]
 
 
@@ -49,11 +50,12 @@ def sensor_components(sizes: JointSizes, angle: float) -> list[Component]:
     turned = turn_about_z(angle).then(place(0.0, sizes.axis))
     places = standoff_places(sizes)
     screw = screw_for(sizes.end_plate / MM, STANDOFF_SCREW.name, STANDOFF_SCREW.diameter)
-    upper_screw = screw_for(PLATE / MM, STANDOFF_SCREW.name, STANDOFF_SCREW.diameter)
+    upper_screw = screw_for(PLATE_THICKNESS / MM, STANDOFF_SCREW.name, STANDOFF_SCREW.diameter)
     thread = Drilled((0.0, 0.0, 0.0), (0.0, 0.0, 1.0), STANDOFF_SCREW.tapping_hole * MM, height, STANDOFF_SCREW.name)
-    standoff = Turned(stepped((STANDOFF / 2, 0.0, height)), (thread,))
-    around = Circle(0.0, 0.0, sensor.body_diameter * MM / 2)
-    plate = Prism(hull([around, *(Circle(x, y - sizes.axis, STANDOFF / 2 + 1.0) for x, y in places)]), PLATE, (
+    standoff = Turned(stepped((STANDOFF_DIAMETER / 2, 0.0, height)), (thread,))
+    around = HullCircle(0.0, 0.0, sensor.body_diameter * MM / 2)
+    lugs = [HullCircle(x, y - sizes.axis, STANDOFF_DIAMETER / 2 + 1.0) for x, y in places]
+    plate = Prism(hull([around, *lugs]), PLATE_THICKNESS, (
         Hole((0.0, 0.0), sensor.pilot_diameter * MM),
         *(Hole((x, y - sizes.axis), STANDOFF_SCREW.clearance_hole * MM) for x, y in places)))  # fmt: skip
     body = stepped((sensor.shaft_diameter * MM / 2 - 0.01, -SHAFT_LENGTH, -sensor.pilot_height * MM),
@@ -61,15 +63,15 @@ def sensor_components(sizes: JointSizes, angle: float) -> list[Component]:
                    (sensor.body_diameter * MM / 2, 0.0, sensor.body_length * MM))  # fmt: skip
     return [
         Component("standoff", "body", standoff, "aluminium", "turning",
-                  tuple(place(x, y, face) for x, y in places), f"round bar {STANDOFF:g}"),
+                  tuple(place(x, y, face) for x, y in places), f"round bar {STANDOFF_DIAMETER:g}"),
         socket_screw("lower screw of a standoff", "body", screw,
                      tuple(place(x, y, sizes.half_length, UPSIDE_DOWN) for x, y in places)),
         Component("sensor plate", "body", plate, "aluminium", "laser cutting",
-                  (place(0.0, sizes.axis, face + height),), f"plate {PLATE:g}"),
+                  (place(0.0, sizes.axis, face + height),), f"plate {PLATE_THICKNESS:g}"),
         socket_screw("upper screw of a standoff", "body", upper_screw,
-                     tuple(place(x, y, face + height + PLATE) for x, y in places)),
+                     tuple(place(x, y, face + height + PLATE_THICKNESS) for x, y in places)),
         Component("angle sensor", "body", Turned(body), "brass", "bought",
-                  (place(0.0, sizes.axis, face + height + PLATE),), sensor.designation, sensor.mass,
+                  (place(0.0, sizes.axis, face + height + PLATE_THICKNESS),), sensor.designation, sensor.mass,
                   size=f"shaft cut to {SHAFT_LENGTH:g} mm"),
         *(one.moved(turned) for one in _coupling(sizes)),
     ]  # fmt: skip
@@ -78,14 +80,14 @@ def sensor_components(sizes: JointSizes, angle: float) -> list[Component]:
 def _coupling(sizes: JointSizes) -> list[Component]:
     """Return the coupling of both shafts with its set screws, about the output's axis."""
     sensor, radius = ANGLE_SENSOR, _coupling_radius(sizes)
-    low, reach = sizes.top + COUPLING_GAP, SHAFT_LENGTH - PLATE - 1.0
-    middle, high = sizes.top + COUPLED + SHAFT_GAP / 2, sizes.top + COUPLED + SHAFT_GAP + reach
+    low, reach = sizes.top + COUPLING_GAP, SHAFT_LENGTH - PLATE_THICKNESS - 1.0
+    middle, high = sizes.top + COUPLED_LENGTH + SHAFT_GAP / 2, sizes.top + COUPLED_LENGTH + SHAFT_GAP + reach
     wide, narrow = sizes.shaft / 2 + 0.01, sensor.shaft_diameter * MM / 2 + 0.01
     bores = stepped((radius, 0.0, high - low), bore=min(wide, narrow))
     inner = max(wide, narrow)
     counter = (0.0, middle - low) if wide > narrow else (middle - low, high - low)
-    pocket = Drilled((0.0, 0.0, counter[0] if wide > narrow else counter[1]), (0.0, 0.0, 1.0 if wide > narrow else -1.0),
-                     2 * inner, counter[1] - counter[0])  # fmt: skip
+    start, way = (counter[0], 1.0) if wide > narrow else (counter[1], -1.0)
+    pocket = Drilled((0.0, 0.0, start), (0.0, 0.0, way), 2 * inner, counter[1] - counter[0])
     threads = tuple(
         Drilled((radius, 0.0, z - low), (-1.0, 0.0, 0.0), SET_SCREW.tapping_hole * MM, radius - r, SET_SCREW.name)
         for z, r in ((low + 2.5, wide), (high - 2.5, narrow))

@@ -60,30 +60,57 @@ class Lofted:
     drilled: tuple[Drilled, ...] = ()
 
 
-Shape = Prism | Turned | Lofted
-
-
-class Place(NamedTuple):
+class PartPlace(NamedTuple):
     """Position and orientation of a part in the frame of a joint or an arm."""
 
     axes: Array  # columns: the part's axes, (3, 3)
     origin: Array  # mm, (3,)
 
-    def then(self, outer: Place) -> Place:
+    def then(self, outer: PartPlace) -> PartPlace:
         """Return this place, which is given in a frame, in the frame in which that one has a place."""
-        return Place(outer.axes @ self.axes, outer.origin + outer.axes @ self.origin)
+        return PartPlace(outer.axes @ self.axes, outer.origin + outer.axes @ self.origin)
 
 
-def place(x: float = 0.0, y: float = 0.0, z: float = 0.0, axes: Array | None = None) -> Place:
-    """Return a place from coordinates (mm) and axes, by default those of the frame."""
-    return Place(np.eye(3) if axes is None else axes, np.array([x, y, z], float))
+@dataclass(frozen=True)
+class Joined:
+    """Shapes in one piece, each at its place: (axes by rows, origin) in the part's frame."""
+
+    pieces: tuple[tuple[Prism | Turned, Vector, tuple[Vector, Vector, Vector]], ...]
+
+    def placed(self) -> list[tuple[Prism | Turned, PartPlace]]:
+        """Return the pieces with their places."""
+        return [(piece, PartPlace(np.array(axes), np.array(origin))) for piece, origin, axes in self.pieces]
 
 
-def turn_about_z(angle: float, about: Point = (0.0, 0.0)) -> Place:
+Shape = Prism | Turned | Lofted | Joined
+
+
+def joined(*pieces: tuple[Prism | Turned, PartPlace]) -> Joined:
+    """Return shapes at places in one piece."""
+    rows = []
+    for piece, at in pieces:
+        axes = tuple(tuple(float(v) for v in row) for row in at.axes)
+        rows.append((piece, tuple(float(v) for v in at.origin), axes))
+    return Joined(tuple(rows))  # type: ignore[arg-type]
+
+
+def place(x: float = 0.0, y: float = 0.0, z: float = 0.0, axes: Array | None = None) -> PartPlace:
+    """Return a place.
+
+    Args:
+        x: coordinate of its origin, mm.
+        y: the same.
+        z: the same.
+        axes: columns: its axes, (3, 3); default: those of the frame.
+    """
+    return PartPlace(np.eye(3) if axes is None else axes, np.array([x, y, z], float))
+
+
+def turn_about_z(angle: float, about: Point = (0.0, 0.0)) -> PartPlace:
     """Return the rotation by an angle (rad) about an axis along z through a point, as a place."""
     c, s = float(np.cos(angle)), float(np.sin(angle))
     axes, centre = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]), np.array([*about, 0.0])
-    return Place(axes, centre - axes @ centre)
+    return PartPlace(axes, centre - axes @ centre)
 
 
 ALONG_X = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])  # a part's own x, y, z lie along y, z, x

@@ -11,13 +11,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from math import cbrt, pi, sqrt
+from math import cbrt, cos, pi, sin, sqrt
 from typing import TYPE_CHECKING
 
+from layflat.design.straplines import ShellLine, direction_vector, joint_strap_line
 from layflat.design.strength import SHAFT_YIELD
-from layflat.design.straplines import ShellLine, joint_strap_line
 from layflat.errors import DesignError
-from layflat.machine.build import Build
+from layflat.lazy import numpy as np
+from layflat.machine.build_sizes import Build
 from layflat.machine.parts import CLAMPED_LENGTH
 from layflat.solids.standard.bushes import BUSHES, Bush, bush
 from layflat.solids.standard.materials import MATERIALS
@@ -25,15 +26,16 @@ from layflat.solids.standard.stock import next_thickness
 from layflat.solids.standard.threads import THREADS, Thread, thread
 
 if TYPE_CHECKING:
+    from layflat.arrays import Array
     from layflat.design import JointDesign
     from layflat.machine import Joint
 
 MM = 1e3  # mm per metre
 RUBBER_DENSITY = 1150.0  # of a woven hose with its lining, kg/m3
-SPACER = 1.0  # thickness of the washers between cams and arm plates, mm
+SPACER_THICKNESS = 1.0  # thickness of the washers between cams and arm plates, mm
 TAIL_SHARE = 0.5  # most that a hose's clamp takes of the cylinder's inner radius
-RIM = 2.0  # of an end plate beyond the shells, mm
-RING = 2.5  # least width of the cylinder's rings beside its window, mm
+RIM_WIDTH = 2.0  # of an end plate beyond the shells, mm
+RING_WIDTH = 2.5  # least width of the cylinder's rings beside its window, mm
 SHAFT_SAFETY = 2.0  # required yield over bending stress of the shaft beside a bush: its load comes and goes
 PLATE_SAFETY = 3.0  # required yield over bending stress of arm plates and clamp bars
 ARM_WALL = 1.5  # wall of an arm plate beside its bore over the diameter of the frame's screws
@@ -45,7 +47,8 @@ LUG_SHARE, LEAST_LUG = 0.4, 1.5  # wall around a rod over its diameter, and at l
 BORE_WALL = 1.5  # between bore and rod, mm
 NUT_GAP = 0.3  # between a rod's nut and the shaft, mm
 NOSE_STRESS_SHARE = 0.55  # share of the strap's yield stress that bending over the shell's nose may take
-PAD = 2.0  # thickness of a brake pad, mm
+DISC_HUB = 5.0  # height of the hub of the brake's disc, mm
+PAD_THICKNESS = 2.0  # thickness of a brake pad, mm
 SCREW_SIZES = ((70.0, "M3"), (85.0, "M4"), (120.0, "M5"), (200.0, "M6"), (float("inf"), "M8"))
 """Screws of a frame by cylinder diameter: up to a diameter (mm), a size."""
 
@@ -55,6 +58,8 @@ class JointSizes:
     """Sizes of the parts of a joint, mm; raises DesignError where no size keeps a rule."""
 
     design: JointDesign
+    mount: float | None = None  # direction of the end plates' tongues, by which a link carries the joint, rad
+    foot: bool = False  # whether the joint stands on a foot
 
     @property
     def joint(self) -> Joint:
@@ -67,7 +72,7 @@ class JointSizes:
         return self.joint.build or Build()
 
     @property
-    def where(self) -> str:
+    def label(self) -> str:
         """File, joint and table, for messages."""
         return f"{self.design.label}.build"
 
@@ -183,8 +188,6 @@ class JointSizes:
     @cached_property
     def rod(self) -> Thread:
         """Size of the rods through the output's cams: the largest, up to the frame's screws, that bears lugs inside."""
-        from layflat.solids.cams import lug_room  # noqa: PLC0415  # cams need these sizes
-
         for size in reversed(THREADS.values()):
             if size.diameter <= self.screw.diameter and lug_room(self, size) >= 0.0:
                 return size
@@ -226,14 +229,14 @@ class JointSizes:
 
     @property
     def cam_b(self) -> tuple[float, float]:
-        """Where the upper half of the cam of hose B lies along z."""
-        low = self.strap_width / 2 + SPACER
+        """Ends of the upper half of the cam of hose B along z."""
+        low = self.strap_width / 2 + SPACER_THICKNESS
         return (low, low + self.strap_width / 2) if self.double else (self.strap_width / 2, self.strap_width / 2)
 
     @property
     def arm_z(self) -> tuple[float, float]:
-        """Where the upper arm plate lies along z."""
-        low = self.cam_b[1] + SPACER
+        """Ends of the upper arm plate along z."""
+        low = self.cam_b[1] + SPACER_THICKNESS
         return low, low + self.arm_plate
 
     @property
@@ -245,12 +248,12 @@ class JointSizes:
     @property
     def half_length(self) -> float:
         """Half of the cylinder's length, with a ring beside the window."""
-        return self.window + RING
+        return self.window + RING_WIDTH
 
     @property
     def rim(self) -> float:
         """Radius of an end plate about the cylinder's axis: it covers the collapsed hoses and their shells."""
-        return self.radius + self.hose_thickness + self.shell + RIM
+        return self.radius + self.hose_thickness + self.shell + RIM_WIDTH
 
     @property
     def top(self) -> float:
@@ -269,7 +272,7 @@ class JointSizes:
             if one.bore >= bends and one.allowed_load(self.end_plate / MM) >= self.pull / 2:
                 return one
         what = f"no shaft of up to {BUSHES[-1].bore * MM:g} mm bears a pull of {self.pull:.0f} N"
-        raise DesignError(what, where=self.where, right="a lower supply pressure pulls less")
+        raise DesignError(what, where=self.label, right="a lower supply pressure pulls less")
 
     @property
     def shaft(self) -> float:
@@ -307,4 +310,22 @@ class JointSizes:
     @property
     def disc_hub(self) -> float:
         """Height of the disc's hub."""
-        return 8.0
+        return DISC_HUB
+
+
+def rod_places(sizes: JointSizes, size: Thread) -> Array:
+    """Return the places of the two rods of a size in a cam's own frame, mm, (2, 2): on the arm's line at mid-stroke."""
+    r, angle = sizes.rod_distance(size), -sizes.stroke / 2
+    turn = np.array([[cos(angle), -sin(angle)], [sin(angle), cos(angle)]])
+    places: Array = np.array([[0.0, r], [0.0, -r]]) @ turn.T
+    return places
+
+
+def lug_room(sizes: JointSizes, size: Thread) -> float:
+    """Return the least distance (mm) from lugs around rods of a size to the lines of the strap; below 0 one crosses."""
+    lug = sizes.lug_radius(size)
+    if sizes.design.cam is None:
+        return sizes.joint.output.radius * MM - sizes.rod_distance(size) - lug
+    cam = sizes.design.cam
+    normals = direction_vector(cam.normal)
+    return float((cam.lever * MM - rod_places(sizes, size) @ normals.T).min()) - lug

@@ -16,8 +16,8 @@ VALVE_NAMES = {"spool": "5/3 proportional valve", "switching": "two 4/2 on/off v
 BAR, LITRE_PER_SECOND_BAR = 1e5, 1e-8  # Pa; m3/(s Pa)
 
 
-class Component(NamedTuple):
-    """Component of a machine's air or wires."""
+class AirComponent(NamedTuple):
+    """AirComponent of a machine's air or wires."""
 
     tag: str
     name: str
@@ -41,18 +41,18 @@ class ValvePorts(NamedTuple):
         return cls((f"{tag}:1",), (f"{tag}:4",), (f"{tag}:2",), (f"{tag}:5", f"{tag}:3"))
 
 
-def supply_components(machine: Machine) -> list[Component]:
+def supply_components(machine: Machine) -> list[AirComponent]:
     """Return the components of the supply, in the order of the air."""
     gauge, safety = machine.supply.pressure_gauge, machine.safety
     return [
-        Component("0P1", "compressed-air supply", f"at least {gauge / BAR + 1.0:g} bar, dry and oil-free"),
-        Component("0V1", "shut-off valve, by hand, lockable, vents the line"),
-        Component("0Z1", "filter with drain, pressure regulator and gauge", f"set to {gauge / BAR:g} bar"),
-        Component("0V2", "relief valve", f"opens by {max_supply_gauge(machine) / BAR:g} bar"),
-        Component("0V3", "3/2 dump valve, spring return, vents the line without current"),
-        Component("0V4", "soft-start valve (ISO 4414)", f"ready within {safety.start_time:g} s"),
-        Component("0Z2", "distributor of the supply line"),
-        Component("0S1", "pressure transducer", f"0 to {machine.interface.supply_range_gauge / BAR:g} bar gauge"),
+        AirComponent("0P1", "compressed-air supply", f"at least {gauge / BAR + 1.0:g} bar, dry and oil-free"),
+        AirComponent("0V1", "shut-off valve, by hand, lockable, vents the line"),
+        AirComponent("0Z1", "filter with drain, pressure regulator and gauge", f"set to {gauge / BAR:g} bar"),
+        AirComponent("0V2", "relief valve", f"opens by {max_supply_gauge(machine) / BAR:g} bar"),
+        AirComponent("0V3", "3/2 dump valve, spring return, vents the line without current"),
+        AirComponent("0V4", "soft-start valve (ISO 4414)", f"ready within {safety.start_time:g} s"),
+        AirComponent("0Z2", "distributor of the supply line"),
+        AirComponent("0S1", "pressure transducer", f"0 to {machine.interface.supply_range_gauge / BAR:g} bar gauge"),
     ]
 
 
@@ -61,7 +61,7 @@ def max_supply_gauge(machine: Machine) -> float:
     return machine.safety.overpressure * machine.supply.pressure_gauge
 
 
-def joint_components(machine: Machine, number: int) -> list[Component]:
+def joint_components(machine: Machine, number: int) -> list[AirComponent]:
     """Return the components of a joint, number 1 for the first from the base.
 
     Raises:
@@ -77,14 +77,14 @@ def joint_components(machine: Machine, number: int) -> list[Component]:
     half, span = 0.5 * pressure.range / BAR, 0.5 * degrees(angle.range)
     size = f"layflat, {1e3 * joint.hose.width:g} mm flat"
     parts = [
-        Component(f"{number}V1", VALVE_NAMES[valve.kind], flow),
-        Component(f"{number}A1", f"hose A of joint {name}, turns it forward", size),
-        Component(f"{number}A2", f"hose B of joint {name}, turns it back", size),
-        Component(f"{number}S1", "differential pressure transducer", f"-{half:g} to {half:g} bar"),
-        Component(f"{number}S2", "angle potentiometer", f"-{span:g} to {span:g} deg from mid-stroke"),
-        Component(f"{number}V2", "proportional pressure regulator", "0 to 10 V"),
-        Component(f"{number}V3", "proportional pressure regulator of the calliper", "0 to 10 V"),
-        Component(f"{number}A3", "brake calliper, spring return", f"brake slips at {joint.brake.torque:g} N m"),
+        AirComponent(f"{number}V1", VALVE_NAMES[valve.kind], flow),
+        AirComponent(f"{number}A1", f"hose A of joint {name}, turns it forward", size),
+        AirComponent(f"{number}A2", f"hose B of joint {name}, turns it back", size),
+        AirComponent(f"{number}S1", "differential pressure transducer", f"-{half:g} to {half:g} bar"),
+        AirComponent(f"{number}S2", "angle potentiometer", f"-{span:g} to {span:g} deg from mid-stroke"),
+        AirComponent(f"{number}V2", "proportional pressure regulator", "0 to 10 V"),
+        AirComponent(f"{number}V3", "proportional pressure regulator of the calliper", "0 to 10 V"),
+        AirComponent(f"{number}A3", "brake calliper, spring return", f"brake slips at {joint.brake.torque:g} N m"),
     ]
     missing = {
         f"{number}A2": joint.acting == "single",
@@ -95,7 +95,7 @@ def joint_components(machine: Machine, number: int) -> list[Component]:
     return [part for part in parts if not missing.get(part.tag, False)]
 
 
-def list_components(machine: Machine) -> list[Component]:
+def list_components(machine: Machine) -> list[AirComponent]:
     """Return all components of a machine's air and its sensors; errors as from `joint_components`."""
     joints = [part for number in range(1, len(machine.joints) + 1) for part in joint_components(machine, number)]
     return [*supply_components(machine), *joints]

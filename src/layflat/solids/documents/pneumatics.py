@@ -9,7 +9,7 @@ from typing import NamedTuple
 from layflat.machine import Joint, Machine
 from layflat.machine.parameters import valve_and_sensors
 from layflat.solids.documents import symbols
-from layflat.solids.documents.components import Component, list_components
+from layflat.solids.documents.components import AirComponent, list_components
 from layflat.solids.documents.diagram import PAPER_SIZES, SHEET_MARGIN, Diagram, shorten_text, title_height
 from layflat.solids.documents.tubes import TubeRow, list_tubes
 
@@ -67,7 +67,7 @@ def _choose_sheet(width: float, lines: int, title: float) -> Diagram:
     return sheet
 
 
-def _legend_lines(components: list[Component]) -> list[tuple[str, str]]:
+def _legend_lines(components: list[AirComponent]) -> list[tuple[str, str]]:
     """Return the lines of the legend: tag, empty on further lines, and text."""
     lines = []
     for part in components:

@@ -1,0 +1,87 @@
+"""Places of bars, screws and stops in the frame of a joint, mm."""
+
+from __future__ import annotations
+
+from math import asin, cos, radians, sin, sqrt
+from typing import TYPE_CHECKING
+
+from layflat.lazy import numpy as np
+from layflat.solids.section import WEBBING_THICKNESS
+from layflat.solids.sizes import MM
+
+if TYPE_CHECKING:
+    from layflat.solids.sizes import JointSizes
+
+EDGE_GAP = 0.3  # between the clamp bars and the cylinder, mm
+SCREW_SHARE, END_SHARE = 0.18, -0.25  # places of the clamp's and the end plates' screws over a bar's depth
+TIE_ANGLE = radians(189.0)  # of the tie bar on the side of hose A
+FOOT_ANGLES = tuple(radians(a) for a in (-50.0, -130.0, 165.0, 15.0))  # of the foot's studs
+TONGUE_PITCH = 2.5  # between the holes of a tongue over the diameter of the screws
+TIE_SHARE = 2.0  # diameter of a tie bar over that of the screws in it
+STOP_SHARE = 2.0  # distance of a bump stop from the output's axis over half of an arm plate's width
+STOP_WALL = 0.6  # wall of a bump stop's rubber over the diameter of its screw
+
+
+def bar_place(sizes: JointSizes) -> tuple[float, float, float]:
+    """Return x and y of the middle of the clamp bar on the side of +x, and its depth along y, mm."""
+    low = WEBBING_THICKNESS + sizes.hose_thickness
+    high = low + sizes.clamp_bar
+    bottom = -sqrt(sizes.inner_radius**2 - high**2) + EDGE_GAP
+    top = -sizes.inner_radius + sizes.tail
+    return (low + high) / 2, (bottom + top) / 2, top - bottom
+
+
+def frame_places(sizes: JointSizes) -> list[tuple[float, float]]:
+    """Return the places of the screws of an end plate: two in the clamp bars, two in the tie bars, mm."""
+    x, y, depth = bar_place(sizes)
+    return [(x, y + END_SHARE * depth), (-x, y + END_SHARE * depth), *tie_places(sizes)]
+
+
+def clamp_line(sizes: JointSizes) -> float:
+    """Return y of the screws through both clamp bars, mm."""
+    _, y, depth = bar_place(sizes)
+    return y + SCREW_SHARE * depth
+
+
+def clamp_heights(sizes: JointSizes) -> list[float]:
+    """Return where the screws of the clamp are along z, mm."""
+    room = sizes.hose_width - 2 * sizes.screw.head_diameter * MM
+    return [float(z) for z in np.linspace(-0.5, 0.5, sizes.clamp_screws) * room]
+
+
+def tie_places(sizes: JointSizes) -> list[tuple[float, float]]:
+    """Return the places of the two tie bars, mm."""
+    distance = sizes.inner_radius - TIE_SHARE * sizes.screw.diameter * MM / 2 - 1.0
+    x, y = distance * cos(TIE_ANGLE), distance * sin(TIE_ANGLE)
+    return [(x, y), (-x, y)]
+
+
+def stop_places(sizes: JointSizes) -> list[tuple[float, float]]:
+    """Return the places of the bump stops of an end plate, which the arm plates meet at the mechanical limits, mm."""
+    half = sizes.arm_width / 2
+    distance = STOP_SHARE * half
+    angle = sizes.swing + asin(min(1.0, (half + stop_radius(sizes)) / distance))
+    x, y = distance * sin(angle), sizes.axis + distance * cos(angle)
+    return [(-x, y), (x, y)]
+
+
+def tongue_holes(sizes: JointSizes) -> list[tuple[float, float]]:
+    """Return the two holes of the tongue by which a link carries the joint, the inner one first, mm; none without."""
+    if sizes.mount is None:
+        return []
+    step = TONGUE_PITCH * sizes.screw.diameter * MM
+    first = sizes.rim + sizes.screw.head_diameter * MM / 2 + 1.0
+    return [(r * cos(sizes.mount), r * sin(sizes.mount)) for r in (first, first + step)]
+
+
+def foot_places(sizes: JointSizes) -> list[tuple[float, float]]:
+    """Return the places of the studs of the foot, mm; none where a link carries the joint."""
+    if not sizes.foot:
+        return []
+    radius = sizes.rim - 1.2 * sizes.screw.diameter * MM
+    return [(radius * cos(a), radius * sin(a)) for a in FOOT_ANGLES]
+
+
+def stop_radius(sizes: JointSizes) -> float:
+    """Return the outer radius of a bump stop, mm."""
+    return sizes.screw.diameter * MM * (0.5 + STOP_WALL)

@@ -1,0 +1,58 @@
+"""Assemblies of arms: where the joints are, what they weigh, and that angles are checked."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+from layflat import extras
+from layflat.bridge.pieces import rigid_arm
+from layflat.errors import InputError
+from layflat.machine import load
+from layflat.solids.assembly import Assembly, assemble
+
+pytestmark = pytest.mark.skipif(not extras.available("cad"), reason="no build123d; pip install layflat[cad]")
+
+
+@cache
+def built(name: str, *angles: float) -> Assembly:
+    return assemble(load(name), angles or None)
+
+
+def test_the_papers_arm_weighs_what_it_should_within_an_eighth() -> None:
+    arm = built("paper-arm")
+    mass = sum(arm.mass_of(part) * part.quantity for part in arm.components)
+    assert mass == pytest.approx(8.5, rel=0.125)
+
+
+@pytest.mark.parametrize("angles", [(0.0, 0.0), (0.7, -1.1)])
+def test_shafts_lie_on_the_axes_of_the_arm_and_turn_with_it(angles: tuple[float, ...]) -> None:
+    arm = built("paper-arm", *angles)
+    frames = rigid_arm(load("paper-arm")).poses(angles)
+    shafts = [part for part in arm.components if part.name == "shaft"]
+    assert [part.joint for part in shafts] == ["large", "small"]
+    for part, (_, origin) in zip(shafts, frames, strict=False):
+        assert part.places[0].origin[:2] == pytest.approx(1e3 * origin[:2], abs=1e-6)
+
+
+def test_the_flange_ends_where_the_tool_is() -> None:
+    arm = built("paper-arm", 0.7, -1.1)
+    _, tip = rigid_arm(load("paper-arm")).poses((0.7, -1.1))[-1]
+    (flange,) = [part for part in arm.components if part.name == "tool flange"]
+    (at,) = flange.places
+    points = list(arm.solid(flange).vertices())
+    placed = np.array([at.axes @ np.array([v.X, v.Y, v.Z]) + at.origin for v in points])
+    assert np.hypot(*(placed[:, :2] - 1e3 * tip[:2]).T).min() < 35.0
+
+
+def test_an_arm_in_space_is_built_whole() -> None:
+    arm = built("picking-arm")
+    assert arm.omitted == {}
+    assert {part.joint for part in arm.components} == {"base", "shoulder", "elbow", "wrist"}
+    assert all(arm.solid(part).is_valid for part in arm.components)
+
+
+@pytest.mark.parametrize(("angles", "text"), [((0.0,), "1 angles for 2 joints"), ((0.0, 2.0), "114.6 deg for small")])
+def test_wrong_angles_are_named(angles: tuple[float, ...], text: str) -> None:
+    with pytest.raises(InputError, match=text):
+        assemble(load("paper-arm"), angles)
