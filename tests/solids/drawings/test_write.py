@@ -1,0 +1,63 @@
+"""Files of drawings: names, bytes that depend on the machine alone, and what a reader of PDF finds."""
+
+import shutil
+import subprocess
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from layflat import extras
+from layflat.solids.drawings.write import file_stem, merge_items, write_drawings
+from tests.programs import skip_without
+from tests.solids.drawings.parts import joint_parts
+
+PARTS = [one for one in joint_parts() if one.name in {"cylinder", "arm plate", "shaft", "shell A", "bush"}]
+NUMBERS = [3, 5, 8, 13, 21]
+
+
+def written(folder: Path, progress: list[tuple[int, int]] | None = None) -> dict[str, bytes]:
+    steps = progress if progress is not None else []
+    files = write_drawings(
+        PARTS, NUMBERS, lambda _: 0.25, folder, machine="joint", progress=lambda *at: steps.append(at)
+    )
+    assert set(files) == set(folder.iterdir())
+    return {path.name: path.read_bytes() for path in files}
+
+
+def test_each_made_part_has_its_files(tmp_path: Path) -> None:
+    steps: list[tuple[int, int]] = []
+    files = written(tmp_path / "new", steps)
+    made = {f"{number:02d}-{file_stem(one.name)}" for number, one in zip(NUMBERS, PARTS, strict=True) if not one.bought}
+    assert {name.rpartition(".")[0] for name in files} == made | {"00-assembly", "00-list"}
+    assert {name for name in files if name.endswith(".dxf")} == {
+        f"{stem}.dxf" for stem in made if "arm-plate" in stem or "shell" in stem
+    }
+    assert steps == [(k, 6) for k in range(1, 7)]
+
+
+def test_the_same_machine_gives_the_same_bytes(tmp_path: Path) -> None:
+    assert written(tmp_path / "one") == written(tmp_path / "other")
+
+
+def test_without_ezdxf_there_are_no_contours(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(extras, "available", lambda *_: False)
+    assert not any(name.endswith(".dxf") for name in written(tmp_path))
+
+
+def test_a_reader_of_pdf_finds_the_texts(tmp_path: Path) -> None:
+    if shutil.which("pdftotext") is None:
+        skip_without("poppler")
+    written(tmp_path)
+    path = next(tmp_path.glob("*arm-plate.pdf"))
+    text = subprocess.run(["pdftotext", path, "-"], capture_output=True, check=True, text=True).stdout
+    for word in ("arm plate", "laser cutting", "ISO 9013-1", "250 g", "H7", "A4"):
+        assert word in text, word
+
+
+def test_components_with_one_number_are_one_item() -> None:
+    parts = [replace(one, joint=joint) for joint in ("a", "b") for one in PARTS[:2]]
+    found = merge_items(parts, [4, 2, 4, 9])
+    assert list(found) == [2, 4, 9]
+    assert found[4].quantity == 2 * PARTS[0].quantity
+    assert found[4].joint == "a, b"
