@@ -1,11 +1,13 @@
-"""Sizes of exported code, the stack it takes, and instructions on simulated boards: the table of docs/export.md.
+"""Sizes of exported code, the stack it takes, and the time of a call: the table of docs/export.md.
 
 `python -m benchmarks.export_sizes --write` measures for some minutes, and writes the table to the page. Sizes are those
-of this version of LLVM; instructions need QEMU and the compiler of ARM boards, FMUs zig.
+of this version of LLVM; instructions on simulated boards need QEMU and the compiler of ARM boards, FMUs zig. Times are
+those of this computer, hence of its own target alone.
 """
 
 import argparse
 import re
+import subprocess
 import sys
 from collections.abc import Iterator, Sequence
 from functools import cache
@@ -20,18 +22,20 @@ from layflat.jit.objects import code_size
 from layflat.machine import load
 from tests.export.firmware.boards import BOARDS
 from tests.export.firmware.recordings import HostLaw, Recording, record_closed_loop
-from tests.export.firmware.replays import replay
+from tests.export.firmware.replays import input_bytes, replay, write_law
 
 PAGE = Path(__file__).parents[1] / "docs" / "export.md"
 MACHINES = ("paper-arm", "paper-arm-tracking", "picking-arm")
 STEPS: tuple[tuple[str, str], ...] = (
     ("linux-x86-64", "double"), ("linux-aarch64", "double"), ("cortex-m7", "double"), ("cortex-m7", "single"),
-    ("cortex-m4f", "single"), ("cortex-m33", "single"),
+    ("cortex-m4f", "single"), ("cortex-m33", "single"), ("riscv32", "double"),
 )  # fmt: skip
 """Targets and precisions whose step of the control law is measured."""
 
 FILES = ("fmu", "wasm")  # whose files are measured
 CYCLES = 120  # that a board replays
+TIMED_TARGET = "linux-x86-64"  # whose calls are timed here
+TIMING_PROGRAM = Path(__file__).parent / "time_law.c"
 FLASH = 4 << 20  # of a board, bytes: emulated double precision of four joints needs more than most have
 
 
@@ -49,7 +53,9 @@ def _law(name: str, precision: str) -> tuple[HostLaw, Recording]:
 
 
 def step_figures(name: str, target: str, precision: str) -> list[int]:
-    """Return size of the code and stack of a step of the control law, bytes, and on a board the most instructions.
+    """Return size of the code and stack of a step of the control law, bytes, and what it takes where it is measured.
+
+    That are the most instructions of a call on a board, or the mean time of a call on this computer, ns.
 
     Args:
         name: name of the machine.
@@ -64,7 +70,20 @@ def step_figures(name: str, target: str, precision: str) -> list[int]:
         with TemporaryDirectory() as folder:
             done = replay(law, recording, target, BOARDS[target]._replace(flash=FLASH), Path(folder))
         figures.append(int(done.instructions.max()))
+    elif target == TIMED_TARGET:
+        figures.append(call_time(law, recording))
     return figures
+
+
+def call_time(law: HostLaw, recording: Recording) -> int:
+    """Return the mean time of a step of the control law on this computer, from C, ns."""
+    with TemporaryDirectory() as name:
+        folder = Path(name)
+        objects = write_law(law, TIMED_TARGET, folder)
+        files = [TIMING_PROGRAM, folder / "law.c", *objects]
+        subprocess.run(["cc", "-O2", f"-I{folder}", *files, "-lm", "-o", folder / "time"], check=True)
+        done = subprocess.run([folder / "time"], input=input_bytes(law, recording), capture_output=True, check=True)
+        return int(done.stdout)
 
 
 def file_size(name: str, kind: str) -> int:

@@ -24,15 +24,13 @@ class Replay(NamedTuple):
     ram: int  # with the stack
 
 
-def replay(law: HostLaw, recording: Recording, target: str, board: Board, folder: Path) -> Replay:
-    """Return the results of a law on a board.
+def write_law(law: HostLaw, target: str, folder: Path) -> list[Path]:
+    """Write header, source and object files of a law for a target; return the object files.
 
     Args:
         law: the law, whose portable code is used.
-        recording: inputs.
         target: name of the target.
-        board: the board.
-        folder: folder for the program.
+        folder: their folder.
     """
     precision = "double" if law.real.itemsize == 8 else "single"
     api, table = Api("law", precision, law.entries), Table("settings", law.entries.settings, "Settings of the machine")
@@ -43,10 +41,27 @@ def replay(law: HostLaw, recording: Recording, target: str, board: Board, folder
     for entry in law.entries:
         objects.append(folder / f"{entry.name}.o")
         objects[-1].write_bytes(object_file(entry, law.texts[entry.name], "law", EXPORT_TARGETS[target]))
+    return objects
+
+
+def input_bytes(law: HostLaw, recording: Recording) -> bytes:
+    """Return recorded inputs as programs in C read them."""
+    return recording.first.astype(law.real).tobytes() + recording.rows.astype(law.real).tobytes()
+
+
+def replay(law: HostLaw, recording: Recording, target: str, board: Board, folder: Path) -> Replay:
+    """Return the results of a law on a board.
+
+    Args:
+        law: the law, whose portable code is used.
+        recording: inputs.
+        target: name of the target.
+        board: the board.
+        folder: folder for the program.
+    """
+    objects = write_law(law, target, folder)
     image = link(board, [folder / "law.c", SOURCES / "law.c"], objects, folder)
-    (folder / "in.bin").write_bytes(
-        recording.first.astype(law.real).tobytes() + recording.rows.astype(law.real).tobytes()
-    )
+    (folder / "in.bin").write_bytes(input_bytes(law, recording))
     execute(image)
     sizes = [number_of(value) for value in (law.entries.memory, law.entries.command, law.entries.report)]
     kind = np.dtype([("results", law.real, (sum(sizes),)), ("ticks", np.uint32), ("stack", np.uint32)])
