@@ -37,6 +37,14 @@ def test_every_item_of_a_joint_stands_on_its_sheet_and_in_the_list(joint: str) -
     assert not overlapping_texts(listed)
 
 
+def test_balloons_with_long_numbers_stand_beside_each_other() -> None:
+    bars = [replace(component(rod(2, 4)), places=(place(2.5 * k),)) for k in range(40)]
+    (sheet,) = assemblies(bars, range(1001, 1041), "bars")
+    paper = assembly_sheet(sheet, 1.0)
+    assert {str(number) for number in range(1001, 1041)} <= set(texts(paper))
+    assert not overlapping_texts(paper)
+
+
 def test_overall_sizes_are_those_of_what_is_drawn() -> None:
     parts = joint_parts()
     (whole,) = assemblies(parts, NUMBERS["small"], "paper-arm")

@@ -61,3 +61,8 @@ def test_components_with_one_number_are_one_item() -> None:
     assert list(found) == [2, 4, 9]
     assert found[4].quantity == 2 * PARTS[0].quantity
     assert found[4].joint == "a, b"
+
+
+def test_a_machine_without_solids_has_no_drawings(tmp_path: Path) -> None:
+    assert write_drawings([], [], lambda _: 0.0, tmp_path, machine="none") == []
+    assert not list(tmp_path.iterdir())

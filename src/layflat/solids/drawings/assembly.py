@@ -101,12 +101,10 @@ def _views(assembly: AssemblySheet) -> list[Projection]:
         height = getattr(parts[0].shape, "height", 0.0)
         frame = place(z=height / 2).then(frame)
     views = [project("front", parts, items, FRONT_VIEW, frame), project("left", parts, items, LEFT_VIEW, frame)]
-    last = (
-        cut("section in the middle", parts, items, frame)
-        if assembly.joint
-        else project("above", parts, items, TOP_VIEW, frame)
-    )
-    return [*views, last]
+    section = cut("section in the middle", parts, items, frame) if assembly.joint else None
+    if section is not None and section.shadows:
+        return [*views, section]
+    return [*views, project("above", parts, items, TOP_VIEW, frame)]
 
 
 def assembly_sheet(assembly: AssemblySheet, mass: float) -> Paper:

@@ -17,7 +17,9 @@ if TYPE_CHECKING:
     from layflat.solids.drawings.views import View
 
 BALLOON_RADIUS = 3.2  # radius of a balloon
-BALLOON_SPACING = 7.2  # between balloons
+BALLOON_SPACING = 7.2  # between middles of balloons, and more where a long text makes them wide
+TEXT_MARGIN = 1.2  # of a text in a balloon
+BALLOON_GAP = 0.8  # between balloons
 BALLOON_INSET = BALLOON_RADIUS + 1.0  # of the first balloon from the end of a view, whose dimensions begin there
 BALLOON_DISTANCE = 9.0  # from a view to its balloons
 
@@ -48,7 +50,9 @@ def draw_balloons(placed: View, view: Projection, points: dict[str, Array]) -> N
         order = sorted(items, key=lambda name: float(at[name][axis]))
         ideal = [float(at[name][axis]) for name in order]
         ends = np.array((low, high) if upright else (left, right)) + BALLOON_INSET * np.array([1.0, -1.0])
-        spread = _spread(ideal, BALLOON_SPACING, (float(ends[0]), float(ends[1])))
+        widest = max((2 * _half_width(name, placed.paper.text_height) for name in order), default=0.0)
+        spacing = BALLOON_SPACING if upright else max(BALLOON_SPACING, widest + BALLOON_GAP)
+        spread = _spread(ideal, spacing, (float(ends[0]), float(ends[1])))
         edge = {
             "left": left - BALLOON_DISTANCE,
             "right": right + BALLOON_DISTANCE,
@@ -71,10 +75,15 @@ def _spread(ideal: Sequence[float], spacing: float, limits: tuple[float, float])
     return found
 
 
+def _half_width(item: str, height: float) -> float:
+    """Return half of the width of a balloon with a text of a height, mm."""
+    return max(BALLOON_RADIUS, text_width(item, height) / 2 + TEXT_MARGIN)
+
+
 def _draw_balloon(paper: Paper, centre: Array, point: Array, item: str) -> None:
     """Draw a balloon with a leader to a point, which ends in a dot."""
     t = paper.text_height
-    half = max(BALLOON_RADIUS, text_width(item, t) / 2 + 1.2)
+    half = _half_width(item, t)
     way = point - centre
     start = centre + BALLOON_RADIUS / hypot(*way) * way
     paper.line([start, point], "thin")

@@ -46,9 +46,14 @@ def write_drawings(
         machine: name on the sheets.
         progress: function that is called with the number of sheets that are written, and of all.
 
+    Returns:
+        Paths of the files; none for a machine without components.
+
     Raises:
         OutputError: the folder can't be written.
     """
+    if not components:
+        return []
     fits, contours = fits_of(components), extras.available("drawing")
     items = merge_items(components, numbers)
     made = {number: one for number, one in items.items() if not one.bought}
