@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import cos, radians, sin, sqrt
 from typing import TYPE_CHECKING
 
@@ -21,7 +21,8 @@ if TYPE_CHECKING:
     from layflat.solids.sizes import JointSizes
 
 INLET_ANGLES = tuple(radians(float(a)) for a in range(-170, -115, 1))  # on the cylinder, of hose A
-LEAST_ROOM = 0.5  # between an inlet and what lies beside it, mm
+LEAST_ROOM = 0.25  # between an inlet and what lies beside it, mm
+LEAST_CYLINDER = 46.0  # diameter that takes the smallest inlet, mm
 HOLE_GAP = 0.2  # between a stem and its hole, mm
 DEFAULT_BORE = {False: 2.5e-3, True: 4e-3}  # of a tube where no line is described, m: hose below or above 60 mm wide
 WIDE_HOSE = 60.0  # mm
@@ -36,20 +37,39 @@ def tube_bore(sizes: JointSizes) -> float:
 
 @dataclass(frozen=True)
 class Inlet:
-    """Inlet of hose A: its fitting, and where it goes through the cylinder."""
+    """Inlet of hose A: a stem with a nut inside the cylinder, and an elbow or a barb behind it, mm."""
 
-    fitting: PushInFitting
-    angle: float  # on the cylinder, rad
-
-    @property
-    def elbow(self) -> float:
-        """Length of its elbow, mm."""
-        return (self.fitting.tube_outer + ELBOW_LENGTH) * MM
+    designation: str
+    stem: float  # diameter of the stem
+    nut: float  # length of the nut
+    flange: float  # diameter of the nut
+    end: float  # length of elbow or barb
+    body: float  # diameter of elbow or barb
+    bore: float  # of its tube, m
+    mass: float  # kg
+    angle: float = 0.0  # on the cylinder, rad
 
     @property
     def reach(self) -> float:
-        """Length inside the cylinder, mm."""
-        return self.fitting.port.depth * MM + self.elbow
+        """Length inside the cylinder."""
+        return self.nut + self.end
+
+
+def _push_in(fitting: PushInFitting) -> Inlet:
+    """Return an inlet with an elbow for push-in tubing."""
+    port, outer = fitting.port, fitting.tube_outer
+    mass = HollowScrew(port, 2e-3).mass + fitting.mass
+    name = f"stem {port.name} with flange in the hose, nut, elbow push-in {port.name} - {outer * MM:g}"
+    flange, end = port.flange * MM, (outer + ELBOW_LENGTH) * MM
+    return Inlet(name, port.diameter * MM, port.depth * MM, flange, end, fitting.body_diameter * MM,
+                 fitting.tube_inner, mass)  # fmt: skip
+
+
+SMALL_INLET = Inlet(
+    "stem M4 with flange in the hose, nut ISO 4035 M4, barb for tubing 4 x 2.5",
+    stem=4.0, nut=2.2, flange=8.1, end=5.0, body=4.0, bore=1.8e-3, mass=2.5e-3,
+)  # fmt: skip
+"""Inlet of small cylinders."""
 
 
 def choose_inlet(sizes: JointSizes) -> Inlet:
@@ -59,37 +79,35 @@ def choose_inlet(sizes: JointSizes) -> Inlet:
         DesignError: none fits.
     """
     wanted = tube_bore(sizes)
-    fittings = [push_in_fitting(name, outer) for name, tubes in TUBE_SIZES.items() for outer, _ in tubes]
-    narrow = [one for one in fittings if one.tube_inner < wanted - 1e-9]
-    wide = [one for one in fittings if one.tube_inner >= wanted - 1e-9]
-    for fitting in (*wide, *reversed(narrow)):
-        room, angle = max((_room(sizes, fitting, float(a)), float(a)) for a in INLET_ANGLES)
+    inlets = [_push_in(push_in_fitting(name, outer)) for name, tubes in TUBE_SIZES.items() for outer, _ in tubes]
+    narrow = [inlet for inlet in (SMALL_INLET, *inlets) if inlet.bore < wanted - 1e-9]
+    wide = [inlet for inlet in inlets if inlet.bore >= wanted - 1e-9]
+    for inlet in (*wide, *reversed(narrow)):
+        room, angle = max((_room(sizes, inlet, angle), angle) for angle in INLET_ANGLES)
         if room >= LEAST_ROOM:
-            return Inlet(fitting, angle)
+            return replace(inlet, angle=angle)
     what = f"no inlet fits into a cylinder with an inner diameter of {2 * sizes.inner_radius:.4g} mm"
-    raise DesignError(what, where=sizes.label, right="give a wider cylinder, or a smaller build.screw")
+    raise DesignError(what, where=sizes.label, right=f"give cylinder.diameter of {LEAST_CYLINDER:g} mm or more")
 
 
-def _room(sizes: JointSizes, fitting: PushInFitting, angle: float) -> float:
-    """Return the least distance of a fitting at an angle (rad) from tie bar and clamp bar, mm; below 0 they overlap."""
-    radius = max(fitting.body_diameter, fitting.port.flange) * MM / 2
-    reach = Inlet(fitting, angle).reach
+def _room(sizes: JointSizes, inlet: Inlet, angle: float) -> float:
+    """Return the least distance of an inlet at an angle (rad) from tie bar and clamp bar, mm; below 0 they overlap."""
+    reach = inlet.reach
     line = np.linspace(sizes.inner_radius - reach, sizes.inner_radius, 20)[:, None] * [[cos(angle), sin(angle)]]
     tie = np.hypot(*(line - tie_places(sizes)[0]).T).min() - TIE_SHARE * sizes.screw.diameter * MM / 2
     x, y, depth = bar_place(sizes)
     beyond = np.maximum(np.abs(line - [-x, y]) - [sizes.clamp_bar / 2, depth / 2], 0.0)
-    return float(min(tie, np.hypot(*beyond.T).min())) - radius
+    return float(min(tie, np.hypot(*beyond.T).min())) - max(inlet.body, inlet.flange) / 2
 
 
 def inlet_holes(sizes: JointSizes) -> tuple[Drilled, ...]:
     """Return the holes of the inlets in the cylinder, in its own frame."""
     chosen = choose_inlet(sizes)
-    one, angle = chosen.fitting.port, chosen.angle
     R = sizes.radius + 1.0
     found = []
     for s, z in _sides(sizes):
-        x, y = s * cos(angle), sin(angle)
-        diameter = one.diameter * MM + 2 * HOLE_GAP
+        x, y = s * cos(chosen.angle), sin(chosen.angle)
+        diameter = chosen.stem + 2 * HOLE_GAP
         start = (R * x, R * y, sizes.half_length + z)
         found.append(Drilled(start, (-x, -y, 0.0), diameter, R - 0.8 * sizes.inner_radius))
     return tuple(found)
@@ -105,22 +123,17 @@ def _sides(sizes: JointSizes) -> list[tuple[float, float]]:
 def inlet(sizes: JointSizes, group: Group) -> Component:
     """Return the inlet of hose A, in its frame, with the group that it moves with."""
     chosen = choose_inlet(sizes)
-    fitting, one, outer = chosen.fitting, chosen.fitting.port, chosen.fitting.tube_outer
     (_, z), *_ = _sides(sizes)
-    seat = sqrt(sizes.inner_radius**2 - (one.flange * MM / 2) ** 2) - 0.02  # the nut's rim meets the cylinder
+    seat = sqrt(sizes.inner_radius**2 - (chosen.flange / 2) ** 2) - 0.02  # the nut's rim meets the cylinder
     stem = sizes.radius + CONTACT_GAP - seat
-    nut, elbow = one.depth * MM, chosen.elbow
     outline = stepped(
-        (fitting.body_diameter * MM / 2, 0.0, elbow),
-        (one.flange * MM / 2, elbow, elbow + nut),
-        (one.diameter * MM / 2, elbow + nut, elbow + nut + stem),
+        (chosen.body / 2, 0.0, chosen.end),
+        (chosen.flange / 2, chosen.end, chosen.reach),
+        (chosen.stem / 2, chosen.reach, chosen.reach + stem),
     )
     x, y = cos(chosen.angle), sin(chosen.angle)
-    distance = seat - elbow - nut
-    screw = HollowScrew(one, stem / MM)
+    distance = seat - chosen.reach
     return Component(
         f"inlet of hose {group[-1].upper()}", "body", Turned(outline), "brass", "bought",
-        (place(distance * x, distance * y, z, axes_towards(x, y, 0.0)),),
-        f"stem {one.name} with flange in the hose, nut, elbow push-in {one.name} - {outer * MM:g}",
-        screw.mass + fitting.mass,
+        (place(distance * x, distance * y, z, axes_towards(x, y, 0.0)),), chosen.designation, chosen.mass,
     )  # fmt: skip

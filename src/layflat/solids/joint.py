@@ -12,6 +12,7 @@ from layflat.solids.output import output_components
 from layflat.solids.section import CrossSection
 from layflat.solids.sensor import sensor_components
 from layflat.solids.sizes import JointSizes
+from layflat.solids.sweep import check_sweep
 
 if TYPE_CHECKING:
     from layflat.machine import Machine
@@ -37,6 +38,7 @@ def joint_components(sizes: JointSizes, angle: float = 0.0) -> list[Component]:
     Raises:
         DesignError: no size keeps a rule; the message says which value would mend it.
     """
+    check_sweep(sizes)
     section = CrossSection(sizes)
     return [
         *frame_components(sizes, section),

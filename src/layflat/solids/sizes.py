@@ -9,7 +9,7 @@ is as wide as that of A but in two strips beside it, so that no strap tilts the 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from math import cbrt, cos, pi, sin, sqrt
 from typing import TYPE_CHECKING
@@ -28,12 +28,16 @@ from layflat.solids.standard.threads import THREADS, Thread, thread
 if TYPE_CHECKING:
     from layflat.arrays import Array
     from layflat.design import JointDesign
-    from layflat.machine import Joint
+    from layflat.machine import Joint, Machine
 
 MM = 1e3  # mm per metre
 RUBBER_DENSITY = 1150.0  # of a woven hose with its lining, kg/m3
 SPACER_THICKNESS = 1.0  # thickness of the washers between cams and arm plates, mm
-TAIL_SHARE = 0.5  # most that a hose's clamp takes of the cylinder's inner radius
+TAIL_SHARE, WIDE_SHARE = (
+    0.4,
+    0.25,
+)  # most that a hose's clamp takes of the inner radius, and of what is beyond a wide one
+WIDE_RADIUS = 29.0  # inner radius of a cylinder with more room for a clamp, mm
 RIM_WIDTH = 2.0  # of an end plate beyond the shells, mm
 RING_WIDTH = 2.5  # least width of the cylinder's rings beside its window, mm
 SHAFT_SAFETY = 2.0  # required yield over bending stress of the shaft beside a bush: its load comes and goes
@@ -125,7 +129,8 @@ class JointSizes:
     @property
     def tail(self) -> float:
         """Length of hose in the clamp: that of `part_masses`, or as much as a small cylinder takes."""
-        return min(CLAMPED_LENGTH * MM, TAIL_SHARE * self.inner_radius)
+        room = TAIL_SHARE * self.inner_radius + WIDE_SHARE * max(0.0, self.inner_radius - WIDE_RADIUS)
+        return min(CLAMPED_LENGTH * MM, room)
 
     @property
     def strap_width(self) -> float:
@@ -192,8 +197,16 @@ class JointSizes:
             if size.diameter <= self.screw.diameter and lug_room(self, size) >= 0.0:
                 return size
         what = f"no rod of M3 or more fits beside a shaft of {self.shaft:g} mm inside the cams"
-        right = "a longer stroke or a lower supply pressure makes wider cams; or give a smaller build.shaft_diameter"
-        raise DesignError(what, where=f"{self.design.label}.output", right=right)
+        raise DesignError(what, where=f"{self.design.label}.output", right=self._rod_mend())
+
+    def _rod_mend(self) -> str:
+        """Return which shaft leaves room for rods, or what else would."""
+        for one in reversed(BUSHES):
+            build = self.build.model_copy(update={"shaft_diameter": one.bore})
+            thinner = replace(self, design=replace(self.design, machine=_with_build(self.design, build)))
+            if one.bore * MM < self.shaft and lug_room(thinner, THREADS["M3"]) >= 0.0:
+                return f"give build.shaft_diameter of {one.bore * MM:g} mm, which bends more, or a longer stroke"
+        return "a longer stroke or a lower supply pressure makes wider cams"
 
     def rod_distance(self, size: Thread) -> float:
         """Return the distance of the rods of a size from the output's axis: bore and nut leave room between."""
@@ -329,3 +342,10 @@ def lug_room(sizes: JointSizes, size: Thread) -> float:
     cam = sizes.design.cam
     normals = direction_vector(cam.normal)
     return float((cam.lever * MM - rod_places(sizes, size) @ normals.T).min()) - lug
+
+
+def _with_build(design: JointDesign, build: Build) -> Machine:
+    """Return the machine of a design with another build of its joint."""
+    machine, name = design.machine, design.name
+    joint = machine.joint[name].model_copy(update={"build": build})
+    return machine.model_copy(update={"joint": {**machine.joint, name: joint}})

@@ -1,0 +1,42 @@
+"""Outputs that would sweep into their frame are refused in one line, with a value that mends it."""
+
+import re
+
+import pytest
+
+from layflat.design import JointDesign, SizingRequest, design_joint, size_joint
+from layflat.errors import DesignError
+from layflat.solids.joint import joint_components
+from layflat.solids.sizes import JointSizes
+from layflat.solids.sweep import check_sweep
+
+
+def sized(torque: str, stroke: str, supply: str) -> JointDesign:
+    return size_joint(SizingRequest(torque=torque, stroke=stroke, supply=supply)).design
+
+
+def with_key(design: JointDesign, table: str, key: str, value: float) -> JointDesign:
+    """A design with one key of the joint changed."""
+    joint = design.joint
+    part = getattr(joint, table)
+    changed = joint.model_copy(update={table: part.model_copy(update={key: value})})
+    machine = design.machine
+    return design_joint(machine.model_copy(update={"joint": {**machine.joint, design.name: changed}}), design.name)
+
+
+def test_a_cam_that_meets_the_cylinder_is_refused_and_the_advice_mends_it() -> None:
+    design = sized("50 N m", "89 deg", "4.2 bar")
+    with pytest.raises(DesignError, match=r"the cam sweeps .* give output\.shaft_offset") as error:
+        joint_components(JointSizes(design))
+    offset = float(re.search(r"shaft_offset of (\d+) mm", str(error.value))[1])  # type: ignore[index]
+    check_sweep(JointSizes(with_key(design, "output", "shaft_offset", 1e-3 * offset)))
+
+
+def test_cams_without_room_for_rods_are_refused_in_one_line() -> None:
+    with pytest.raises(DesignError, match=r"no rod of M3 .*; (give build\.shaft_diameter|a longer)"):
+        joint_components(JointSizes(sized("2.2 N m", "113 deg", "4.2 bar")))
+
+
+def test_small_cylinders_have_small_inlets() -> None:
+    found = joint_components(JointSizes(sized("7.3 N m", "115 deg", "3.2 bar")))
+    assert any("inlet" in part.name for part in found)
