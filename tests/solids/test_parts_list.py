@@ -31,19 +31,16 @@ def test_two_equal_joints_have_the_rows_of_one_and_twice_the_parts() -> None:
     one = list_parts(components_of("paper-arm", "small"), mass_by_name)
     pair = [*components_of("paper-arm", "small", name="a"), *components_of("paper-arm", "small", 0.4, name="b")]
     both = list_parts(pair, mass_by_name)
-    loose = [part for part in both.parts if part.name.startswith("hinge")]  # its size depends on the pose
-    assert len(both.parts) == len(one.parts) + len(loose) - 1
-    rigid = {part.name: part for part in both.parts if part not in loose}
-    for part in one.parts:
-        if part.name in rigid:
-            assert rigid[part.name].quantity == 2 * part.quantity
-            assert set(rigid[part.name].joints.values()) == {part.quantity}
+    assert len(both.parts) == len(one.parts)
+    for single, double in zip(one.parts, both.parts, strict=True):
+        assert (double.name, double.quantity) == (single.name, 2 * single.quantity)
+        assert double.joints == {"a": single.quantity, "b": single.quantity}
 
 
 def test_a_pose_changes_neither_rows_nor_numbers() -> None:
     rows = [
         [
-            (part.number, part.name, part.quantity, part.material, part.stock)
+            (part.number, part.name, part.quantity, part.material, part.stock, part.size)
             for part in list_parts(found, mass_by_name).parts
         ]
         for found in (components_of("paper-arm", "small"), components_of("paper-arm", "small", -0.7))

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from markupsafe import Markup, escape
 
 from layflat.plot import render_page
+from layflat.solids import cad
 from layflat.solids.explosion import Moving, explode
 from layflat.solids.guide_steps import ARM_STEPS, JOINT_STEPS, Rule, Step
 from layflat.solids.guide_text import component_facts, fill_sentence, joint_facts, tightening
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
 
     from layflat.solids.component import Component
     from layflat.solids.parts_list import PartsList
+    from layflat.solids.shapes import Shape
     from layflat.solids.sizes import JointSizes
 
     SolidMaker = Callable[[Component], Any]
@@ -195,7 +197,7 @@ def guide_page(
     components: Sequence[Component],
     parts: PartsList,
     links: Mapping[str, str],
-    solid: SolidMaker,
+    solid: SolidMaker | None = None,
 ) -> str:
     """Return the assembly guide as an HTML page in one file. Needs the extra `cad`.
 
@@ -205,11 +207,20 @@ def guide_page(
         components: of the whole assembly, in the frame of the base.
         parts: parts list of the whole assembly.
         links: addresses of documents for the first start, by their titles.
-        solid: function that returns the solid of a component in its own frame, each time the same one.
+        solid: function that returns the solid of a component in its own frame; default: each is made once.
     """
+    made: dict[Shape, Any] = {}
+
+    def make(component: Component) -> Any:
+        if component.shape not in made:
+            made[component.shape] = cad.solid(component.shape)
+        return made[component.shape]
+
     joints = [joint_chapter(name, one) for name, one in sizes.items()]
     chapters = [*_distinct(joints, parts), arm_chapter(components, joints)]
-    pages = {chapter.title: list(chapter_pages(chapter, parts, solid)) for chapter in chapters if chapter.components}
+    pages = {
+        chapter.title: list(chapter_pages(chapter, parts, solid or make)) for chapter in chapters if chapter.components
+    }
     return render_page("layflat.solids", "guide.html.j2", title=title, chapters=pages, links=links)
 
 

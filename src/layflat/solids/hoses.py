@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from math import cos, pi, sin
+from math import ceil, cos, pi, sin
 from typing import TYPE_CHECKING
 
 from layflat.lazy import numpy as np
+from layflat.solids.blanks import strip_length
 from layflat.solids.cams import CLAMP_SCREW, flat, opening
 from layflat.solids.component import Component, axes_towards
 from layflat.solids.hardware import socket_screw
@@ -60,6 +61,7 @@ def _side(section: CrossSection, side: str, turn: float) -> list[Component]:
     cut = folded * (wrapped + sizes.tail + (FOLD_LENGTH if folded == 2 else sizes.tail))
     path = section.strap_path(sizes.stroke / 2)
     strap_cut = float(np.hypot(*np.diff(path, axis=0).T).sum()) + STRAP_ALLOWANCE
+    hinge_cut = ceil(strip_length(section.webbing(sizes.stroke / 2)))
     sections = tuple(tuple((x, y, z) for x, y, z in one) for one in section.hose(turn))
     mass = 2 * cut / MM * sizes.joint.hose.width * sizes.joint.hose.areal_mass
     strap = Prism(section.strap(turn), strips[0][1] - strips[0][0], drilled=_strap_holes(section, turn, strips[0]))
@@ -71,7 +73,8 @@ def _side(section: CrossSection, side: str, turn: float) -> list[Component]:
         Component(f"hose {letter}", hose, Lofted(sections, _clamp_holes(sizes, 0.0)), "hose", "cutting", (place(),),
                   f"layflat hose {width:g}", mass, size=f"{cut:.0f} mm long", tags=frozenset({"hose"})),
         Component(f"hinge of hose {letter}", hose, hinge, "webbing", "cutting",
-                  (place(z=-width / 2),), f"webbing {width:g} x 1", tags=frozenset({"hinge"})),
+                  (place(z=-width / 2),), f"webbing {width:g} x 1", size=f"{hinge_cut} mm long",
+                  tags=frozenset({"hinge"})),
         inlet(sizes, hose),
         *_shell(section, side, turn),
         Component(f"strap of hose {letter}", hose, strap, "steel-strip", "cutting",

@@ -138,15 +138,12 @@ def part_key(component: Component) -> Hashable:
     """Return a key that equal parts have in common.
 
     Bought parts are equal by designation; made ones by material, process, stock and shape, whatever their names are.
-    The shape of hoses, hinges and straps depends on the pose: they are equal by cut size, or else within a joint.
+    The shape of hoses, hinges and straps depends on the pose: they are equal by the size to which they are cut.
     """
     if component.bought and component.designation:
         return component.designation, component.size
     kind = (component.material, component.making, component.designation, component.size)
-    tags = component.tags & FLEXIBLE_TAGS
-    if tags:
-        return (*kind, tags, component.joint if not component.size else "")
-    return (*kind, component.shape)
+    return (*kind, component.tags & FLEXIBLE_TAGS or component.shape)
 
 
 def common_name(names: Sequence[str]) -> str:

@@ -58,6 +58,7 @@ def test_an_m5_is_the_one_of_the_standards() -> None:
     assert nut("M5").designation == "ISO 4032 M5 - A2-70"
     assert washer("M5").designation == "ISO 7089 5 - 200 HV - A2"
     assert threaded_rod("M6", 0.15).designation == "DIN 976-1 M6 x 150 - A2-70"
+    assert threaded_rod("M6", 0.0333503).designation == "DIN 976-1 M6 x 33.4 - A2-70"
 
 
 @pytest.mark.parametrize(("size", "length"), TABLE_MASSES)

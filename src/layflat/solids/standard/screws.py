@@ -150,7 +150,7 @@ class ThreadedRod:
     @property
     def designation(self) -> str:
         """Designation, such as "DIN 976-1 M6 x 150 - A2-70"."""
-        return f"DIN 976-1 {self.thread.name} x {self.length * 1e3:g} - {PROPERTY_CLASS}"
+        return f"DIN 976-1 {self.thread.name} x {round(self.length * 1e3, 1):g} - {PROPERTY_CLASS}"
 
     @property
     def mass(self) -> float:
