@@ -71,6 +71,8 @@ JOINT_STEPS = (
             "shell's end.",
             "Lay hose A, both hinges ([hinge of hose A|A], [hinge of hose B|B]) and hose B on each other with their "
             "ends level, and punch the holes of the screws with a [clamp bar] as the template.",
+            "{?single}Lay hose and [hinge of hose A|hinge] on each other with their ends level, and punch the holes "
+            "of the screws with a [clamp bar] as the template.",
             "Put the [inlet of hose A|inlet] into each hose: its stem comes through a hole in the inner wall and "
             "through the cylinder, its nut and elbow sit inside the cylinder.",
             "Push the ends from outside through the slot of the [cylinder], put a [clamp bar] on either side, and "
