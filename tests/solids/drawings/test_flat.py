@@ -97,3 +97,16 @@ def test_tubes_and_turned_parts_have_no_contour_to_cut() -> None:
     cut = {one.name for one in made_parts() if cut_by_contour(one, flat_part(one))}
     assert {"arm plate", "shell A", "hose A"} <= cut
     assert not cut & {"cylinder", "shaft", "brake disc"}
+
+
+def test_a_hole_across_a_tube_ends_at_the_inner_wall_and_a_blind_one_keeps_its_depth() -> None:
+    out = Drilled((-31.0, 0.0, 20.0), (1.0, 0.0, 0.0), 5.4, 12.0)
+    part = flat_part(component(Prism(circle(0, 0, 30), 40.0, openings=(circle(0, 0, 27),), drilled=(out,)), "milling"))
+    assert part is not None
+    assert part.through == {0}
+    assert part.drilled[0].depth == pytest.approx(3.0, abs=0.2)
+    assert part.drilled[0].start == pytest.approx((-30.0, 0.0, 20.0), abs=0.2)
+    blind = Drilled((-30.0, 0.0, 20.0), (1.0, 0.0, 0.0), 4.2, 15.0, "M5")
+    part = flat_part(component(Prism(circle(0, 0, 30), 40.0, drilled=(blind,)), "milling"))
+    assert part is not None
+    assert (part.drilled, part.through) == ((blind,), frozenset())

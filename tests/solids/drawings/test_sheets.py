@@ -1,16 +1,19 @@
 """Sheets of parts: title block, hole table, sizes and fits stand on them, and no text covers another one."""
 
 from itertools import pairwise
+from math import radians
 
 import numpy as np
 import pytest
 
+from layflat.design import SizingRequest, size_joint
 from layflat.solids.component import Component
 from layflat.solids.drawings.flat import flat_part
 from layflat.solids.drawings.paper import FORMATS, Path, Text, svg_and_pdf
 from layflat.solids.drawings.sheets import PartSheet, part_sheet
 from layflat.solids.drawings.table import Fits, fits_of, hole_table, number_text
 from layflat.solids.hardware import rod, sleeve
+from layflat.solids.joint import joint_components, joint_sizes
 from layflat.solids.loops import rectangle
 from layflat.solids.shapes import ALONG_X, Drilled, Hole, Joined, Prism, Turned, joined, place
 from layflat.solids.standard.materials import material
@@ -124,3 +127,13 @@ def test_the_same_part_gives_the_same_bytes() -> None:
     assert b"lower end plate" in svg
     assert pdf.startswith(b"%PDF")
     assert b"Date" not in pdf
+
+
+@pytest.mark.parametrize(("torque", "stroke", "supply"), [(20.0, 110.0, 6e5), (95.0, 125.0, 6.5e5)])
+def test_no_text_covers_another_one_on_sheets_of_sized_joints(torque: float, stroke: float, supply: float) -> None:
+    machine = size_joint(SizingRequest(torque, radians(stroke), supply)).design.machine
+    parts = joint_components(joint_sizes(machine, next(iter(machine.joints))))
+    for one in (part for part in parts if not part.bought):
+        paper = part_sheet(sheet_of(one, fits_of(parts)))
+        assert not overlapping_texts(paper), one.name
+        assert not texts_off_the_sheet(paper), one.name

@@ -26,6 +26,7 @@ THICKNESS_VARIATION = 0.5  # of a bent sheet's drawn thickness, at mitres
 STRAIGHT_SHARE = 0.4  # curvature of a straight piece beside an arc over the arc's, as points show it
 SAME_ARC = 1.6  # greatest ratio of curvatures in one arc
 SHARP_TURN = 0.12  # turn at one point, above which it is a bend and not part of an arc, rad
+DEPTH_STEP = 0.1  # between points at which the axis of a hole is looked at
 FOLDED_RATIO = 1.5  # cut length of a hose over its way from the clamp to its end, above which it is folded in two
 MIN_CURVATURE = 1e-4  # curvature that counts as straight, 1/mm
 SMALLEST_BEND = 0.04  # angle below which an arc is none, rad
@@ -54,6 +55,7 @@ class FlatPart:
     openings: tuple[Loop, ...] = ()
     bends: tuple[Bend, ...] = ()
     drilled: tuple[Drilled, ...] = ()  # other than along the thickness
+    through: frozenset[int] = frozenset()  # indices of those that come out on the other side
     pockets: tuple[tuple[Loop, float, float], ...] = ()
     profile: Loop | None = None  # of a bent part
 
@@ -76,8 +78,38 @@ def flat_part(component: Component) -> FlatPart | None:
         return _unrolled(component, shape, path)
     along = [hole for hole in shape.drilled if abs(hole.direction[2]) > 1 - 1e-9 and hole.depth >= shape.height]
     holes = tuple(Hole(hole.start[:2], hole.diameter, hole.thread) for hole in along)
-    others = tuple(hole for hole in shape.drilled if hole not in along)
-    return FlatPart(shape.outline, shape.height, (*shape.holes, *holes), shape.openings, (), others, shape.pockets)
+    others = [_in_material(hole, shape) for hole in shape.drilled if hole not in along]
+    through = frozenset(k for k, (_, out) in enumerate(others) if out)
+    drilled = tuple(hole for hole, _ in others)
+    return FlatPart(
+        shape.outline, shape.height, (*shape.holes, *holes), shape.openings, (), drilled, through, shape.pockets
+    )
+
+
+def _in_material(hole: Drilled, shape: Prism) -> tuple[Drilled, bool]:
+    """Return the part of a hole that lies in a prism's material, and whether the hole comes out again.
+
+    Args:
+        hole: across the prism's axis.
+        shape: the prism.
+    """
+    from matplotlib.path import Path  # noqa: PLC0415
+
+    depths = np.arange(0.0, hole.depth + DEPTH_STEP / 2, DEPTH_STEP)
+    axis = np.array(hole.start) + depths[:, None] * np.array(hole.direction)
+    inside = Path(shape.outline.points()).contains_points(axis[:, :2])
+    inside &= (axis[:, 2] > 0) & (axis[:, 2] < shape.height)
+    for opening in shape.openings:
+        inside &= ~Path(opening.points()).contains_points(axis[:, :2])
+    if not inside.any():
+        return hole, False
+    first = int(inside.argmax())
+    beyond = np.flatnonzero(~inside[first:])
+    if not beyond.size:
+        return hole, False
+    start = axis[max(first - 1, 0)]
+    depth = float(depths[first + beyond[0]] - depths[max(first - 1, 0)])
+    return hole._replace(start=(float(start[0]), float(start[1]), float(start[2])), depth=depth), True
 
 
 def cut_by_contour(component: Component, part: FlatPart | None) -> bool:

@@ -69,7 +69,8 @@ def _flat_sheet(part: PartSheet, pattern: FlatPart) -> Paper:
     side = _side_box(part, pattern)
     sw, sh = side[1] - side[0] if side is not None else (0.0, 0.0)
     around, gap = 2 * VIEW_MARGIN, VIEW_GAP if side is not None else 0.0
-    needs = [(w + sw, max(h, sh), around + gap, around)]
+    above = CHAIN_STEP * len(pattern.pockets)  # of the dimensions of pockets
+    needs = [(w + sw, max(h, sh), around + gap, around + above)]
     if side is not None and pattern.profile is None:
         needs.append((max(w, sh), h + sw, around, around + gap))
     layout, arrangement = fitting_layout(needs, table_or_none)
@@ -80,7 +81,7 @@ def _flat_sheet(part: PartSheet, pattern: FlatPart) -> Paper:
     total_w = s * (w if below else w + sw) + (0 if below else gap)
     total_h = s * (h + sw if below else max(h, sh)) + (gap if below else 0)
     left = (area.left + area.right - total_w) / 2
-    top = (area.low + area.high + total_h) / 2
+    top = (area.low + area.high + total_h - above) / 2
     # In the middle of the rows of views, or on top of the other view.
     middle = top - s * h / 2 if below else top - total_h / 2
     view = View(labels, s, left - s * float(pattern.box[0, 0]), middle - s * float(pattern.box[:, 1].mean()))
@@ -140,7 +141,7 @@ def _draw_side_view(view: View, pattern: FlatPart, box: Array, *, below: bool) -
         side = View(labels, s, view.x + s * x_2 + VIEW_GAP, view.y)
         draw_side(side, pattern, below=False)
         side.distance((0.0, y), (pattern.thickness, y), -FIRST_OFFSET, t)
-        for k, (_, first, last) in enumerate(pattern.pockets):
+        for k, (first, last) in enumerate(dict.fromkeys((low, high) for _, low, high in pattern.pockets)):
             side.distance((first, y_2), (last, y_2), FIRST_OFFSET + k * CHAIN_STEP, number_text(last - first, 1))
 
 

@@ -67,7 +67,7 @@ def hole_table(part: FlatPart, fits: Fits | None = None) -> HoleTable:
     """
     return table_of(
         [(*hole.centre, None, hole.diameter, hole.thread, "through", "") for hole in part.holes]
-        + [_drilled(hole) for hole in part.drilled],
+        + [_drilled(hole, through=k in part.through) for k, hole in enumerate(part.drilled)],
         fits or Fits(),
     )
 
@@ -80,9 +80,9 @@ def drilled_table(holes: Sequence[Drilled], fits: Fits) -> HoleTable:
 Row = tuple[float, float, float | None, float, str, str, str]
 
 
-def _drilled(hole: Drilled) -> Row:
+def _drilled(hole: Drilled, *, through: bool = False) -> Row:
     x, y, z = hole.start
-    return x, y, z, hole.diameter, hole.thread, f"{hole.depth:.1f}", direction(hole)
+    return x, y, z, hole.diameter, hole.thread, "through" if through else f"{hole.depth:.1f}", direction(hole)
 
 
 def direction(hole: Drilled) -> str:
