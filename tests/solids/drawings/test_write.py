@@ -9,6 +9,7 @@ import pytest
 
 from layflat import extras
 from layflat.solids.drawings.write import file_stem, merge_items, write_drawings
+from layflat.solids.parts_list import list_parts
 from tests.programs import skip_without
 from tests.solids.drawings.parts import joint_parts
 
@@ -61,6 +62,14 @@ def test_components_with_one_number_are_one_item() -> None:
     assert list(found) == [2, 4, 9]
     assert found[4].quantity == 2 * PARTS[0].quantity
     assert found[4].joint == "a, b"
+    assert found[4].name == PARTS[0].name
+
+
+def test_items_agree_with_the_parts_list() -> None:
+    parts = list_parts(joint_parts(), lambda _: 0.1)
+    items = merge_items(joint_parts(), [parts.part(one).number for one in joint_parts()])
+    listed = [(one.number, one.name, one.quantity) for one in parts.parts]
+    assert [(number, one.name, one.quantity) for number, one in items.items()] == listed
 
 
 def test_a_machine_without_solids_has_no_drawings(tmp_path: Path) -> None:

@@ -7,12 +7,12 @@ the middle of the sheet (k = 0.5).
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass
 from math import hypot, pi
 from typing import TYPE_CHECKING, NamedTuple
 
 from layflat.lazy import numpy as np
+from layflat.solids.blanks import LENGTH_PATTERN
 from layflat.solids.loops import Loop, rectangle
 from layflat.solids.shapes import Drilled, Hole, Lofted, Prism
 from layflat.solids.standard.processes import BEND_SHARES
@@ -120,7 +120,7 @@ def cut_by_contour(component: Component, part: FlatPart | None) -> bool:
 
 def cut_length(component: Component) -> float | None:
     """Return the length to cut (mm) that a component's size states, if it does."""
-    found = re.search(r"([\d.]+) mm long", component.size)
+    found = LENGTH_PATTERN.search(component.size)
     return float(found[1]) if found else None
 
 

@@ -14,6 +14,7 @@ from layflat.solids.drawings.flat import cut_by_contour, flat_part
 from layflat.solids.drawings.paper import svg_and_pdf
 from layflat.solids.drawings.sheets import PartSheet, part_sheet
 from layflat.solids.drawings.table import fits_of
+from layflat.solids.parts_list import common_name
 from layflat.solids.standard.materials import material
 
 if TYPE_CHECKING:
@@ -78,21 +79,24 @@ def write_drawings(
 
 
 def merge_items(components: Sequence[Component], numbers: Sequence[int]) -> dict[int, Component]:
-    """Return the component of each number, in order, with the places of all components that have it.
+    """Return the component of each number, in order, with the places and the common name of all that have it.
 
     Args:
         components: of a machine.
         numbers: of their items.
     """
-    found: dict[int, Component] = {}
+    rows: dict[int, list[Component]] = {}
     for number, one in zip(numbers, components, strict=True):
-        first = found.get(number)
-        if first is None:
-            found[number] = one
-        else:
-            joint = first.joint if one.joint in first.joint.split(", ") else f"{first.joint}, {one.joint}"
-            found[number] = replace(first, places=(*first.places, *one.places), joint=joint)
-    return dict(sorted(found.items()))
+        rows.setdefault(number, []).append(one)
+    return {
+        number: replace(
+            row[0],
+            name=common_name(list(dict.fromkeys(one.name for one in row))),
+            places=tuple(at for one in row for at in one.places),
+            joint=", ".join(dict.fromkeys(one.joint for one in row)),
+        )
+        for number, row in sorted(rows.items())
+    }
 
 
 def file_stem(name: str) -> str:
