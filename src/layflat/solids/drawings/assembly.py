@@ -104,7 +104,7 @@ def _views(assembly: AssemblySheet) -> list[Projection]:
     section = cut("section in the middle", parts, items, frame) if assembly.joint else None
     if section is not None and section.shadows:
         return [*views, section]
-    return [*views, project("above", parts, items, TOP_VIEW, frame)]
+    return [*views, project("seen from above", parts, items, TOP_VIEW, frame)]
 
 
 def assembly_sheet(assembly: AssemblySheet, mass: float) -> Paper:
@@ -120,7 +120,7 @@ def assembly_sheet(assembly: AssemblySheet, mass: float) -> Paper:
         placed = View(labels, s, left - s * float(low_corner[0]), high - s * float(high_corner[1]))
         _draw_view(placed, view)
         _draw_balloons_and_sizes(placed, view, {item: point for item, (n, point) in chosen.items() if n == k}, k)
-    hidden = sorted(set(assembly.items) - set(chosen), key=list(assembly.items).index)
+    hidden = sorted(set(assembly.items) - set(chosen), key=lambda item: (len(item), item))
     if hidden:
         area = free_areas(found.format)[0]
         note = f"Not visible: {', '.join(hidden)}."
@@ -161,7 +161,7 @@ def _thickness(line: Array) -> float:
 
 
 def _draw_balloons_and_sizes(placed: View, view: Projection, points: dict[str, Array], number: int) -> None:
-    """Draw balloons around a view, its title if it is a section, and overall sizes below and on the left of others.
+    """Draw balloons around a view, the title of the third, and overall sizes below and on the left of others.
 
     Args:
         placed: where.
@@ -172,7 +172,7 @@ def _draw_balloons_and_sizes(placed: View, view: Projection, points: dict[str, A
     draw_balloons(placed, view, points)
     (x, y), (x_2, y_2) = view.box
     out = BALLOON_DISTANCE + BALLOON_RADIUS + 6.0
-    if view.section:
+    if number == 2:
         left, low = placed.paper_points((x, y))
         placed.paper.text(float(left), float(low) - out, view.title)
     if number < 2:  # the third view shows no other size

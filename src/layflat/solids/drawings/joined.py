@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from layflat.solids.shapes import Joined, PartPlace
 
 
-VIEW_AXES = (("front", FRONT_VIEW), ("left", LEFT_VIEW), ("above", TOP_VIEW))
+VIEW_AXES = (("front", FRONT_VIEW), ("left", LEFT_VIEW), ("seen from above", TOP_VIEW))
 """Name and directions of each view."""
 
 
@@ -76,6 +76,9 @@ def draw_joined(view: View, views: JoinedViews, number: int) -> None:
     (x, y), (x_2, y_2) = projection.box
     if number < 2:  # the view from above has the width of that from the front
         view.distance((x, y), (x_2, y), -FIRST_OFFSET, number_text(float(x_2 - x), 1))
+    else:
+        left, low = view.paper_points((x, y))
+        view.paper.text(float(left), float(low) - FIRST_OFFSET, projection.title)
     if number == 0:
         view.distance((x, y), (x, y_2), -FIRST_OFFSET, number_text(float(y_2 - y), 1), upright=True)
         draw_origin(view)
