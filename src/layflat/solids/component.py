@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Literal
 
 from layflat.lazy import numpy as np
@@ -48,14 +48,16 @@ class Component:
         """Density of its material, kg/m3."""
         return material(self.material).density
 
+    def tagged(self, tag: str) -> Component:
+        """Return it with one more tag."""
+        return replace(self, tags=self.tags | {tag})
+
     def moved(self, outer: PartPlace) -> Component:
         """Return it where its frame has a place in another frame."""
         return self.put_at(tuple(one.then(outer) for one in self.places))
 
     def put_at(self, places: tuple[PartPlace, ...]) -> Component:
         """Return it at other places."""
-        from dataclasses import replace  # noqa: PLC0415
-
         return replace(self, places=places)
 
 

@@ -174,7 +174,7 @@ def _bolts(seats: tuple[Seat, Seat], eye: float) -> list[Component]:
             one = screw_for((eye + seat.thickness) / MM, size.name, nut_engagement(size.name))
             found.append(hexagon_nut("nut of a strut", "output", size, tuple(nuts)))
         found.append(socket_screw("screw of a strut", "output", one, tuple(heads)))
-    return found
+    return [one.tagged("link") for one in found]
 
 
 def flange(sizes: JointSizes, at: Array, along: Array) -> tuple[Component, list[Seat]]:
@@ -241,7 +241,8 @@ def foot_components(sizes: JointSizes, places: list[tuple[float, float]], low: f
                   tuple(place(x, y, bottom + 0.01) for x, y in places),
                   f"tube {2.2 * size.diameter * MM:g} x {(2.2 * size.diameter - size.clearance_hole) / 2 * MM:.3g}",
                   size=f"{length:.1f} mm long", tags=frozenset({"foot"})),
-        stud("stud of the foot", "body", size, -sizes.half_length - end, tuple(place(x, y, end) for x, y in places)),
-        hexagon_nut("nut of the foot", "body", size,
-                    tuple(PartPlace(axes_towards(0, 0, -1), np.array([x, y, bottom - FOOT_PLATE])) for x, y in places)),
+        stud("stud of the foot", "body", size, -sizes.half_length - end,
+             tuple(place(x, y, end) for x, y in places)).tagged("foot"),
+        hexagon_nut("nut of the foot", "body", size, tuple(
+            PartPlace(axes_towards(0, 0, -1), np.array([x, y, bottom - FOOT_PLATE])) for x, y in places)).tagged("foot"),
     ]  # fmt: skip
