@@ -244,5 +244,6 @@ def foot_components(sizes: JointSizes, places: list[tuple[float, float]], low: f
         stud("stud of the foot", "body", size, -sizes.half_length - end,
              tuple(place(x, y, end) for x, y in places)).tagged("foot"),
         hexagon_nut("nut of the foot", "body", size, tuple(
-            PartPlace(axes_towards(0, 0, -1), np.array([x, y, bottom - FOOT_PLATE])) for x, y in places)).tagged("foot"),
+            PartPlace(axes_towards(0, 0, -1), np.array([x, y, bottom - FOOT_PLATE]))
+            for x, y in places)).tagged("foot"),
     ]  # fmt: skip

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from itertools import product
 from typing import TYPE_CHECKING, NamedTuple
 
-from layflat.design.summary import Finding
+from layflat.design.summary import Finding, Severity
 from layflat.lazy import numpy as np
 from layflat.solids.checks.frames import belongs_to_joint, inverse, joint_parts, joint_place, link_places
 from layflat.solids.checks.meshes import CHORD_TOLERANCE, MeshStore, PartMesh, box_gaps, least_distance
@@ -23,11 +23,11 @@ if TYPE_CHECKING:
     from layflat.solids.component import Component
     from layflat.solids.sizes import JointSizes
 
-POSES = 7  # of a joint, evenly over its mechanical stroke
+POSE_COUNT = 7  # of a joint, evenly over its mechanical stroke
 RUNNING_GAP = 0.5  # required between parts that spacers or bushes guide beside each other, mm
 AXIS_TOLERANCE = 1e-6  # of a part that is round about the output's axis, mm
 
-TOUCHING = (
+TOUCHING_NAMES = (
     ("hose", "cylinder"), ("hose", "clamp bar"), ("hose", "screw of the clamp"), ("hose", "nut of the clamp"),
     ("hinge", "cylinder"), ("hinge", "clamp bar"), ("hinge", "screw of the clamp"), ("hinge", "nut of the clamp"),
     ("hinge", "hinge"), ("hinge", "hose"), ("bush", "shaft"), ("bush", "retaining ring"), ("brake disc", "brake pad"),
@@ -37,11 +37,11 @@ TOUCHING = (
 )  # fmt: skip
 """Beginnings of names of parts of a joint that are meant to touch, or that a bush keeps apart."""
 
-GUIDED = (("strap of", "cam"), ("strap of", "roller"), ("strap of", "strap of"), ("strap of", "arm plate"),
+GUIDED_NAMES = (("strap of", "cam"), ("strap of", "roller"), ("strap of", "strap of"), ("strap of", "arm plate"),
           ("strap of", "spacer"))  # fmt: skip
 """Beginnings of names of parts that spacers on the shaft keep beside each other."""
 
-REMEDIES = (
+REMEDY_KEYS = (
     ("strut", "joint.{joint}.stops.mechanical_stroke"), ("screw of a strut", "joint.{joint}.stops.mechanical_stroke"),
     ("nut of a strut", "joint.{joint}.stops.mechanical_stroke"), ("tool flange", "arm.tool"),
     ("brake", "joint.{joint}.build.disc_diameter"), ("bump stop", "joint.{joint}.build.screw"),
@@ -73,12 +73,14 @@ class Clearance:
     def finding(self) -> Finding:
         """Finding about parts that come too near."""
         at = ", ".join(f"{np.degrees(angle):.3g}" for angle in self.angles)
-        distance = "overlap" if self.distance == 0 else f"come within {self.distance * MM:.3g} mm of each other"
+        distance = "they overlap" if self.distance == 0 else f"they come within {self.distance * MM:.3g} mm"
         names = self.first, self.second
-        keys = [key for start, key in REMEDIES if any(name.startswith(start) for name in names)]
-        key = (keys or ["joint.{joint}.stops.mechanical_stroke"])[0].format(joint=self.joint.split(", ")[0])
-        return Finding("error" if self.distance == 0 else "warning", "clearance", f"{self.joint}: {self.first}",
-                       f"and {self.second} {distance} at {at} deg",
+        keys = [key for start, key in REMEDY_KEYS if any(name.startswith(start) for name in names)]
+        key = (keys or ["joint.{joint}.stops.mechanical_stroke"])[0].format(joint=self.joint.split(", ")[-1])
+        between_links = ", " in self.joint  # their strokes may be limited by other means
+        severity: Severity = "error" if self.distance == 0 and not between_links else "warning"
+        return Finding(severity, "clearance", self.joint,
+                       f"{self.first} and {self.second}: {distance} at {at} deg",
                        f"{self.required * MM:.3g} mm are required; change {key}")  # fmt: skip
 
 
@@ -100,17 +102,17 @@ def joint_clearances(
         progress: called with how many poses are done, and of how many.
     """
     sizes = assembly.sizes[name]
-    least: dict[tuple[str, str], Clearance] = {}
-    for done, angle in enumerate(np.linspace(-sizes.swing, sizes.swing, POSES)):
-        progress(done, POSES)
+    nearest: dict[tuple[str, ...], Clearance] = {}
+    for done, angle in enumerate(np.linspace(-sizes.swing, sizes.swing, POSE_COUNT)):
+        progress(done, POSE_COUNT)
         parts = store.parts(joint_parts(assembly, name, float(angle)))
-        _keep_least(least, _moving_pairs(sizes, parts), name, (float(angle),))
-    progress(POSES, POSES)
-    return sorted(least.values(), key=lambda one: one.distance)
+        _keep_least(nearest, _moving_pairs(sizes, parts), name, (float(angle),), by_name=True)
+    progress(POSE_COUNT, POSE_COUNT)
+    return sorted(nearest.values(), key=lambda one: one.distance)
 
 
 def arm_clearances(assembly: Assembly, store: MeshStore) -> list[Clearance]:
-    """Return the least distances up to the required ones between parts of different joints and links, nearest first.
+    """Return the least distance up to the required one between the parts of each two joints and links, nearest first.
 
     The joints are at all corners of their mechanical strokes.
 
@@ -129,7 +131,7 @@ def arm_clearances(assembly: Assembly, store: MeshStore) -> list[Clearance]:
         for name, swing in zip(names, swings, strict=True)
         for side in (-1.0, 1.0)
     }
-    least: dict[tuple[str, str], Clearance] = {}
+    nearest: dict[tuple[str, ...], Clearance] = {}
     for corner in product((-1.0, 1.0), repeat=len(names)):
         angles = tuple(side * swing for side, swing in zip(corner, swings, strict=True))
         frames = link_places(assembly, angles)
@@ -139,9 +141,9 @@ def arm_clearances(assembly: Assembly, store: MeshStore) -> list[Clearance]:
         for k, m in product(range(len(names)), repeat=2):
             if k < m:
                 required = max(assembly.sizes[names[k]].clearance, assembly.sizes[names[m]].clearance)
-                pairs = _near_pairs(placed[k], placed[m], required, lambda a, b, m=m, k=k: _level(a, k) != _level(b, m))
-                _keep_least(least, pairs, f"{names[k]}, {names[m]}", angles)
-    return sorted(least.values(), key=lambda one: one.distance)
+                pairs = _near_pairs((placed[k], placed[m]), required, (k, m))
+                _keep_least(nearest, pairs, f"{names[k]}, {names[m]}", angles, by_name=False)
+    return sorted(nearest.values(), key=lambda one: one.distance)
 
 
 def _level(component: Component, joint: int) -> int:
@@ -160,32 +162,36 @@ def _moving_pairs(sizes: JointSizes, parts: Sequence[PartMesh]) -> Iterable[_Pai
 
 
 def _near_pairs(
-    first: Sequence[PartMesh],
-    second: Sequence[PartMesh],
-    required: float,
-    chosen: Callable[[Component, Component], bool],
+    parts: tuple[Sequence[PartMesh], Sequence[PartMesh]], required: float, joints: tuple[int, int]
 ) -> Iterable[_Pair]:
-    """Yield the pairs of two lists of parts whose boxes are within a distance (mm), where a condition holds."""
+    """Yield the pairs of two joints' parts that move past each other and whose boxes are near.
+
+    Args:
+        parts: of both joints.
+        required: distance of the boxes, mm.
+        joints: numbers of both joints.
+    """
+    first, second = parts
     for i, k in zip(*np.nonzero(box_gaps(first, second) <= required), strict=True):
-        if chosen(first[i].component, second[k].component):
+        if _level(first[i].component, joints[0]) != _level(second[k].component, joints[1]):
             yield _Pair(first[i], second[k], required)
 
 
 def _required(sizes: JointSizes, first: PartMesh, second: PartMesh) -> float:
     """Return the distance that two parts of a joint have to keep, mm; 0 if they are fixed or meant to touch."""
     one, other = first.component, second.component
-    if one.group == other.group or _named(one, other, TOUCHING):
+    if one.group == other.group or _named(one, other, TOUCHING_NAMES):
         return 0.0
     if any(group.startswith("hose") for group in (one.group, other.group)) and one.name[-1] == other.name[-1]:
         return 0.0  # hose, hinge and strap lie on what belongs to the same hose
-    if any(_round_about_axis(sizes, part) for part in (first, second)) or _named(one, other, GUIDED):
+    if any(_round_about_axis(sizes, part) for part in (first, second)) or _named(one, other, GUIDED_NAMES):
         return min(RUNNING_GAP, sizes.clearance)
     return sizes.clearance
 
 
-def _named(one: Component, other: Component, pairs: Iterable[tuple[str, str]]) -> bool:
+def _named(component: Component, other: Component, pairs: Iterable[tuple[str, str]]) -> bool:
     """Return whether the names of two components begin as those of a pair."""
-    names = one.name, other.name
+    names = component.name, other.name
     return any(
         (names[0].startswith(a) and names[1].startswith(b)) or (names[0].startswith(b) and names[1].startswith(a))
         for a, b in pairs
@@ -205,13 +211,27 @@ def _round_about_axis(sizes: JointSizes, part: PartMesh) -> bool:
 
 
 def _keep_least(
-    least: dict[tuple[str, str], Clearance], pairs: Iterable[_Pair], joint: str, angles: tuple[float, ...]
+    nearest: dict[tuple[str, ...], Clearance],
+    pairs: Iterable[_Pair],
+    joint: str,
+    angles: tuple[float, ...],
+    *,
+    by_name: bool,
 ) -> None:
-    """Note the least distance of each pair of names, up to the required one; `angles` are those of the pose, rad."""
+    """Note the least distances of pairs of parts, up to the required ones.
+
+    Args:
+        nearest: the notes.
+        pairs: of parts in one pose.
+        joint: or joints that they belong to.
+        angles: of the pose, rad.
+        by_name: whether to note each pair of names, or only the least for each pair of joints.
+    """
     for first, second, required in pairs:
         names = first.component.name, second.component.name
-        before = least.get(names)
+        key = names if by_name else (joint,)
+        before = nearest.get(key)
         reach = min(required, before.distance * MM if before else required)
         distance = least_distance(first, second, reach) if reach > 0 else float("inf")
         if distance < reach or (before is None and distance <= reach):
-            least[names] = Clearance(*names, joint, angles, distance / MM, required / MM)
+            nearest[key] = Clearance(*names, joint, angles, distance / MM, required / MM)

@@ -39,11 +39,17 @@ def link_places(assembly: Assembly, angles: Sequence[float]) -> list[PartPlace]:
     return [PartPlace(np.eye(3), np.zeros(3)), *links]
 
 
-def joint_place(assembly: Assembly, name: str) -> PartPlace:
-    """Return the place of a joint's own frame in that of the base, at the assembly's angles."""
-    own = joint_components(assembly.sizes[name])[0]
-    placed = next(one for one in assembly.components if one.joint == name and one.name == own.name)
-    return inverse(own.places[0]).then(placed.places[0])
+def joint_place(assembly: Assembly, name: str, component: Component | None = None) -> PartPlace:
+    """Return the place of a joint's own frame in that of the base, at the assembly's angles.
+
+    Args:
+        assembly: the assembly.
+        name: of the joint.
+        component: one of its body in its own frame; default: the first.
+    """
+    component = component or joint_components(assembly.sizes[name])[0]
+    placed = next(one for one in assembly.components if one.joint == name and one.name == component.name)
+    return inverse(component.places[0]).then(placed.places[0])
 
 
 def joint_parts(assembly: Assembly, name: str, angle: float) -> list[Component]:
@@ -57,10 +63,8 @@ def joint_parts(assembly: Assembly, name: str, angle: float) -> list[Component]:
     sizes = assembly.sizes[name]
     before = assembly.angles[list(assembly.machine.joints).index(name)]
     turned = turn_about_z(angle - before, (0.0, sizes.axis))
-    into = inverse(joint_place(assembly, name))
     own = joint_components(sizes, angle)
+    into = inverse(joint_place(assembly, name, own[0]))
     names = {one.name for one in own}
-    link = [one for one in assembly.components if one.joint == name and one.name not in names]
-    return own + [
-        one.moved(into) if one.group == "body" else one.moved(into).moved(turned) for one in link
-    ]
+    added = [one.moved(into) for one in assembly.components if one.joint == name and one.name not in names]
+    return own + [one if one.group == "body" else one.moved(turned) for one in added]

@@ -96,7 +96,7 @@ def write_masses(assembly: Assembly, path: Path) -> Machine:
 
 def mass_findings(assembly: Assembly, rows: Iterable[MassRow]) -> list[Finding]:
     """Return a warning for each quantity of which the solids deviate by more than 5 % from the description."""
-    right = "`layflat build --write-masses` writes what the solids have; they lack what no rule makes, as a counterweight"
+    right = "take the solids' value, unless it lacks what no rule makes, such as a counterweight"
     return [
         Finding("warning", "mass", f"{assembly.machine.origin}: {row.path}",
                 f"is described as {row.texts[1]}, the solids have {row.texts[2]} ({row.texts[3]})", right)
@@ -146,13 +146,12 @@ def _row(machine: Machine, path: str, value: float | tuple[float, ...]) -> MassR
 
 def _bodies(assembly: Assembly, components: Iterable[Component]) -> list[Body]:
     """Return the parts of components as bodies in the frame of the base."""
-    found = []
+    found: list[Body] = []
     for one in components:
         solid, mass = assembly.solid(one), assembly.mass_of(one)
         volume, centre = float(solid.volume), np.array([*solid.center()])
         inertia = np.array(solid.matrix_of_inertia) * mass / volume / MM**2
-        for at in one.places:
-            found.append((mass, (at.axes @ centre + at.origin) / MM, at.axes @ inertia @ at.axes.T))
+        found += [(mass, (at.axes @ centre + at.origin) / MM, at.axes @ inertia @ at.axes.T) for at in one.places]
     return found
 
 

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+from layflat import extras
 from layflat.lazy import numpy as np
 from layflat.solids import cad
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Sequence
 
     from layflat.arrays import Array
     from layflat.solids.component import Component
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
 CHORD_TOLERANCE = 0.05  # most that triangles lie inside a curved face, mm
 CHORD_ANGLE = 0.4  # most between two triangles of a curved face, rad
 PAIRS_AT_ONCE = 20_000  # pairs of triangles whose distances are computed together
-EDGES = ((0, 1), (1, 2), (2, 0))
+TRIANGLE_EDGES = ((0, 1), (1, 2), (2, 0))
 LEAST_SQUARE = 1e-18  # that stands for the squared length of an edge of no length, mm2
 
 
@@ -54,14 +55,16 @@ class MeshStore:
 
     def parts(self, components: Iterable[Component]) -> list[PartMesh]:
         """Return all parts of components as meshes, each at its place."""
-        return [
-            PartMesh(one, self.triangles(one.shape)).moved(place) for one in components for place in one.places
-        ]
+        return [PartMesh(one, self.triangles(one.shape)).moved(place) for one in components for place in one.places]
 
     def triangles(self, shape: Shape) -> Array:
         """Return the triangles of a shape in its own frame, (n, 3, 3)."""
         if shape not in self._triangles:
-            points, faces = cad.solid(shape).tessellate(CHORD_TOLERANCE, CHORD_ANGLE)
+            solid = cad.solid(shape)
+            # The kernel's own `tessellate` takes its tolerance as a share of each edge's length.
+            mesher = extras.import_extra("cad", "OCP.BRepMesh", cad.ROOM_NAME).BRepMesh_IncrementalMesh
+            mesher(solid.wrapped, CHORD_TOLERANCE, False, CHORD_ANGLE, False)
+            points, faces = solid.tessellate(2 * CHORD_TOLERANCE)
             corners = np.array([(p.X, p.Y, p.Z) for p in points])
             self._triangles[shape] = corners[np.array(faces)]
         return self._triangles[shape]
@@ -94,14 +97,13 @@ def least_distance(first: PartMesh, second: PartMesh, reach: float) -> float:
     return least if least <= reach else float("inf")
 
 
-def _near(part: PartMesh, other: PartMesh, reach: float) -> Array:
+def _near(part: PartMesh, other: PartMesh, reach: float) -> Any:
     """Return the numbers of the triangles of a part whose boxes are within a reach (mm) of another part's box."""
     (low, high), (other_low, other_high) = part.boxes, other.box
-    numbers: Array = np.nonzero(((low <= other_high + reach) & (high >= other_low - reach)).all(axis=1))[0]
-    return numbers
+    return np.nonzero(((low <= other_high + reach) & (high >= other_low - reach)).all(axis=1))[0]
 
 
-def box_gaps(first: list[PartMesh], second: list[PartMesh]) -> Array:
+def box_gaps(first: Sequence[PartMesh], second: Sequence[PartMesh]) -> Array:
     """Return the distances of the bounding boxes of parts along the axis on which they are farthest apart, (n, m)."""
     low, high = (np.array([part.box[k] for part in first]) for k in (0, 1))
     other_low, other_high = (np.array([part.box[k] for part in second]) for k in (0, 1))
@@ -115,8 +117,8 @@ def triangle_distances(a: Array, b: Array) -> Array:
     for first, second in ((a, b), (b, a)):
         least = np.minimum(least, _corner_distances(first, second))
         least[_crosses(first, second)] = 0.0
-    for i, j in EDGES:
-        for k, m in EDGES:
+    for i, j in TRIANGLE_EDGES:
+        for k, m in TRIANGLE_EDGES:
             least = np.minimum(least, segment_distances(a[:, i], a[:, j], b[:, k], b[:, m]))
     return least
 
@@ -156,12 +158,12 @@ def _corner_distances(corners: Array, triangles: Array) -> Array:
     return least
 
 
-def _crosses(edged: Array, triangles: Array) -> Array:
+def _crosses(edged: Array, triangles: Array) -> Any:
     """Return which pairs have an edge of the first triangle that goes through the second one, (n,)."""
     normal, _ = _normals(triangles)
     heights = [_dot(edged[:, k] - triangles[:, 0], normal) for k in range(3)]
     crossed = np.zeros(len(edged), bool)
-    for i, j in EDGES:
+    for i, j in TRIANGLE_EDGES:
         through = heights[i] * heights[j] < 0
         share = np.where(through, heights[i] / np.where(through, heights[i] - heights[j], 1.0), 0.0)
         point = edged[:, i] + share[:, None] * (edged[:, j] - edged[:, i])
@@ -175,10 +177,10 @@ def _normals(triangles: Array) -> tuple[Array, Array]:
     return normal, np.maximum(_dot(normal, normal), LEAST_SQUARE)
 
 
-def _inside(points: Array, triangles: Array, normal: Array) -> Array:
+def _inside(points: Array, triangles: Array, normal: Array) -> Any:
     """Return which points in the planes of triangles lie inside them, (n,)."""
     inside = np.ones(len(points), bool)
-    for i, j in EDGES:
+    for i, j in TRIANGLE_EDGES:
         edge = triangles[:, j] - triangles[:, i]
         inside &= _dot(np.cross(edge, points - triangles[:, i]), normal) >= 0
     return inside
@@ -187,3 +189,14 @@ def _inside(points: Array, triangles: Array, normal: Array) -> Array:
 def _dot(a: Array, b: Array) -> Array:
     products: Array = np.einsum("ij,ij->i", a, b)
     return products
+
+
+def segment_mesh(component: Component, start: Array, end: Array) -> PartMesh:
+    """Return a straight line as a mesh, of one triangle without area.
+
+    Args:
+        component: that it is noted under.
+        start: mm, (3,).
+        end: mm, (3,).
+    """
+    return PartMesh(component, np.array([[start, end, end]], float))

@@ -1,0 +1,64 @@
+"""Walls, holes, bends and the strap's path as findings."""
+
+from dataclasses import replace
+
+import pytest
+
+from layflat import extras
+from layflat.solids.checks.making import MAX_STRAP_MISS, edge_distance, making_findings, strap_finding
+from layflat.solids.component import Component
+from layflat.solids.loops import rectangle
+from layflat.solids.section import CrossSection
+from layflat.solids.shapes import Hole, Prism, place
+from tests.solids.checks.builds import built
+
+pytestmark = pytest.mark.skipif(not extras.available("cad"), reason="no build123d; pip install layflat[cad]")
+
+
+def findings(*holes: Hole, making: str = "laser cutting", thickness: float = 2.0) -> list[tuple[str, str]]:
+    part = Component("plate", "body", Prism(rectangle(40.0, 20.0), thickness, holes), "aluminium", making,  # type: ignore[arg-type]
+                     (place(),), joint="small")  # fmt: skip
+    found = making_findings(replace(built(), components=(part,)))
+    return [(one.severity, one.what) for one in found if "plate" in one.where]
+
+
+def test_a_part_with_thick_walls_has_no_findings() -> None:
+    assert findings(Hole((0.0, 0.0), 4.0), Hole((10.0, 0.0), 4.0)) == []
+
+
+def test_thin_walls_are_drilled_and_thinner_ones_refused() -> None:
+    near = Hole((0.0, 6.5), 4.0)  # a wall of 1.5 mm
+    assert [severity for severity, _ in findings(near)] == ["note"]
+    assert findings(near, making="milling") == []
+    too_near = Hole((0.0, 7.5), 4.0)  # a wall of 0.5 mm
+    assert ("error", "a wall of 0.5 mm") in findings(too_near)
+    assert ("error", "a wall of 0.5 mm") in findings(Hole((0.0, 0.0), 4.0), Hole((4.5, 0.0), 4.0), making="milling")
+
+
+def test_threaded_holes_count_as_drilled() -> None:
+    assert findings(Hole((0.0, 0.0), 4.2, "M5"), thickness=8.0) == []
+    assert [severity for severity, _ in findings(Hole((0.0, 0.0), 4.2), thickness=8.0)] == ["note"]
+    assert findings(Hole((0.0, 0.0), 0.5), making="milling")[0] == ("error", "a hole of 0.5 mm")
+
+
+def test_distances_to_edges_go_to_sides_and_corners() -> None:
+    corners = rectangle(4.0, 2.0).points()
+    assert edge_distance(corners, (0.0, 0.0)) == pytest.approx(1.0)
+    assert edge_distance(corners, (5.0, 5.0)) == pytest.approx(5.0)
+
+
+def test_the_straps_path_is_within_a_tenth_of_a_millimetre() -> None:
+    sizes = built().sizes["small"]
+    assert CrossSection(sizes).strap_miss <= MAX_STRAP_MISS
+    assert strap_finding(sizes, "small") is None
+
+
+def test_a_strap_over_a_large_nose_is_a_finding() -> None:
+    sizes = built().sizes["small"]
+    strap = sizes.joint.strap.model_copy(update={"thickness": 20 * sizes.joint.strap.thickness})
+    machine = sizes.design.machine
+    joint = sizes.joint.model_copy(update={"strap": strap})
+    design = replace(sizes.design, machine=machine.model_copy(update={"joint": {**machine.joint, "small": joint}}))
+    finding = strap_finding(replace(sizes, design=design), "small")
+    assert finding is not None
+    assert "strap.thickness" in finding.right
