@@ -45,6 +45,7 @@ REMEDY_KEYS = (
     ("strut", "joint.{joint}.stops.mechanical_stroke"), ("screw of a strut", "joint.{joint}.stops.mechanical_stroke"),
     ("nut of a strut", "joint.{joint}.stops.mechanical_stroke"), ("tool flange", "arm.tool"),
     ("brake", "joint.{joint}.build.disc_diameter"), ("bump stop", "joint.{joint}.build.screw"),
+    ("stud of a bump stop", "joint.{joint}.build.screw"),
     ("shell", "joint.{joint}.output.shaft_offset"), ("bar of shell", "joint.{joint}.output.shaft_offset"),
     ("strap", "joint.{joint}.output.shaft_offset"), ("nut", "joint.{joint}.build.screw"),
     ("rod", "joint.{joint}.build.screw"), ("screw", "joint.{joint}.build.screw"),

@@ -55,7 +55,7 @@ def _screw_finding(screw: Component, joint: str, before: Sequence[PartMesh]) -> 
     if not still:
         return Finding("note", "screw", where, what, right)
     return Finding("warning", "screw", where, f"neither driver nor key reaches it past the part {still!r}",
-                   "mount it earlier, or move it: change build.screw")  # fmt: skip
+                   f"mount it earlier, or move it: change joint.{joint}.build.screw")  # fmt: skip
 
 
 def _in_the_way(screw: Component, before: Sequence[PartMesh], length: float) -> str:
