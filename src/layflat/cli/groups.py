@@ -71,6 +71,7 @@ app = LazyTyper(
             "arm": arms,
             "task": tasks,
             "studio": "pages",
+            "build": "build",
             "migrate": "migrate",
         },
         "Simulate": {"simulate": "simulate", "study": studies},

@@ -71,7 +71,7 @@ def brake_components(sizes: JointSizes, angle: float) -> list[Component]:
     hub = 1.0 * sizes.shaft
     outline = stepped((hub, -sizes.disc_hub, 0.0), (sizes.disc_radius, 0.0, sizes.disc), bore=sizes.shaft / 2)
     set_hole = Drilled((hub, 0.0, -sizes.disc_hub / 2), (-1.0, 0.0, 0.0), SET_SCREW.tapping_hole * MM,
-                       hub - sizes.shaft / 2, SET_SCREW.name)  # fmt: skip
+                       hub, SET_SCREW.name)  # fmt: skip
     set_screw = rod(SET_SCREW.tapping_hole * MM - 0.02, hub - sizes.shaft / 2 - 0.2)
     from layflat.solids.component import axes_towards  # noqa: PLC0415
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from layflat.lazy import numpy as np
 from layflat.solids.brake import stud_places
 from layflat.solids.component import Component, axes_towards
-from layflat.solids.hardware import hexagon_nut, rod, sleeve, socket_screw, stepped, stud
+from layflat.solids.hardware import hexagon_nut, plain_washer, rod, sleeve, socket_screw, stepped, stud
 from layflat.solids.inlets import inlet_holes
 from layflat.solids.loops import HullCircle, circle, hull, rectangle
 from layflat.solids.places import (
@@ -134,13 +134,19 @@ def _clamp(sizes: JointSizes) -> list[Component]:
     holes = tuple(Hole((SCREW_SHARE * depth, z), hole) for z in across)
     shape = Prism(rectangle(depth, length), bar, holes, drilled=ends)
     places = (place(x - bar / 2, y, 0.0, ALONG_X), place(-x - bar / 2, y, 0.0, ALONG_X))
-    grip = 2 * (x + bar / 2)
+    washer = screw.washer_thickness * MM
+    side = x + bar / 2
+    grip = 2 * (side + washer)
     one = screw_for(grip / MM, screw.name, nut_engagement(screw.name))
-    heads = tuple(place(x + bar / 2, clamp_line(sizes), z, axes_towards(1, 0, 0)) for z in across)
-    nuts = tuple(place(-x - bar / 2, clamp_line(sizes), z, axes_towards(-1, 0, 0)) for z in across)
+    line = clamp_line(sizes)
+    right = [place(side, line, z, axes_towards(1, 0, 0)) for z in across]
+    left = [place(-side, line, z, axes_towards(-1, 0, 0)) for z in across]
+    heads = tuple(place(side + washer, line, z, axes_towards(1, 0, 0)) for z in across)
+    nuts = tuple(place(-side - washer, line, z, axes_towards(-1, 0, 0)) for z in across)
     return [
         Component("clamp bar", "body", shape, "aluminium", "milling", places, f"flat bar {depth:.1f} x {bar:g}",
                   size=f"{length:.1f} mm long", tags=frozenset({"clamp bar"})),
+        plain_washer("washer of the clamp", "body", screw, (*right, *left)),
         socket_screw("screw of the clamp", "body", one, heads),
         hexagon_nut("nut of the clamp", "body", screw, nuts),
     ]  # fmt: skip
@@ -156,12 +162,14 @@ def _ties(sizes: JointSizes) -> list[Component]:
     )
     bar = Turned(rod(diameter, length).outline, ends)
     frame = frame_places(sizes)
-    one = screw_for(sizes.end_plate / MM, screw.name)
+    washer = screw.washer_thickness * MM
+    one = screw_for((sizes.end_plate + washer) / MM, screw.name)
     return [
         Component("tie bar", "body", bar, "aluminium", "turning",
                   tuple(place(tx, ty, -length / 2) for tx, ty in tie_places(sizes)), f"round bar {diameter:g}",
                   size=f"{length:.1f} mm long"),
-        socket_screw("screw of an end plate", "body", one, _on_faces(frame, sizes.top)),
+        plain_washer("washer of an end plate", "body", screw, _on_faces(frame, sizes.top)),
+        socket_screw("screw of an end plate", "body", one, _on_faces(frame, sizes.top + washer)),
     ]  # fmt: skip
 
 

@@ -60,6 +60,7 @@ JOINT_STEPS = (
             Rule("hose [AB]", "-y"),
             Rule("hinge of hose [AB]", "-y"),
             Rule("clamp bar", "+z"),
+            Rule("washer of the clamp", "head", "clamp bar"),
             Rule("screw of the clamp", "head", "clamp bar"),
             Rule("nut of the clamp", "head", "clamp bar"),
             Rule("inlet of hose [AB]", "+z"),
@@ -76,7 +77,8 @@ JOINT_STEPS = (
             "Put the [inlet of hose A|inlet] into each hose: its stem comes through a hole in the inner wall and "
             "through the cylinder, its nut and elbow sit inside the cylinder.",
             "Push the ends from outside through the slot of the [cylinder], put a [clamp bar] on either side, and "
-            "tighten [screw of the clamp|screws {thread screw of the clamp}] and [nut of the clamp|nuts] crosswise "
+            "tighten [screw of the clamp|screws {thread screw of the clamp}] and [nut of the clamp|nuts], with "
+            "[washer of the clamp|washers] below both, crosswise "
             "in three rounds, to {torque screw of the clamp} in the last one.",
             "Blow each hose up to 0.5 bar and brush soapy water on the clamp: no bubbles may grow.",
         ),
@@ -84,11 +86,12 @@ JOINT_STEPS = (
     ),
     Step(
         "Frame",
-        (Rule("tie bar", "+z"), Rule("screw of an end plate", "head")),
+        (Rule("tie bar", "+z"), Rule("washer of an end plate", "head"), Rule("screw of an end plate", "head")),
         (
             "Stand the [tie bar|tie bars] in the cylinder; set both end plates against it, with bushes and bump "
             "stops inside and the holes over the ends of clamp bars and tie bars.",
-            "Turn in all [screw of an end plate|screws {thread screw of an end plate}] by hand, lay the frame on a "
+            "Turn in all [screw of an end plate|screws {thread screw of an end plate}] with their "
+            "[washer of an end plate|washers] by hand, lay the frame on a "
             "flat table until it does not rock, and tighten them to {torque screw of an end plate}.",
         ),
         brings=("End plates", "out"),

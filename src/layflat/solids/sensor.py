@@ -89,7 +89,7 @@ def _coupling(sizes: JointSizes) -> list[Component]:
     start, way = (counter[0], 1.0) if wide > narrow else (counter[1], -1.0)
     pocket = Drilled((0.0, 0.0, start), (0.0, 0.0, way), 2 * inner, counter[1] - counter[0])
     threads = tuple(
-        Drilled((radius, 0.0, z - low), (-1.0, 0.0, 0.0), SET_SCREW.tapping_hole * MM, radius - r, SET_SCREW.name)
+        Drilled((radius, 0.0, z - low), (-1.0, 0.0, 0.0), SET_SCREW.tapping_hole * MM, radius, SET_SCREW.name)
         for z, r in ((low + 2.5, wide), (high - 2.5, narrow))
     )
     screws = tuple(

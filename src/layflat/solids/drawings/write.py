@@ -32,7 +32,7 @@ def write_drawings(
     folder: Path,
     *,
     machine: str,
-    progress: Callable[[int, int], None] = lambda *_: None,
+    progress: Callable[[int, int], object] = lambda *_: None,
 ) -> list[Path]:
     """Write drawings of a machine: of its assemblies, and of each part that is made; return the files.
 

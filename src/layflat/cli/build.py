@@ -1,0 +1,55 @@
+"""Command that builds a machine: solids, parts list, drawings, assembly guide, wires and air."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from layflat.cli.bars import bar
+from layflat.cli.common import MachineName, Out, naming_options, print_table
+from layflat.cli.groups import app
+
+if TYPE_CHECKING:
+    from layflat.solids.build import BuiltMachine
+
+POSE_SHARES = {"mid": 0.0, "low": -1.0, "high": 1.0}  # names of poses, and shares of half of the working stroke
+
+
+@app.register("build", "paper-small-joint", "paper-arm --pose high --out build/arm")
+def build_parts(
+    machine: MachineName,
+    pose: Annotated[
+        str, typer.Option(metavar="mid|low|high", help="mid-stroke, or an end of the working stroke")
+    ] = "mid",
+    out: Out = Path("build/parts"),
+) -> None:
+    """Write all that is needed to build a machine.
+
+    Solids (STEP, STL, glTF), parts list, drawings, assembly guide, diagrams of air and wires, firmware settings.
+    """
+    from layflat.errors import InputError  # noqa: PLC0415
+    from layflat.machine import load  # noqa: PLC0415
+    from layflat.solids.build import STAGE_NAMES, build_machine  # noqa: PLC0415
+
+    if pose not in POSE_SHARES:
+        raise InputError(f"unknown pose {pose!r}", where="--pose", right=f"give {', '.join(POSE_SHARES)}")
+    described = load(machine)
+    angles = [POSE_SHARES[pose] * joint.stops.working_stroke / 2 for joint in described.joints.values()]
+    with naming_options({"out": "--out"}), bar("building", len(STAGE_NAMES)) as update:
+
+        def show(stage: str, share: float) -> None:
+            update(completed=STAGE_NAMES.index(stage) + share, description=f"building: {stage}")
+
+        built = build_machine(described, out, angles=angles, progress=show)
+    _print_build(built)
+
+
+def _print_build(built: "BuiltMachine") -> None:
+    """Print masses and numbers of parts by joint, and what could not be made."""
+    parts = built.parts
+    made = sum(1 for part in parts.parts if not part.bought)
+    rows = [[name or "arm", f"{mass:.3f}"] for name, mass in parts.masses.items()]
+    print_table(["joint", "mass (kg)"], [*rows, ["all", f"{parts.mass:.3f}"]], built.assembly.machine.name)
+    typer.echo(f"wrote {made} kinds of parts to make and {len(parts.parts) - made} to buy to {built.folder}")
+    for name, why in built.omitted.items():
+        typer.echo(f"left out: {name}: {why}", err=True)

@@ -1,0 +1,138 @@
+"""The folder of a machine that is to be built: solids, parts list, drawings, guide and documents."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from layflat import extras
+from layflat.errors import DesignError, LayflatError
+from layflat.files import whole_folder, write_text
+from layflat.solids.assembly import Assembly, assemble
+from layflat.solids.blanks import list_cuts
+from layflat.solids.documents import write_documents
+from layflat.solids.drawings.write import write_drawings
+from layflat.solids.exchange import write_assembly_step, write_part_files
+from layflat.solids.gltf import write_glb
+from layflat.solids.guide import guide_page
+from layflat.solids.parts_files import parts_page, write_parts_csv, write_parts_xlsx
+from layflat.solids.parts_list import PartsList, list_parts
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+    from pathlib import Path
+
+    from layflat.machine import Machine
+    from layflat.solids.component import Component
+
+STAGE_NAMES = ("solids", "parts", "drawings", "documents", "guide")
+"""Stages of a build, in their order."""
+
+
+@dataclass(frozen=True)
+class BuiltMachine:
+    """A machine as it was built, and the files of it."""
+
+    assembly: Assembly
+    parts: PartsList
+    folder: Path
+    omitted: dict[str, str]  # joints and documents that could not be made, and why
+
+
+def build_files(name: str) -> tuple[str, ...]:
+    """Return the names of what the folder of a machine may hold."""
+    endings = (
+        ".step", ".glb", "-parts.csv", "-parts.xlsx", "-parts.html", "-guide.html", "-air.svg", "-tubes.csv",
+        "-wiring.svg", "-wiring.csv", "-commissioning.html",
+    )  # fmt: skip
+    return (*(f"{name}{ending}" for ending in endings), "settings.py", "parts", "drawings")
+
+
+def build_machine(
+    machine: Machine,
+    out: Path,
+    *,
+    angles: Sequence[float] | None = None,
+    progress: Callable[[str, float], object] = lambda _stage, _share: None,
+) -> BuiltMachine:
+    """Write solids, parts list, drawings, guide and documents of a machine into a folder, all of them or none.
+
+    Args:
+        machine: the machine.
+        out: folder, new or empty.
+        angles: of the joints in the assembly from mid-stroke, rad; default: all in mid-stroke.
+        progress: function that is called with a stage of `STAGE_NAMES` and the share of it that is done, 0 to 1.
+
+    Raises:
+        MissingExtraError: the extra `cad` is not installed.
+        DesignError: no joint has solids, or no size keeps a rule; the message says which value would mend it.
+        InputError: the angles are not those of the joints.
+        OutputError: the folder is not empty, or can't be written.
+    """
+    extras.require("cad", where="build")
+    assembly = assemble(machine, angles)
+    if not assembly.sizes:
+        why = next(iter(assembly.omitted.values()))
+        raise DesignError("no joint has solids", where=machine.origin, right=why)
+    with whole_folder(out, build_files(machine.name)) as folder:
+        assembly.build(lambda done, total: progress("solids", done / total))
+        parts = list_parts(assembly.components, assembly.mass_of)
+        _write_solids(assembly, parts, folder, progress)
+        _write_lists(assembly, parts, folder)
+        numbers = [parts.part(component).number for component in assembly.components]
+        write_drawings(
+            assembly.components, numbers, assembly.mass_of, folder / "drawings", machine=machine.name,
+            progress=lambda done, total: progress("drawings", done / total),
+        )  # fmt: skip
+        progress("documents", 0.0)
+        omitted = assembly.omitted | _write_documents(machine, folder)
+        progress("guide", 0.0)
+        links = {title: name for title, name in _links(machine.name).items() if (folder / name).exists()}
+        page = guide_page(f"Guide to {machine.name}", assembly.sizes, assembly.components, parts, links, assembly.solid)
+        write_text(folder / f"{machine.name}-guide.html", page)
+    return BuiltMachine(assembly, parts, out, omitted)
+
+
+def _links(name: str) -> dict[str, str]:
+    """Return the documents for a first start by their titles."""
+    return {
+        "Pneumatic diagram": f"{name}-air.svg",
+        "Tubes": f"{name}-tubes.csv",
+        "Wiring": f"{name}-wiring.svg",
+        "Sheet of the first start": f"{name}-commissioning.html",
+    }
+
+
+def _write_solids(assembly: Assembly, parts: PartsList, folder: Path, progress: Callable[[str, float], object]) -> None:
+    """Write assembly and made parts for other programs."""
+    name = assembly.machine.name
+
+    def label(component: Component) -> str:
+        part = parts.part(component)
+        return f"{part.number} {component.name}"
+
+    write_assembly_step(assembly, label, folder / f"{name}.step")
+    write_glb(folder / f"{name}.glb", name, assembly.components, assembly.sizes, assembly.solid)
+    made = [part for part in parts.parts if not part.bought]
+    for done, part in enumerate(made):
+        progress("parts", done / len(made))
+        stem = f"{part.number:02d}-{re.sub(r'[^a-z0-9]+', '-', part.name.lower()).strip('-')}"
+        write_part_files(assembly.solid(part.components[0]), part.name, folder / "parts" / f"{stem}.step")
+
+
+def _write_lists(assembly: Assembly, parts: PartsList, folder: Path) -> None:
+    """Write the parts list in all its forms."""
+    name, cuts = assembly.machine.name, list_cuts(assembly.components)
+    write_parts_csv(parts, folder / f"{name}-parts.csv")
+    write_parts_xlsx(parts, cuts, folder / f"{name}-parts.xlsx")
+    write_text(folder / f"{name}-parts.html", parts_page(f"Parts of {name}", parts, cuts))
+
+
+def _write_documents(machine: Machine, folder: Path) -> dict[str, str]:
+    """Write the documents of air, wires and first start; return why they could not be made, if so."""
+    try:
+        write_documents(machine, folder)
+    except LayflatError as error:
+        return {"documents": str(error)}
+    return {}
