@@ -71,7 +71,7 @@ def _flat_findings(component: Component, shape: Prism, where: str) -> list[Findi
         near = " and ".join(_hole_text(hole) for hole in holes)
         found.append(check_wall(tool, wall / MM, f"{where}, wall at the hole at {near}"))
     if drilled:
-        what = f"{len(drilled)} holes are smaller, or nearer to an edge, than {name} makes them in {shape.height:g} mm"
+        what = f"holes smaller, or nearer to an edge, than {name} makes them in {shape.height:g} mm: {len(drilled)}"
         found.append(Finding("note", "hole", where, what, "drill them after the cut"))
     return found
 
