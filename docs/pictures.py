@@ -1,6 +1,6 @@
-"""Pictures of the pages, as the docs show them, from real pages in a real browser: `make pictures`.
+"""Pictures of the pages, as the docs show them, from real pages in a real browser, and of a joint: `make pictures`.
 
-Needs chromium, and the extras `panel`, `cell` and `test`.
+Needs chromium, OpenGL, and the extras `panel`, `cell`, `cad`, `view` and `test`.
 """
 
 import tempfile
@@ -13,6 +13,7 @@ from typing import Any
 from PIL import Image
 from playwright.sync_api import TimeoutError
 
+from docs import exploded
 from tests.pages.browsers import chromium, served
 
 FOLDER = Path(__file__).parent
@@ -90,7 +91,8 @@ def taken(
 
 
 def main() -> None:
-    """Write the pictures of panel, studio and packing cell."""
+    """Write the pictures of a joint's parts, and of panel, studio and packing cell."""
+    exploded.main()
     taken(("panel", "picking-arm"), "panel", panel)
     taken(("studio", "paper-arm"), "studio", studio)
     taken(("cell", "pack", "--watch", "--picks", "5"), "watch", watch, ended)
