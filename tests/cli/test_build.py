@@ -12,6 +12,7 @@ from tests.cli.commands import layflat
     [
         (("build", "paper-small-joint", "--pose", "sideways"), "--pose: unknown pose 'sideways'; give mid, low, high"),
         (("build", "paper-smal-joint"), "paper-smal-joint"),
+        (("build", "paper-small-joint", "--prices", "missing.toml"), "missing.toml"),
         (("build", "rig-shell-steel"), "no joint has solids"),
     ],
 )

@@ -14,6 +14,7 @@ from layflat import extras
 from layflat.errors import MissingExtraError, OutputError
 from layflat.machine import load
 from layflat.solids.build import BuiltMachine, build_files, build_machine
+from layflat.solids.cost import Prices
 from layflat.solids.exchange import write_assembly_step
 
 pytestmark = pytest.mark.skipif(not extras.available("cad"), reason="no build123d; pip install layflat[cad]")
@@ -40,9 +41,12 @@ print(json.dumps(volumes))
 """A reader of STEP without build123d, in a process of its own: prints the volumes of all solids, mm3."""
 
 
+PRICES = Prices.model_validate({"bought": {"*": "2"}})
+
+
 @pytest.fixture(scope="module")
 def built(tmp_path_factory: pytest.TempPathFactory) -> BuiltMachine:
-    return build_machine(load(NAME), tmp_path_factory.mktemp("built") / "joint")
+    return build_machine(load(NAME), tmp_path_factory.mktemp("built") / "joint", prices=PRICES)
 
 
 def volumes_in(path: Path) -> list[float]:
@@ -72,6 +76,17 @@ def test_masses_of_the_list_add_up_to_the_assemblys(built: BuiltMachine) -> None
     (column,) = [name for name in rows[0] if name.startswith("mass of all")]
     mass = sum(built.assembly.mass_of(part) * part.quantity for part in built.assembly.components)
     assert sum(float(row[column]) for row in rows) == pytest.approx(1e3 * mass, abs=1.0)
+
+
+def test_prices_of_the_list_add_up_to_the_cost(built: BuiltMachine) -> None:
+    with (built.folder / f"{NAME}-parts.csv").open(encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file))
+    bought = sum(part.quantity for part in built.parts.parts if part.bought)
+    assert built.cost is not None
+    assert sum(float(row["price of all"] or 0.0) for row in rows) == built.cost.total == 2.0 * bought
+    assert {part.number for part in built.cost.unpriced} == {
+        int(row["number"]) for row in rows if not row["price of one"]
+    }
 
 
 def test_every_stl_is_watertight(built: BuiltMachine) -> None:

@@ -10,9 +10,12 @@ import pytest
 
 from layflat.errors import MissingExtraError
 from layflat.solids.blanks import list_cuts
+from layflat.solids.cost import Cost
 from layflat.solids.parts_files import (
     CUT_COLUMNS,
     PART_COLUMNS,
+    PRICE_COLUMNS,
+    cost_rows,
     mass_rows,
     part_row,
     parts_page,
@@ -77,3 +80,23 @@ def test_a_page_holds_all_rows_and_escapes_texts() -> None:
     rows = len(odd.parts) + sum(len(cut.pieces) for cut in CUTS) + len(mass_rows(odd))
     assert page.count("<tr>") == rows + 3
     assert all(column in page for column in (*PART_COLUMNS, *CUT_COLUMNS))
+
+
+COST = Cost({part.number: 1.25 for part in PARTS.parts[1:]}, {"small": 80.0, "": 2.5}, PARTS.parts[:1])
+
+
+def test_prices_stand_in_two_more_columns_of_all_files(tmp_path: Path) -> None:
+    openpyxl = pytest.importorskip("openpyxl")
+    text = write_parts_csv(PARTS, tmp_path / "parts.csv", COST).read_text(encoding="utf-8")
+    heading, first, *rows = csv.reader(text.splitlines())
+    assert heading == [*PART_COLUMNS, *PRICE_COLUMNS]
+    assert first[-2:] == ["", ""]
+    prices = [[1.25, 1.25 * part.quantity] for part in PARTS.parts[1:]]
+    assert [[float(cell) for cell in row[-2:]] for row in rows] == prices
+    book = openpyxl.load_workbook(write_parts_xlsx(PARTS, CUTS, tmp_path / "parts.xlsx", COST))
+    sheet = list(book["parts"].iter_rows(values_only=True))
+    assert [list(row[-2:]) for row in sheet[2:]] == prices
+    assert list(book["costs"].iter_rows(values_only=True))[1:] == [tuple(row) for row in cost_rows(COST)]
+    page = parts_page("Parts", PARTS, CUTS, COST)
+    assert page.count('<td class="figure">1.25</td>') >= len(prices)
+    assert cost_rows(COST) == [["small", 80.0], ["arm", 2.5], ["all", 82.5], ["kinds of parts without a price", 1]]

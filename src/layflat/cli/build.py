@@ -21,6 +21,9 @@ def build_parts(
     pose: Annotated[
         str, typer.Option(metavar="mid|low|high", help="mid-stroke, or an end of the working stroke")
     ] = "mid",
+    prices: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="TOML file of prices, for a parts list with costs")
+    ] = None,
     out: Out = Path("build/parts"),
 ) -> None:
     """Write all that is needed to build a machine.
@@ -30,26 +33,33 @@ def build_parts(
     from layflat.errors import InputError  # noqa: PLC0415
     from layflat.machine import load  # noqa: PLC0415
     from layflat.solids.build import STAGE_NAMES, build_machine  # noqa: PLC0415
+    from layflat.solids.cost import read_prices  # noqa: PLC0415
 
     if pose not in POSE_SHARES:
         raise InputError(f"unknown pose {pose!r}", where="--pose", right=f"give {', '.join(POSE_SHARES)}")
     described = load(machine)
+    priced = None if prices is None else read_prices(prices)
     angles = [POSE_SHARES[pose] * joint.stops.working_stroke / 2 for joint in described.joints.values()]
     with naming_options({"out": "--out"}), bar("building", len(STAGE_NAMES)) as update:
 
         def show(stage: str, share: float) -> None:
             update(completed=STAGE_NAMES.index(stage) + share, description=f"building: {stage}")
 
-        built = build_machine(described, out, angles=angles, progress=show)
+        built = build_machine(described, out, angles=angles, prices=priced, progress=show)
     _print_build(built)
 
 
 def _print_build(built: "BuiltMachine") -> None:
-    """Print masses and numbers of parts by joint, and what could not be made."""
-    parts = built.parts
+    """Print masses, costs and numbers of parts by joint, and what could not be made or has no price."""
+    parts, cost = built.parts, built.cost
     made = sum(1 for part in parts.parts if not part.bought)
-    rows = [[name or "arm", f"{mass:.3f}"] for name, mass in parts.masses.items()]
-    print_table(["joint", "mass (kg)"], [*rows, ["all", f"{parts.mass:.3f}"]], built.assembly.machine.name)
+    rows = [[name or "arm", f"{mass:.3f}"] for name, mass in parts.masses.items()] + [["all", f"{parts.mass:.3f}"]]
+    if cost is not None:
+        rows = [[*row, f"{price:.2f}"] for row, price in zip(rows, (*cost.joints.values(), cost.total), strict=True)]
+    print_table(["joint", "mass (kg)", *(["price"] if cost is not None else [])], rows, built.assembly.machine.name)
     typer.echo(f"wrote {made} kinds of parts to make and {len(parts.parts) - made} to buy to {built.folder}")
     for name, why in built.omitted.items():
         typer.echo(f"left out: {name}: {why}", err=True)
+    if cost is not None and cost.unpriced:
+        names = "; ".join(f"{part.number} {part.name}" for part in cost.unpriced)
+        typer.echo(f"no price, counted as nothing: {names}", err=True)

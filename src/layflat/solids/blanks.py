@@ -81,8 +81,7 @@ def _flat_extents(outline: Loop) -> tuple[float, float]:
 
 def strip_length(outline: Loop) -> float:
     """Return the length of the strip of which an outline is the bent edge, mm: P/2 = l + t, A = l t."""
-    points = outline.points()
-    half = float(np.hypot(*(points - np.roll(points, 1, axis=0)).T).sum()) / 2
+    half = outline.perimeter / 2
     return (half + sqrt(max(half * half - 4 * outline.area, 0.0))) / 2
 
 

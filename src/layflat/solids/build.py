@@ -11,6 +11,7 @@ from layflat.errors import DesignError, LayflatError
 from layflat.files import whole_folder, write_text
 from layflat.solids.assembly import Assembly, assemble
 from layflat.solids.blanks import list_cuts
+from layflat.solids.cost import Cost, Prices, cost_of
 from layflat.solids.documents import write_documents
 from layflat.solids.drawings.write import write_drawings
 from layflat.solids.exchange import write_assembly_step, write_part_files
@@ -38,6 +39,7 @@ class BuiltMachine:
     parts: PartsList
     folder: Path
     omitted: dict[str, str]  # joints and documents that could not be made, and why
+    cost: Cost | None = None  # None without prices
 
 
 def build_files(name: str) -> tuple[str, ...]:
@@ -54,6 +56,7 @@ def build_machine(
     out: Path,
     *,
     angles: Sequence[float] | None = None,
+    prices: Prices | None = None,
     progress: Callable[[str, float], object] = lambda _stage, _share: None,
 ) -> BuiltMachine:
     """Write solids, parts list, drawings, guide and documents of a machine into a folder, all of them or none.
@@ -62,6 +65,7 @@ def build_machine(
         machine: the machine.
         out: folder, new or empty.
         angles: of the joints in the assembly from mid-stroke, rad; default: all in mid-stroke.
+        prices: of parts, for the parts list; default: none.
         progress: function that is called with a stage of `STAGE_NAMES` and the share of it that is done, 0 to 1.
 
     Raises:
@@ -79,7 +83,8 @@ def build_machine(
         assembly.build(lambda done, total: progress("solids", done / total))
         parts = list_parts(assembly.components, assembly.mass_of)
         _write_solids(assembly, parts, folder, progress)
-        _write_lists(assembly, parts, folder)
+        cost = None if prices is None else cost_of(parts, prices)
+        _write_lists(assembly, parts, cost, folder)
         numbers = [parts.part(component).number for component in assembly.components]
         write_drawings(
             assembly.components, numbers, assembly.mass_of, folder / "drawings", machine=machine.name,
@@ -91,7 +96,7 @@ def build_machine(
         links = {title: name for title, name in _links(machine.name).items() if (folder / name).exists()}
         page = guide_page(f"Guide to {machine.name}", assembly.sizes, assembly.components, parts, links, assembly.solid)
         write_text(folder / f"{machine.name}-guide.html", page)
-    return BuiltMachine(assembly, parts, out, omitted)
+    return BuiltMachine(assembly, parts, out, omitted, cost)
 
 
 def _links(name: str) -> dict[str, str]:
@@ -121,12 +126,12 @@ def _write_solids(assembly: Assembly, parts: PartsList, folder: Path, progress: 
         write_part_files(assembly.solid(part.components[0]), part.name, folder / "parts" / f"{stem}.step")
 
 
-def _write_lists(assembly: Assembly, parts: PartsList, folder: Path) -> None:
+def _write_lists(assembly: Assembly, parts: PartsList, cost: Cost | None, folder: Path) -> None:
     """Write the parts list in all its forms."""
     name, cuts = assembly.machine.name, list_cuts(assembly.components)
-    write_parts_csv(parts, folder / f"{name}-parts.csv")
-    write_parts_xlsx(parts, cuts, folder / f"{name}-parts.xlsx")
-    write_text(folder / f"{name}-parts.html", parts_page(f"Parts of {name}", parts, cuts))
+    write_parts_csv(parts, folder / f"{name}-parts.csv", cost)
+    write_parts_xlsx(parts, cuts, folder / f"{name}-parts.xlsx", cost)
+    write_text(folder / f"{name}-parts.html", parts_page(f"Parts of {name}", parts, cuts, cost))
 
 
 def _write_documents(machine: Machine, folder: Path) -> dict[str, str]:

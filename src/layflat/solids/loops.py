@@ -83,6 +83,12 @@ class Loop:
         x, y = self.points().T
         return 0.5 * abs(float(x @ np.roll(y, -1) - y @ np.roll(x, -1)))
 
+    @property
+    def perimeter(self) -> float:
+        """Length of all sides, mm; arcs count by their points."""
+        points = self.points()
+        return float(np.hypot(*(points - np.roll(points, 1, axis=0)).T).sum())
+
     def mirrored(self) -> Loop:
         """Return the mirror image about the y-axis."""
         sides = [_mirrored_side(side) for side in self.sides]

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from typing import Any
 
     from layflat.solids.blanks import Cut
+    from layflat.solids.cost import Cost
     from layflat.solids.parts_list import ListedPart, PartsList
 
 Cell = str | int | float
@@ -28,15 +29,27 @@ CUT_COLUMNS = {"stock": 34, "material": 28, "part": 34, "length (mm)": 12, "piec
 """Headings of the columns of a list of cuts, and their widths in characters."""
 MASS_COLUMNS = {"of": 24, "mass (g)": 12}
 """Headings of the columns of the table of masses, and their widths in characters."""
+PRICE_COLUMNS = {"price of one": 13, "price of all": 13}
+"""Headings of the columns of prices in a parts list, and their widths in characters."""
+COST_COLUMNS = {"of": 24, "price": 12}
+"""Headings of the columns of the table of costs, and their widths in characters."""
 BOOK_DATE = datetime(2000, 1, 1)  # date in every workbook: equal lists give equal files
 
 
-def part_row(part: ListedPart) -> list[Cell]:
-    """Return the cells of a part in the order of `PART_COLUMNS`."""
+def part_columns(cost: Cost | None = None) -> dict[str, int]:
+    """Return the headings of the columns of a parts list, with prices if there is a cost, and their widths."""
+    return PART_COLUMNS if cost is None else PART_COLUMNS | PRICE_COLUMNS
+
+
+def part_row(part: ListedPart, cost: Cost | None = None) -> list[Cell]:
+    """Return the cells of a part in the order of `part_columns`; those of a missing price are empty."""
+    price = cost.each.get(part.number) if cost else None
+    prices: list[Cell] = [] if price is None else [round(price, 2), round(part.quantity * price, 2)]
     joints = ", ".join(f"{name or 'arm'} {number}" for name, number in part.joints.items())
     uses = "" if part.name.startswith(part.names[0][:-1]) else "; ".join(part.names)
     return [part.number, part.name, part.making, part.material, part.stock, part.size, part.quantity,
-            round(1e3 * part.mass_each, 2), round(1e3 * part.mass, 2), joints, uses]  # fmt: skip
+            round(1e3 * part.mass_each, 2), round(1e3 * part.mass, 2), joints, uses,
+            *(prices or ([""] * len(PRICE_COLUMNS) if cost else []))]  # fmt: skip
 
 
 def mass_rows(parts: PartsList) -> list[list[Cell]]:
@@ -44,6 +57,13 @@ def mass_rows(parts: PartsList) -> list[list[Cell]]:
     masses = {name or "arm": mass for name, mass in parts.masses.items()}
     masses |= {"made parts": parts.made_mass, "bought parts": parts.bought_mass, "all": parts.mass}
     return [[name, round(1e3 * mass, 1)] for name, mass in masses.items()]
+
+
+def cost_rows(cost: Cost) -> list[list[Cell]]:
+    """Return the cells of the costs of each joint and of all parts, and the number of kinds without a price."""
+    costs = {name or "arm": price for name, price in cost.joints.items()} | {"all": cost.total}
+    rows: list[list[Cell]] = [[name, round(price, 2)] for name, price in costs.items()]
+    return [*rows, ["kinds of parts without a price", len(cost.unpriced)]] if cost.unpriced else rows
 
 
 def cut_rows(cuts: Sequence[Cut]) -> list[list[Cell]]:
@@ -57,24 +77,53 @@ def cut_rows(cuts: Sequence[Cut]) -> list[list[Cell]]:
     return rows
 
 
-def write_parts_csv(parts: PartsList, path: Path) -> Path:
-    """Write the rows of a parts list as CSV (RFC 4180) and return its path; raise OutputError if it can't."""
+Table = tuple[dict[str, int], list[list[Cell]]]  # columns with their widths, and rows
+
+
+def list_tables(parts: PartsList, cuts: Sequence[Cut], cost: Cost | None = None) -> dict[str, Table]:
+    """Return the tables of a parts list by their titles.
+
+    Args:
+        parts: the parts list.
+        cuts: lengths to cut.
+        cost: of the parts; default: without prices.
+    """
+    tables: dict[str, Table] = {
+        "parts": (part_columns(cost), [part_row(part, cost) for part in parts.parts]),
+        "cuts": (CUT_COLUMNS, cut_rows(cuts)),
+        "masses": (MASS_COLUMNS, mass_rows(parts)),
+    }
+    return tables | ({"costs": (COST_COLUMNS, cost_rows(cost))} if cost else {})
+
+
+def write_parts_csv(parts: PartsList, path: Path, cost: Cost | None = None) -> Path:
+    """Write the rows of a parts list as CSV (RFC 4180).
+
+    Args:
+        parts: the parts list.
+        path: of the file.
+        cost: of the parts; default: without prices.
+
+    Raises:
+        OutputError: it can't be written.
+    """
     text = StringIO()
     writer = csv.writer(text)
-    writer.writerow(PART_COLUMNS)
-    writer.writerows(part_row(part) for part in parts.parts)
+    writer.writerow(part_columns(cost))
+    writer.writerows(part_row(part, cost) for part in parts.parts)
     with files.whole_file(path) as temporary:
         temporary.write_bytes(text.getvalue().encode())
     return path
 
 
-def write_parts_xlsx(parts: PartsList, cuts: Sequence[Cut], path: Path) -> Path:
-    """Write a workbook with sheets of parts, cuts and masses; equal lists give equal bytes.
+def write_parts_xlsx(parts: PartsList, cuts: Sequence[Cut], path: Path, cost: Cost | None = None) -> Path:
+    """Write a workbook with a sheet for each table; equal lists give equal bytes.
 
     Args:
         parts: the parts list.
         cuts: lengths to cut.
         path: of the file.
+        cost: of the parts; default: without prices.
 
     Raises:
         MissingExtraError: the extra `cad` is not installed.
@@ -83,9 +132,8 @@ def write_parts_xlsx(parts: PartsList, cuts: Sequence[Cut], path: Path) -> Path:
     xlsxwriter = extras.import_extra("cad", "xlsxwriter", where=str(path))
     with files.whole_file(path) as temporary, xlsxwriter.Workbook(temporary) as book:
         book.set_properties({"created": BOOK_DATE})
-        _add_sheet(book, "parts", PART_COLUMNS, [part_row(part) for part in parts.parts])
-        _add_sheet(book, "cuts", CUT_COLUMNS, cut_rows(cuts))
-        _add_sheet(book, "masses", MASS_COLUMNS, mass_rows(parts))
+        for name, (columns, rows) in list_tables(parts, cuts, cost).items():
+            _add_sheet(book, name, columns, rows)
     return path
 
 
@@ -93,7 +141,7 @@ def _add_sheet(book: Any, name: str, columns: dict[str, int], rows: Sequence[Seq
     """Add a sheet whose headings stay in view."""
     sheet = book.add_worksheet(name)
     heading = book.add_format({"bold": True, "bottom": 1})
-    decimals = book.add_format({"num_format": "0.0"})
+    decimals = [book.add_format({"num_format": "0.00" if _is_price(title) else "0.0"}) for title in columns]
     for k, (title, width) in enumerate(columns.items()):
         sheet.set_column(k, k, width)
         sheet.write_string(0, k, title, heading)
@@ -102,7 +150,7 @@ def _add_sheet(book: Any, name: str, columns: dict[str, int], rows: Sequence[Seq
             if isinstance(cell, str):
                 sheet.write_string(i, k, cell)
             else:
-                sheet.write_number(i, k, cell, decimals if isinstance(cell, float) else None)
+                sheet.write_number(i, k, cell, decimals[k] if isinstance(cell, float) else None)
     sheet.freeze_panes(1, 0)
     sheet.autofilter(0, 0, len(rows), len(columns) - 1)
     sheet.set_landscape()
@@ -110,17 +158,21 @@ def _add_sheet(book: Any, name: str, columns: dict[str, int], rows: Sequence[Seq
     sheet.repeat_rows(0)
 
 
-def parts_page(title: str, parts: PartsList, cuts: Sequence[Cut]) -> str:
+def _is_price(title: str) -> bool:
+    return title.startswith("price")
+
+
+def parts_page(title: str, parts: PartsList, cuts: Sequence[Cut], cost: Cost | None = None) -> str:
     """Return an HTML page of a parts list to be printed, with lengths to cut and masses.
 
     Args:
         title: of the page.
         parts: the parts list.
         cuts: lengths to cut.
+        cost: of the parts; default: without prices.
     """
     tables = {
-        "Parts": (list(PART_COLUMNS), [part_row(part) for part in parts.parts]),
-        "Cuts": (list(CUT_COLUMNS), cut_rows(cuts)),
-        "Masses": (list(MASS_COLUMNS), mass_rows(parts)),
+        name.capitalize(): (list(columns), [2 if _is_price(one) else 1 for one in columns], rows)
+        for name, (columns, rows) in list_tables(parts, cuts, cost).items()
     }
     return render_page("layflat.solids", "parts.html.j2", title=title, tables=tables)
