@@ -7,7 +7,8 @@ ROOT = Path(__file__).parents[2]
 SECTIONS = {
     "Begin": ["README", "docs/installation", "docs/index", "docs/commands"],
     "Tutorials": [
-        "docs/tutorials/design-a-joint", "docs/tutorials/simulate-and-tune", "docs/tutorials/pack-produce",
+        "docs/tutorials/design-a-joint", "docs/tutorials/build-a-joint", "docs/tutorials/simulate-and-tune",
+        "docs/tutorials/pack-produce",
     ],
     "Gallery": ["gallery/index"],
     "How-to guides": [

@@ -52,7 +52,7 @@ class Device(NamedTuple):
 
 
 class Terminal(NamedTuple):
-    """PartPlace of a terminal on the sheet, and the direction out of its device, -1 left or 1 right."""
+    """Place of a terminal on the sheet, and the direction out of its device, -1 left or 1 right."""
 
     place: Point
     side: float
