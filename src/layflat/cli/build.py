@@ -1,5 +1,6 @@
 """Command that builds a machine: solids, parts list, drawings, assembly guide, wires and air."""
 
+from collections import Counter
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -24,6 +25,10 @@ def build_parts(
     prices: Annotated[
         Path | None, typer.Option(metavar="FILE", help="TOML file of prices, for a parts list with costs")
     ] = None,
+    masses: Annotated[
+        Path | None,
+        typer.Option("--write-masses", metavar="FILE", help="description with masses and inertias from the solids"),
+    ] = None,
     out: Out = Path("build/parts"),
 ) -> None:
     """Write all that is needed to build a machine.
@@ -33,6 +38,7 @@ def build_parts(
     from layflat.errors import InputError  # noqa: PLC0415
     from layflat.machine import load  # noqa: PLC0415
     from layflat.solids.build import STAGE_NAMES, build_machine  # noqa: PLC0415
+    from layflat.solids.checks.masses import write_masses  # noqa: PLC0415
     from layflat.solids.cost import read_prices  # noqa: PLC0415
 
     if pose not in POSE_SHARES:
@@ -47,6 +53,9 @@ def build_parts(
 
         built = build_machine(described, out, angles=angles, prices=priced, progress=show)
     _print_build(built)
+    if masses is not None:
+        write_masses(built.assembly, masses)
+        typer.echo(f"wrote {masses}")
 
 
 def _print_build(built: "BuiltMachine") -> None:
@@ -57,6 +66,9 @@ def _print_build(built: "BuiltMachine") -> None:
     if cost is not None:
         rows = [[*row, f"{price:.2f}"] for row, price in zip(rows, (*cost.joints.values(), cost.total), strict=True)]
     print_table(["joint", "mass (kg)", *(["price"] if cost is not None else [])], rows, built.assembly.machine.name)
+    found = Counter(finding.severity for finding in built.checks.findings)
+    counts = ", ".join(f"{found[severity]} {severity}s" for severity in ("warning", "note"))
+    typer.echo(f"checks: {counts}: {built.folder / f'{built.assembly.machine.name}-checks.html'}")
     typer.echo(f"wrote {made} kinds of parts to make and {len(parts.parts) - made} to buy to {built.folder}")
     for name, why in built.omitted.items():
         typer.echo(f"left out: {name}: {why}", err=True)

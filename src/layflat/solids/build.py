@@ -7,10 +7,13 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from layflat import extras
+from layflat.design.summary import refuse_errors
 from layflat.errors import DesignError, LayflatError
 from layflat.files import whole_folder, write_text
+from layflat.plot import render_page
 from layflat.solids.assembly import Assembly, assemble
 from layflat.solids.blanks import list_cuts
+from layflat.solids.checks.findings import FINDING_COLUMNS, MASS_COLUMNS, STRESS_COLUMNS, BuildChecks, check_build
 from layflat.solids.cost import Cost, Prices, cost_of
 from layflat.solids.documents import write_documents
 from layflat.solids.drawings.write import write_drawings
@@ -27,7 +30,7 @@ if TYPE_CHECKING:
     from layflat.machine import Machine
     from layflat.solids.component import Component
 
-STAGE_NAMES = ("solids", "parts", "drawings", "documents", "guide")
+STAGE_NAMES = ("solids", "checks", "parts", "drawings", "documents", "guide")
 """Stages of a build, in their order."""
 
 
@@ -37,6 +40,7 @@ class BuiltMachine:
 
     assembly: Assembly
     parts: PartsList
+    checks: BuildChecks
     folder: Path
     omitted: dict[str, str]  # joints and documents that could not be made, and why
     cost: Cost | None = None  # None without prices
@@ -45,8 +49,8 @@ class BuiltMachine:
 def build_files(name: str) -> tuple[str, ...]:
     """Return the names of what the folder of a machine may hold."""
     endings = (
-        ".step", ".glb", "-parts.csv", "-parts.xlsx", "-parts.html", "-guide.html", "-air.svg", "-tubes.csv",
-        "-wiring.svg", "-wiring.csv", "-commissioning.html",
+        ".step", ".glb", "-parts.csv", "-parts.xlsx", "-parts.html", "-guide.html", "-checks.html", "-air.svg",
+        "-tubes.csv", "-wiring.svg", "-wiring.csv", "-commissioning.html",
     )  # fmt: skip
     return (*(f"{name}{ending}" for ending in endings), "settings.py", "parts", "drawings")
 
@@ -70,7 +74,8 @@ def build_machine(
 
     Raises:
         MissingExtraError: the extra `cad` is not installed.
-        DesignError: no joint has solids, or no size keeps a rule; the message says which value would mend it.
+        DesignError: no joint has solids, a check finds an error, or no size keeps a rule; the message says which
+            value would mend it.
         InputError: the angles are not those of the joints.
         OutputError: the folder is not empty, or can't be written.
     """
@@ -81,6 +86,9 @@ def build_machine(
         raise DesignError("no joint has solids", where=machine.origin, right=why)
     with whole_folder(out, build_files(machine.name)) as folder:
         assembly.build(lambda done, total: progress("solids", done / total))
+        checks = check_build(assembly, lambda done, total: progress("checks", done / total))
+        refuse_errors(checks.findings)
+        write_text(folder / f"{machine.name}-checks.html", checks_page(machine.name, checks))
         parts = list_parts(assembly.components, assembly.mass_of)
         _write_solids(assembly, parts, folder, progress)
         cost = None if prices is None else cost_of(parts, prices)
@@ -96,7 +104,22 @@ def build_machine(
         links = {title: name for title, name in _links(machine.name).items() if (folder / name).exists()}
         page = guide_page(f"Guide to {machine.name}", assembly.sizes, assembly.components, parts, links, assembly.solid)
         write_text(folder / f"{machine.name}-guide.html", page)
-    return BuiltMachine(assembly, parts, out, omitted, cost)
+    return BuiltMachine(assembly, parts, checks, out, omitted, cost)
+
+
+def checks_page(name: str, checks: BuildChecks) -> str:
+    """Return an HTML page of the checks of a machine.
+
+    Args:
+        name: of the machine.
+        checks: their results.
+    """
+    tables = {
+        "Findings": (FINDING_COLUMNS, (), checks.finding_table()),
+        "Masses": (MASS_COLUMNS, (), checks.mass_table()),
+        "Stresses": (STRESS_COLUMNS, (), checks.stress_table()),
+    }
+    return render_page("layflat.solids", "parts.html.j2", title=f"Checks of {name}", tables=tables)
 
 
 def _links(name: str) -> dict[str, str]:

@@ -9,6 +9,7 @@ from layflat.errors import OutputError
 from layflat.files import whole_file
 from layflat.solids import cad
 from layflat.solids.colours import MATERIAL_COLOURS
+from layflat.solids.meshes import kernel_modules, triangulate
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -57,8 +58,12 @@ def write_part_files(solid: Any, name: str, path: Path) -> list[Path]:
     b = cad.kernel()
     part = b.Compound(label=name, children=[solid.moved(b.Location())])
     stl = path.with_suffix(".stl")
+    triangulate(solid, STL_DEVIATION, STL_ANGLE)
+    (writing,) = kernel_modules("StlAPI")
+    writer = writing.StlAPI_Writer()
+    writer.ASCIIMode = False
     with whole_file(stl) as temporary:
-        _check_written(b.export_stl(solid, str(temporary), STL_DEVIATION, STL_ANGLE), stl)
+        _check_written(writer.Write(solid.wrapped, str(temporary)), stl)
     return [_write_step(part, path), stl]
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import sqrt
 from typing import TYPE_CHECKING
 
 from layflat.lazy import numpy as np
@@ -9,7 +10,7 @@ from layflat.solids.brake import stud_places
 from layflat.solids.component import Component, axes_towards
 from layflat.solids.hardware import hexagon_nut, plain_washer, rod, sleeve, socket_screw, stepped, stud
 from layflat.solids.inlets import inlet_holes
-from layflat.solids.loops import HullCircle, circle, hull, rectangle
+from layflat.solids.loops import circle, rectangle
 from layflat.solids.places import (
     END_SHARE,
     SCREW_SHARE,
@@ -17,6 +18,7 @@ from layflat.solids.places import (
     bar_place,
     clamp_heights,
     clamp_line,
+    end_plate_loop,
     foot_places,
     frame_places,
     stop_places,
@@ -34,6 +36,8 @@ if TYPE_CHECKING:
     from layflat.solids.section import CrossSection
     from layflat.solids.shapes import PartPlace
     from layflat.solids.sizes import JointSizes
+
+ACCESS_ROOM = 1e-3  # of a hole for a key around the head of its screw, m
 
 
 def frame_components(sizes: JointSizes, section: CrossSection) -> list[Component]:
@@ -55,7 +59,7 @@ def _cylinder(sizes: JointSizes, section: CrossSection) -> Component:
     shape = Prism(
         circle(0.0, 0.0, R),
         length,
-        drilled=inlet_holes(sizes),
+        drilled=(*inlet_holes(sizes), *_access_holes(sizes)),
         openings=(circle(0.0, 0.0, sizes.inner_radius),),
         pockets=(
             (window_loop(sizes, section), middle - sizes.window, middle + sizes.window),
@@ -65,6 +69,18 @@ def _cylinder(sizes: JointSizes, section: CrossSection) -> Component:
     stock = f"tube {2 * R:.4g} x {R - sizes.inner_radius:.3g}"
     return Component("cylinder", "body", shape, "aluminium-tube", "milling", (place(z=-middle),), stock,
                      size=f"{length:.1f} mm long")  # fmt: skip
+
+
+def _access_holes(sizes: JointSizes) -> tuple[Drilled, ...]:
+    """Return the holes in the cylinder, in its own frame, through which a key reaches the screws of the clamp."""
+    y, x = clamp_line(sizes), sizes.radius + 1.0
+    wide = (sizes.screw.head_diameter + ACCESS_ROOM) * MM
+    through = x - 0.7 * sqrt(sizes.inner_radius**2 - y * y)
+    return tuple(
+        Drilled((s * x, y, sizes.half_length + z), (-s, 0.0, 0.0), wide, through)
+        for z in clamp_heights(sizes)
+        for s in (1.0, -1.0)
+    )
 
 
 def end_plate(sizes: JointSizes, *, upper: bool) -> Prism:
@@ -77,8 +93,6 @@ def end_plate(sizes: JointSizes, *, upper: bool) -> Prism:
     screw, bore = sizes.screw, sizes.bush.outer * MM
     frame = frame_places(sizes)
     stops = stop_places(sizes)
-    reach = sizes.bush.flange * MM / 2 + 4.0
-    rim = stop_radius(sizes)
     mirrored = 1.0 if upper else -1.0  # the lower plate is laid upside down
     holes = [Hole((0.0, sizes.axis), bore), *(Hole(p, screw.clearance_hole * MM) for p in frame)]
     holes += [Hole(p, screw.tapping_hole * MM, screw.name) for p in stops]
@@ -89,9 +103,7 @@ def end_plate(sizes: JointSizes, *, upper: bool) -> Prism:
     holes += [Hole(p, screw.tapping_hole * MM, screw.name) for p in tongue_holes(sizes)]
     if not upper:
         holes += [Hole(p, screw.tapping_hole * MM, screw.name) for p in foot_places(sizes)]
-    tongue = [HullCircle(x, y, sizes.arm_width / 2) for x, y in tongue_holes(sizes)[1:]]
-    loop = hull([*tongue, HullCircle(0.0, 0.0, sizes.rim), HullCircle(0.0, sizes.axis, reach),
-                 *(HullCircle(px, py, rim) for px, py in stops)])  # fmt: skip
+    loop = end_plate_loop(sizes)
     if mirrored < 0:
         loop = loop.mirrored()
         holes = [Hole((-hole.centre[0], hole.centre[1]), hole.diameter, hole.thread) for hole in holes]
@@ -176,7 +188,7 @@ def _ties(sizes: JointSizes) -> list[Component]:
 def _stops(sizes: JointSizes) -> list[Component]:
     """Return the bump stops: rubber sleeves on studs that reach from the end plates to the arm plates."""
     screw, inner = sizes.screw, sizes.half_length
-    reach = inner - sizes.arm_z[0] - 0.5
+    reach = inner - sizes.cam_b[1] - sizes.clearance
     rubber = sleeve(2 * stop_radius(sizes), screw.tapping_hole * MM, reach)
     stops = stop_places(sizes)
     low = [place(x, y, -inner) for x, y in stops]

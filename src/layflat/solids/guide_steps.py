@@ -44,12 +44,16 @@ JOINT_STEPS = (
             Rule("bush", "in"),
             Rule("stud of a bump stop", "in"),
             Rule("bump stop", "in"),
+            Rule("standoff", "+z"),
+            Rule("lower screw of a standoff", "head"),
         ),
         (
             "Press a [bush] into the [lower end plate] and the [upper end plate], each from its inner face: the "
             "flange lies between plate and output.",
             "Screw the [stud of a bump stop|studs of the bump stops] into their threads with threadlocker, level "
             "with the outer faces, and push a [bump stop|rubber sleeve] over each.",
+            "Screw the [standoff|standoffs] on the upper end plate from inside with [lower screw of a "
+            "standoff|screws {thread lower screw of a standoff}], to {torque lower screw of a standoff}.",
         ),
         apart=True,
     ),
@@ -197,8 +201,6 @@ JOINT_STEPS = (
     Step(
         "Angle sensor",
         (
-            Rule("standoff", "+z"),
-            Rule("lower screw of a standoff", "head"),
             Rule("coupling", "+z"),
             Rule("set screw of the coupling", "head", "coupling"),
             Rule("sensor plate", "+z"),
@@ -206,8 +208,6 @@ JOINT_STEPS = (
             Rule("angle sensor", "+z"),
         ),
         (
-            "Screw the [standoff|standoffs] on the upper end plate from inside with [lower screw of a "
-            "standoff|screws {thread lower screw of a standoff}], to {torque lower screw of a standoff}.",
             "Clamp the [coupling] on the shaft with one [set screw of the coupling|set screw].",
             "Fix the [angle sensor] ({size angle sensor}) on the [sensor plate], put both on the standoffs and "
             "tighten the [upper screw of a standoff|screws {thread upper screw of a standoff}] to {torque upper "

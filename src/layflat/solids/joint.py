@@ -10,7 +10,7 @@ from layflat.solids.frame import frame_components
 from layflat.solids.hoses import hose_components
 from layflat.solids.output import output_components
 from layflat.solids.section import CrossSection
-from layflat.solids.sensor import sensor_components
+from layflat.solids.sensor import sensor_components, standoff_components
 from layflat.solids.sizes import JointSizes
 from layflat.solids.sweep import check_sweep
 
@@ -42,6 +42,7 @@ def joint_components(sizes: JointSizes, angle: float = 0.0) -> list[Component]:
     section = CrossSection(sizes)
     return [
         *frame_components(sizes, section),
+        *standoff_components(sizes),
         *output_components(sizes, angle),
         *hose_components(sizes, section, angle),
         *brake_components(sizes, angle),

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 STRUT_SAFETY = 3.0  # required yield over bending stress of a strut that bears half of the joint's torque
 MAX_SLENDERNESS = 16.0  # most that a strut is long over its diameter
 STRUT_WALL = 2e-3  # of a strut, m
-LEAST_COSINE = 0.8  # least cosine between a strut and its eye, else the eye is longer
+LEAST_COSINE = 0.95  # least cosine between a strut and its eye, else the eye is longer
 STEEP_SHARE = 1.5  # length by which an eye is longer then, over the strut's diameter
 EYE_GAP = 3.0  # of an eye beyond the plate that it lies on, mm
 FLANGE_DIAMETER, FLANGE_CIRCLE, FLANGE_THICKNESS = 63.0, 50.0, 6.0  # of the tool's flange, mm (ISO 9409-1-50)

@@ -38,10 +38,16 @@ def moved_shape(solid: Any, at: PartPlace) -> Any:
     return solid.wrapped.Moved(locations.TopLoc_Location(move))
 
 
-def triangulate(solid: Any) -> None:
-    """Give a solid, and all copies of it at other places, triangles."""
+def triangulate(solid: Any, error: float = CHORD_ERROR, angle: float = CHORD_ANGLE) -> None:
+    """Give a solid, and all copies of it at other places, triangles.
+
+    Args:
+        solid: the solid.
+        error: greatest distance of triangles from a surface, mm.
+        angle: greatest angle between neighbouring triangles of a surface, rad.
+    """
     (meshing,) = kernel_modules("BRepMesh")
-    meshing.BRepMesh_IncrementalMesh(solid.wrapped, CHORD_ERROR, False, CHORD_ANGLE)
+    meshing.BRepMesh_IncrementalMesh(solid.wrapped, error, False, angle)
 
 
 def solid_mesh(solid: Any) -> Mesh:

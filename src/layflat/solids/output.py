@@ -2,23 +2,26 @@
 
 from __future__ import annotations
 
-from math import cos, sin, sqrt
+from math import cos, pi, sin
 from typing import TYPE_CHECKING
 
+from layflat.design.straplines import direction_vector
 from layflat.lazy import numpy as np
 from layflat.solids.cams import CLAMP_SCREW, cam_part, flat
 from layflat.solids.component import Component, axes_towards
-from layflat.solids.hardware import hexagon_nut, rod, sleeve, socket_screw, stud
+from layflat.solids.hardware import rod, sleeve, socket_screw, stud, thin_hexagon_nut
 from layflat.solids.loops import HullCircle, hull
+from layflat.solids.places import end_plate_loop
 from layflat.solids.section import STRIP_THICKNESS, CrossSection
 from layflat.solids.sensor import COUPLED_LENGTH
 from layflat.solids.shapes import UPSIDE_DOWN, Hole, PartPlace, Prism, place, turn_about_z
 from layflat.solids.sizes import MM, PAD_THICKNESS, SPACER_THICKNESS
-from layflat.solids.standard.screws import screw_for
+from layflat.solids.standard.screws import screw_for, thin_nut
 
 if TYPE_CHECKING:
     from layflat.solids.sizes import JointSizes
 
+SWING_POINTS = 81  # angles of the arm at which it is looked for its distance from the end plates
 LINK_PITCH = 2.5  # between the holes for a link over the diameter of the screws
 RING_THICKNESS = 1.0  # of a retaining ring, mm
 RING_SHARE = 1.45  # outer diameter of a retaining ring over the shaft's
@@ -37,11 +40,21 @@ def link_holes(sizes: JointSizes) -> tuple[float, float, float]:
 
     The first screw's head passes beside the end plates at all angles up to the mechanical limit.
     """
-    across, along = sizes.axis * sin(sizes.swing), sizes.axis * cos(sizes.swing)
-    rim = sqrt(sizes.rim**2 - across**2) - along
-    first = rim + sizes.screw.head_diameter * MM / 2 + sizes.clearance
+    first = _plate_reach(sizes, sizes.screw.head_diameter * MM / 2 + sizes.clearance)
     step = LINK_PITCH * sizes.screw.diameter * MM
     return first, first + step, first + 2 * step
+
+
+def _plate_reach(sizes: JointSizes, room: float) -> float:
+    """Return from which distance from the axis on all points of the arm are a room (mm) beside the end plates."""
+    corners = end_plate_loop(sizes).points() - [0.0, sizes.axis]
+    sides = np.roll(corners, -1, axis=0) - corners
+    normals = np.stack((sides[:, 1], -sides[:, 0]), axis=-1) / np.hypot(*sides.T)[:, None]
+    ways = direction_vector(pi / 2 + np.linspace(-sizes.swing, sizes.swing, SWING_POINTS))
+    # A plate is convex: a point is outside as soon as it is beyond one of its sides.
+    along = ways @ normals.T
+    beyond = np.where(along > 1e-6, (room + np.sum(normals * corners, axis=1)) / np.maximum(along, 1e-6), np.inf)
+    return float(beyond.min(axis=1).max())
 
 
 def arm_reach(sizes: JointSizes) -> float:
@@ -133,7 +146,7 @@ def _arm(sizes: JointSizes) -> list[Component]:
     between = [sizes.strap_width / 2, sizes.cam_b[1]] if sizes.double else [sizes.strap_width / 2]
     spacers = tuple(place(z=s * z + (0.01 if s > 0 else 0.01 - SPACER_THICKNESS)) for z in between for s in (1.0, -1.0))
     overhang = size.pitch * MM
-    length = 2 * (high + size.nut_height * MM + overhang)
+    length = 2 * (high + thin_nut(size.name).height * MM + overhang)
     rods = tuple(place(0.0, y, -length / 2) for y in (distance, -distance))
     nuts = tuple(p for y in (distance, -distance) for p in (place(0.0, y, high), place(0.0, y, -high, UPSIDE_DOWN)))
     plates = (place(z=low), place(z=-low, axes=np.diag([-1.0, 1.0, -1.0])))
@@ -143,7 +156,7 @@ def _arm(sizes: JointSizes) -> list[Component]:
         Component("arm plate", "output", arm_plate(sizes), "aluminium", "laser cutting", plates,
                   f"plate {sizes.arm_plate:g}", tags=frozenset({"arm plate"})),
         stud("rod of the output", "output", size, length, rods),
-        hexagon_nut("nut of the output", "output", size, nuts),
+        thin_hexagon_nut("nut of the output", "output", size, nuts),
     ]  # fmt: skip
 
 

@@ -6,10 +6,12 @@ from math import asin, cos, radians, sin, sqrt
 from typing import TYPE_CHECKING
 
 from layflat.lazy import numpy as np
+from layflat.solids.loops import HullCircle, hull
 from layflat.solids.section import WEBBING_THICKNESS
 from layflat.solids.sizes import MM
 
 if TYPE_CHECKING:
+    from layflat.solids.loops import Loop
     from layflat.solids.sizes import JointSizes
 
 EDGE_GAP = 0.3  # between the clamp bars and the cylinder, mm
@@ -17,6 +19,7 @@ SCREW_SHARE, END_SHARE = 0.18, -0.25  # places of the clamp's and the end plates
 TIE_ANGLE = radians(189.0)  # of the tie bar on the side of hose A
 FOOT_ANGLES = tuple(radians(a) for a in (-50.0, -130.0, 165.0, 15.0))  # of the foot's studs
 TONGUE_PITCH = 2.5  # between the holes of a tongue over the diameter of the screws
+BUSH_WALL = 4.0  # of an end plate around the flange of the bush, mm
 TIE_SHARE = 2.0  # diameter of a tie bar over that of the screws in it
 STOP_SHARE = 2.0  # distance of a bump stop from the output's axis over half of an arm plate's width
 STOP_WALL = 0.6  # wall of a bump stop's rubber over the diameter of its screw
@@ -85,3 +88,11 @@ def foot_places(sizes: JointSizes) -> list[tuple[float, float]]:
 def stop_radius(sizes: JointSizes) -> float:
     """Return the outer radius of a bump stop, mm."""
     return sizes.screw.diameter * MM * (0.5 + STOP_WALL)
+
+
+def end_plate_loop(sizes: JointSizes) -> Loop:
+    """Return the outline of the end plates: around cylinder, bush and bump stops, with the tongue for a link."""
+    tongue = [HullCircle(x, y, sizes.arm_width / 2) for x, y in tongue_holes(sizes)[1:]]
+    around_bush = HullCircle(0.0, sizes.axis, sizes.bush.flange * MM / 2 + BUSH_WALL)
+    stops = [HullCircle(x, y, stop_radius(sizes)) for x, y in stop_places(sizes)]
+    return hull([*tongue, HullCircle(0.0, 0.0, sizes.rim), around_bush, *stops])

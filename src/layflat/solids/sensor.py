@@ -44,15 +44,26 @@ def _coupling_radius(sizes: JointSizes) -> float:
     return max(sizes.shaft, ANGLE_SENSOR.shaft_diameter * MM) / 2 + 3.5
 
 
+def standoff_components(sizes: JointSizes) -> list[Component]:
+    """Return the standoffs of the sensor's plate, which are screwed on the upper end plate before the frame is shut."""
+    height, places = _plate_height(), standoff_places(sizes)
+    screw = screw_for(sizes.end_plate / MM, STANDOFF_SCREW.name, STANDOFF_SCREW.diameter)
+    thread = Drilled((0.0, 0.0, 0.0), (0.0, 0.0, 1.0), STANDOFF_SCREW.tapping_hole * MM, height, STANDOFF_SCREW.name)
+    standoff = Turned(stepped((STANDOFF_DIAMETER / 2, 0.0, height)), (thread,))
+    return [
+        Component("standoff", "body", standoff, "aluminium", "turning",
+                  tuple(place(x, y, sizes.top) for x, y in places), f"round bar {STANDOFF_DIAMETER:g}"),
+        socket_screw("lower screw of a standoff", "body", screw,
+                     tuple(place(x, y, sizes.half_length, UPSIDE_DOWN) for x, y in places)),
+    ]  # fmt: skip
+
+
 def sensor_components(sizes: JointSizes, angle: float) -> list[Component]:
-    """Return the components of the angle sensor with the output at an angle from mid-stroke, rad."""
+    """Return the components of the angle sensor on its standoffs; angle of the output from mid-stroke, rad."""
     sensor, face, height = ANGLE_SENSOR, sizes.top, _plate_height()
     turned = turn_about_z(angle).then(place(0.0, sizes.axis))
     places = standoff_places(sizes)
-    screw = screw_for(sizes.end_plate / MM, STANDOFF_SCREW.name, STANDOFF_SCREW.diameter)
     upper_screw = screw_for(PLATE_THICKNESS / MM, STANDOFF_SCREW.name, STANDOFF_SCREW.diameter)
-    thread = Drilled((0.0, 0.0, 0.0), (0.0, 0.0, 1.0), STANDOFF_SCREW.tapping_hole * MM, height, STANDOFF_SCREW.name)
-    standoff = Turned(stepped((STANDOFF_DIAMETER / 2, 0.0, height)), (thread,))
     around = HullCircle(0.0, 0.0, sensor.body_diameter * MM / 2)
     lugs = [HullCircle(x, y - sizes.axis, STANDOFF_DIAMETER / 2 + 1.0) for x, y in places]
     plate = Prism(hull([around, *lugs]), PLATE_THICKNESS, (
@@ -62,10 +73,6 @@ def sensor_components(sizes: JointSizes, angle: float) -> list[Component]:
                    (sensor.pilot_diameter * MM / 2 - 0.05, -sensor.pilot_height * MM, 0.0),
                    (sensor.body_diameter * MM / 2, 0.0, sensor.body_length * MM))  # fmt: skip
     return [
-        Component("standoff", "body", standoff, "aluminium", "turning",
-                  tuple(place(x, y, face) for x, y in places), f"round bar {STANDOFF_DIAMETER:g}"),
-        socket_screw("lower screw of a standoff", "body", screw,
-                     tuple(place(x, y, sizes.half_length, UPSIDE_DOWN) for x, y in places)),
         Component("sensor plate", "body", plate, "aluminium", "laser cutting",
                   (place(0.0, sizes.axis, face + height),), f"plate {PLATE_THICKNESS:g}"),
         socket_screw("upper screw of a standoff", "body", upper_screw,

@@ -22,6 +22,7 @@ from layflat.machine.build_sizes import Build
 from layflat.machine.parts import CLAMPED_LENGTH
 from layflat.solids.standard.bushes import BUSHES, Bush, bush
 from layflat.solids.standard.materials import MATERIALS
+from layflat.solids.standard.screws import thin_nut
 from layflat.solids.standard.stock import next_thickness
 from layflat.solids.standard.threads import THREADS, Thread, thread
 
@@ -255,8 +256,8 @@ class JointSizes:
     @property
     def window(self) -> float:
         """Half of the length of the cylinder's window: shells, arm plates and their nuts move in it."""
-        nuts = self.arm_z[1] + (self.screw.nut_height + self.screw.pitch) * MM
-        return max(self.hose_width / 2 + self.clearance / 2, nuts + 0.5)
+        nuts = self.arm_z[1] + (thin_nut(self.screw.name).height + self.screw.pitch) * MM
+        return max(self.hose_width / 2, nuts) + self.clearance
 
     @property
     def half_length(self) -> float:

@@ -19,6 +19,8 @@ NUT_OVERHANG = 2.0  # pitches by which a screw stands out of its nut (ISO 4032: 
 LENGTH_TOLERANCE = 1e-6  # within which a length is a preferred one, m
 HEXAGON_AREA = sqrt(3.0) / 2  # of a regular hexagon over its squared width across flats
 ROD_LENGTHS = (1.0, 2.0)  # in which threaded rod is sold, m (DIN 976-1)
+THIN_NUT_HEIGHTS = {"M3": 1.8e-3, "M4": 2.2e-3, "M5": 2.7e-3, "M6": 3.2e-3, "M8": 4e-3, "M10": 5e-3, "M12": 6e-3}
+"""Heights of thin nuts, m (ISO 4035)."""
 PROPERTY_CLASS = "A2-70"  # of screws, nuts and rods (ISO 3506-1, -2)
 PROOF_STRESS = MATERIALS["screw-steel"].yield_stress
 """Stress at 0.2 % strain of class 70, Pa (ISO 3506-1)."""
@@ -122,6 +124,24 @@ class Nut:
 
 
 @dataclass(frozen=True)
+class ThinNut:
+    """Thin hexagon nut (ISO 4035)."""
+
+    thread: Thread
+    height: float  # m
+
+    @property
+    def designation(self) -> str:
+        """Designation, such as "ISO 4035 M5 - A2-025"."""
+        return f"ISO 4035 {self.thread.name} - A2-025"
+
+    @property
+    def mass(self) -> float:
+        """Mass, kg."""
+        return Nut(self.thread).mass * self.height / self.thread.nut_height
+
+
+@dataclass(frozen=True)
 class Washer:
     """Plain washer (ISO 7089)."""
 
@@ -161,6 +181,11 @@ class ThreadedRod:
 def nut(size: str) -> Nut:
     """Return the nut of a size, such as M5."""
     return Nut(thread(size))
+
+
+def thin_nut(size: str) -> ThinNut:
+    """Return the thin nut of a size, such as M5."""
+    return ThinNut(thread(size), THIN_NUT_HEIGHTS[thread(size).name])
 
 
 def washer(size: str) -> Washer:
