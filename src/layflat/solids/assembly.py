@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import product
 from typing import TYPE_CHECKING, Any
 
 from layflat.bridge.pieces import rigid_arm
@@ -20,6 +19,7 @@ from layflat.solids.output import arm_reach
 from layflat.solids.places import foot_places, tongue_holes
 from layflat.solids.shapes import PartPlace
 from layflat.solids.sizes import MM, JointSizes
+from layflat.solids.volumes import lowest
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -106,7 +106,7 @@ def assemble(machine: Machine, angles: Sequence[float] | None = None) -> Assembl
         body = _joint_place(frames[k], sizes[name], own).then(rest)
         parts = joint_components(sizes[name], angle)
         if sizes[name].foot:
-            low = min(_lowest(part) for part in parts)
+            low = min(lowest(part.shape, at) for part in parts for at in part.places)
             parts += foot_components(sizes[name], foot_places(sizes[name]), low)
         found += [replace(part.moved(body), joint=name) for part in parts]
         output = PartPlace(frames[k], -own * frames[k][:, 2]).then(poses[k])
@@ -238,11 +238,3 @@ def tongue_seats(sizes: JointSizes, into: PartPlace) -> list[Seat]:
         normal, edge = s * into.axes[:, 2], sizes.arm_width / 2
         found.append(Seat(near, far, normal, edge, sizes.end_plate, sizes.screw, tapped=True))
     return found
-
-
-def _lowest(component: Component) -> float:
-    """Return the lowest point of a component along z of its frame, mm, from the bounding box of its solid."""
-    box = cad.solid(component.shape).bounding_box()
-    ranges = ((box.min.X, box.max.X), (box.min.Y, box.max.Y), (box.min.Z, box.max.Z))
-    corners = np.array(list(product(*ranges)))
-    return min(float((corners @ at.axes.T + at.origin)[:, 2].min()) for at in component.places)

@@ -63,15 +63,15 @@ class Loop:
     start: Point
     sides: tuple[Side, ...]
 
-    def points(self) -> Array:
-        """Return corners, and points of arcs and curves, (n, 2); the first is not repeated at the end."""
+    def points(self, step: float = ARC_STEP) -> Array:
+        """Return corners, and points of curves and of arcs at angles (rad), (n, 2); the first is not repeated."""
         found, before = [self.start], self.start
         for side in self.sides:
             match side:
                 case StraightSide(to):
                     found.append(to)
                 case ArcSide(via, to):
-                    found.extend(_arc_points(before, via, to))
+                    found.extend(_arc_points(before, via, to, step))
                 case CurveSide(through):
                     found.extend(through)
             before = side.end
@@ -223,7 +223,7 @@ def _tangent(first: HullCircle, second: HullCircle) -> tuple[Point, Point]:
     return start, (second.x + second.radius * n[0], second.y + second.radius * n[1])
 
 
-def _arc_points(start: Point, via: Point, to: Point) -> list[Point]:
+def _arc_points(start: Point, via: Point, to: Point, step: float) -> list[Point]:
     """Return points of an arc from after its start to its end."""
     x, y = arc_centre(start, via, to)
     radius = hypot(start[0] - x, start[1] - y)
@@ -231,7 +231,7 @@ def _arc_points(start: Point, via: Point, to: Point) -> list[Point]:
     turn = (last - first) % (2 * pi)
     if (middle - first) % (2 * pi) > turn:
         turn -= 2 * pi
-    count = max(2, int(abs(turn) / ARC_STEP) + 1)
+    count = max(2, int(abs(turn) / step) + 1)
     inner = [first + turn * k / count for k in range(1, count)]
     return [*((x + radius * cos(a), y + radius * sin(a)) for a in inner), to]
 
