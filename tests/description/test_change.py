@@ -5,6 +5,7 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+from layflat.description import units as u
 from layflat.description.change import annotation_at, changed_all, paths, quantity_of, value_at
 from layflat.errors import InputError
 from layflat.identify.benches.loader import load_bench
@@ -101,6 +102,15 @@ def test_what_is_right_only_together_is_changed_together() -> None:
     assert changed_all(ARM, values).joint["small"].hose.wrap == pytest.approx(2.618, rel=1e-3)
     with pytest.raises(InputError, match="contact_end must be smaller"):
         changed_all(ARM, dict(list(values.items())[:1]))
+
+
+def test_a_number_that_may_be_left_out_has_its_quantity() -> None:
+    plain = ARM.model_dump(mode="json")
+    plain["joint"]["small"]["build"] = {"shaft_diameter": "10 mm"}
+    built, path = build(plain, {}, "x"), "joint.small.build.shaft_diameter"
+    assert path in paths(built)
+    assert quantity_of(annotation_at(built, path)) is u.LENGTH
+    assert value_at(changed(built, path, "12 mm"), path) == 0.012
 
 
 @given(st.sampled_from(paths(ARM)), st.floats(allow_nan=True))

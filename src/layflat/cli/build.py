@@ -12,6 +12,7 @@ from layflat.cli.groups import app
 
 if TYPE_CHECKING:
     from layflat.solids.build import BuiltMachine
+    from layflat.solids.cost import Cost
 
 POSE_SHARES = {"mid": 0.0, "low": -1.0, "high": 1.0}  # names of poses, and shares of half of the working stroke
 
@@ -72,6 +73,12 @@ def _print_build(built: "BuiltMachine") -> None:
     typer.echo(f"wrote {made} kinds of parts to make and {len(parts.parts) - made} to buy to {built.folder}")
     for name, why in built.omitted.items():
         typer.echo(f"left out: {name}: {why}", err=True)
-    if cost is not None and cost.unpriced:
+    if cost is not None:
+        report_unpriced(cost)
+
+
+def report_unpriced(cost: "Cost") -> None:
+    """Print the parts without a price, if there are any."""
+    if cost.unpriced:
         names = "; ".join(f"{part.number} {part.name}" for part in cost.unpriced)
         typer.echo(f"no price, counted as nothing: {names}", err=True)

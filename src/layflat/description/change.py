@@ -3,7 +3,8 @@
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from functools import lru_cache
-from typing import TYPE_CHECKING, Annotated, Any, TypeVar, get_args, get_origin
+from types import UnionType
+from typing import TYPE_CHECKING, Annotated, Any, TypeVar, Union, get_args, get_origin
 
 from pydantic import BaseModel, ConfigDict, PydanticUserError, TypeAdapter, ValidationError
 
@@ -160,13 +161,20 @@ def annotation_of(part: type[BaseModel], key: str) -> Any:
 
 
 def quantity_of(annotation: Any) -> Quantity | None:
-    """Return the quantity of an annotation, None for a number without unit."""
-    return next((note for note in get_args(annotation)[1:] if isinstance(note, Quantity)), None)
+    """Return the quantity of an annotation, also of a value that may be left out; None for a number without unit."""
+    return next(
+        (note for one in _choices(annotation) for note in get_args(one)[1:] if isinstance(note, Quantity)), None
+    )
 
 
 def is_whole(annotation: Any) -> bool:
     """Return whether an annotation is that of whole numbers."""
-    return int in (annotation, *get_args(annotation)[:1])
+    return any(int in (one, *get_args(one)[:1]) for one in _choices(annotation))
+
+
+def _choices(annotation: Any) -> tuple[Any, ...]:
+    """Return an annotation, or those between which it gives the choice."""
+    return get_args(annotation) if get_origin(annotation) in {Union, UnionType} else (annotation,)
 
 
 def paths(described: Part) -> list[str]:

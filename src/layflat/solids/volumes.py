@@ -18,6 +18,8 @@ from layflat.solids.sizes import MM
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
+    from numpy.typing import NDArray
+
     from layflat.arrays import Array
     from layflat.solids.component import Component
     from layflat.solids.loops import Loop
@@ -26,7 +28,7 @@ if TYPE_CHECKING:
 FINE_STEP = pi / 360  # angle between points of an arc, rad: a circle's area is right to 2e-5
 POINT_COUNT = 2048  # points spread through a hole
 LINE_COUNT = 400  # lines across a pocket
-SPREAD = 1.324717957244746 ** -np.arange(1.0, 3.0)
+POINT_STEPS = 1.324717957244746 ** -np.arange(1.0, 3.0)
 """Steps from point to point along two axes that fill a square evenly: powers of the root of x^3 = x + 1."""
 
 
@@ -124,49 +126,52 @@ def _chords(loops: Sequence[Loop], y: Array) -> Array:
     ends = np.sort(np.hstack(found), axis=1)
     ends[np.isinf(ends)] = 0.0
     count = ends.shape[1] // 2 * 2
-    return ends[:, 1:count:2].sum(axis=1) - ends[:, 0:count:2].sum(axis=1)
+    lengths: Array = ends[:, 1:count:2].sum(axis=1) - ends[:, 0:count:2].sum(axis=1)
+    return lengths
 
 
 def _hole_volumes(shape: Prism | Turned) -> Iterable[float]:
     """Yield the volume that each drilled hole takes from a part and its earlier holes have left."""
     for k, hole in enumerate(shape.drilled):
         points = _points_in(hole)
-        left = _within_shape(shape, points)
+        left = _shape_mask(shape, points)
         for before in shape.drilled[:k]:
-            left &= ~_within_hole(before, points)
+            left &= ~_hole_mask(before, points)
         yield float(np.mean(left)) * pi / 4 * hole.diameter**2 * hole.depth
 
 
 def _points_in(hole: Drilled) -> Array:
     """Return points in a hole, (n, 3), of which each stands for the same volume."""
     counts = np.arange(POINT_COUNT) + 0.5
-    area, turn = (counts[:, None] * SPREAD % 1.0).T
+    area, turn = (counts[:, None] * POINT_STEPS % 1.0).T
     radius, angle, depth = hole.diameter / 2 * np.sqrt(area), 2 * pi * turn, hole.depth * counts / POINT_COUNT
     local = np.column_stack([radius * np.cos(angle), radius * np.sin(angle), depth])
-    return np.array(hole.start) + local @ axes_towards(*hole.direction).T
+    points: Array = np.array(hole.start) + local @ axes_towards(*hole.direction).T
+    return points
 
 
-def _within_hole(hole: Drilled, points: Array) -> Array:
-    """Return which points (n, 3) are within a hole."""
+def _hole_mask(hole: Drilled, points: Array) -> NDArray[np.bool_]:
+    """Return a mask of the points (n, 3) that are within a hole."""
     away = points - np.array(hole.start)
     along = away @ np.array(hole.direction)
     across = np.linalg.norm(away - along[:, None] * np.array(hole.direction), axis=1)
-    return (along >= 0.0) & (along <= hole.depth) & (across <= hole.diameter / 2)
-
-
-def _within_shape(shape: Prism | Turned, points: Array) -> Array:
-    """Return which points (n, 3) are within a shape without its drilled holes."""
-    if isinstance(shape, Turned):
-        return _within([shape.outline], np.column_stack([np.hypot(points[:, 0], points[:, 1]), points[:, 2]]))
-    z = points[:, 2]
-    inside = _within([shape.outline, *_cuts(shape)], points) & (z >= 0.0) & (z <= shape.height)
-    for loop, low, high in shape.pockets:
-        inside &= ~(_within([loop], points) & (z >= low) & (z <= high))
+    inside: NDArray[np.bool_] = (along >= 0.0) & (along <= hole.depth) & (across <= hole.diameter / 2)
     return inside
 
 
-def _within(loops: Iterable[Loop], points: Array) -> Array:
-    """Return which points (n, 2 or more) an odd number of loops encloses."""
+def _shape_mask(shape: Prism | Turned, points: Array) -> NDArray[np.bool_]:
+    """Return a mask of the points (n, 3) that are within a shape without its drilled holes."""
+    if isinstance(shape, Turned):
+        return _loops_mask([shape.outline], np.column_stack([np.hypot(points[:, 0], points[:, 1]), points[:, 2]]))
+    z = points[:, 2]
+    inside = _loops_mask([shape.outline, *_cuts(shape)], points) & (z >= 0.0) & (z <= shape.height)
+    for loop, low, high in shape.pockets:
+        inside &= ~(_loops_mask([loop], points) & (z >= low) & (z <= high))
+    return inside
+
+
+def _loops_mask(loops: Iterable[Loop], points: Array) -> NDArray[np.bool_]:
+    """Return a mask of the points (n, 2 or more) that an odd number of loops encloses."""
     x, y = points[:, :1], points[:, 1:2]
     odd = np.zeros(len(points), bool)
     for loop in loops:

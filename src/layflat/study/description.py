@@ -246,6 +246,7 @@ class StudyFile(Part):
     seed: Whole = 0
     noise_seeds: Annotated[int, Field(ge=1)] = 1
     metrics: tuple[str, ...] | None = None
+    prices: str | None = None
     step: u.Time | None = None
     precision: Literal["double", "single"] | None = None
     band: u.PositiveAngle | None = None

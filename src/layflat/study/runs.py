@@ -24,6 +24,7 @@ from layflat.jit.cache import source_digest
 from layflat.sim.ensemble import ensemble
 from layflat.sim.ensemble import kernel as ensemble_kernel
 from layflat.sim.ensemble.parallel import check_device
+from layflat.study.built import BUILT_UNITS, built_columns, rules_digest
 from layflat.study.folder import StudyFolder
 from layflat.study.sampling import draw_samples, study_rows
 from layflat.study.study import Study
@@ -38,11 +39,18 @@ Work = Iterable[tuple[int, dict[str, Array]]]  # numbers of chunks, and their ru
 
 
 def software_versions(study: Study) -> dict[str, str]:
-    """Return what a table's bits depend on: versions by library, a digest by user's kind (file name), and of `laws`."""
+    """Return what a table's bits depend on: versions by library, digests by user's kind (file name) and of sources."""
     libraries = {name: version(name) for name in ("numpy", "scipy", "numba")}
     files = [Path(path) for variant in study.variants for path in variant.machine.kinds]
     kinds = {path.name: sha256(path.read_bytes()).hexdigest()[:16] for path in files}
-    return {"layflat": __version__, "laws": source_digest(Path(ensemble_kernel.__file__)), **kinds, **libraries}
+    built = {"rules": rules_digest()} if BUILT_UNITS.keys() & study.metrics else {}
+    return {
+        "layflat": __version__,
+        **built,
+        "laws": source_digest(Path(ensemble_kernel.__file__)),
+        **kinds,
+        **libraries,
+    }
 
 
 def simulate_rows(
@@ -82,7 +90,8 @@ def _simulate_variant(study: Study, number: int, runs: dict[str, Array], **how: 
     vary: dict[str, Array] = {key: runs[key] for key in ("scenario", "seed")}
     vary |= machine_values(study.varied, runs, variant.machine)
     (band, tip_band), given = study.bands, (variant.machine, study.scenarios, vary)
-    how |= {"metrics": study.metrics, "precision": study.precision}
+    simulated = [name for name in study.metrics if name not in BUILT_UNITS]
+    how |= {"metrics": simulated, "precision": study.precision}
     data = ensemble(*given, step=study.step, band=band, tip_band=tip_band, **how)
     names = np.array(study.scenario_names)[runs["scenario"].astype(int)]
     columns = [
@@ -91,7 +100,8 @@ def _simulate_variant(study: Study, number: int, runs: dict[str, Array], **how: 
         ("scenario", names, "1"),
         ("noise_seed", runs["seed"], "1"),
         *((one.path, runs[one.path], one.kind.unit) for one in study.varied),
-        *(column for metric in (*study.metrics, "diverged") for column in _metric_columns(data, metric)),
+        *(column for metric in (*simulated, "diverged") for column in _metric_columns(data, metric)),
+        *built_columns(variant.machine, vary, study.metrics, study.prices),
     ]
     arrays = [pyarrow.array(values) for _, values, _ in columns]
     fields = [

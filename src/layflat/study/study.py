@@ -3,7 +3,7 @@
 from dataclasses import dataclass, replace
 from math import prod
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from pydantic import ValidationError
 
@@ -15,10 +15,14 @@ from layflat.sim import STEP
 from layflat.sim.ensemble.cases import prepare_cases
 from layflat.sim.ensemble.parallel import MAX_SINGLE_DURATION
 from layflat.sim.metrics import SETTLING_BAND, TIP_BAND
+from layflat.study.built import BUILT_UNITS, check_built
 from layflat.study.check import check_runs, locate_errors
 from layflat.study.description import ScenarioTable, StudyFile, check_rules, explain_study_error
 from layflat.study.sampling import draw_samples
 from layflat.study.varied import StudyAxis, Variant, group_axes, load_variants, machine_values, resolve_axis
+
+if TYPE_CHECKING:
+    from layflat.solids.cost import Prices
 
 BUILT_IN = Path(__file__).parent / "builtin"
 
@@ -38,6 +42,7 @@ class Study:
     scenarios: tuple[Scenario, ...]  # each sample runs in every one
     varied: tuple[StudyAxis, ...]  # what varies, by path in alphabetical order
     metrics: tuple[str, ...]  # names of the metrics to keep
+    prices: "Prices | None" = None  # of the parts, for the cost
 
     @property
     def name(self) -> str:
@@ -103,9 +108,10 @@ class Study:
 
         Keys are study, and machine (its description) or variant (descriptions by name).
         """
-        apart = {"vary", "machine", "metrics", "variant"}
+        apart = {"vary", "machine", "metrics", "variant", "prices"}
         written = self.file.model_dump(mode="json", exclude_none=True, exclude=apart)
         written |= {"metrics": list(self.metrics), "precision": self.precision}
+        written |= {} if self.prices is None else {"prices": self.prices.model_dump(mode="json")}
         written |= {"vary": {one.path: one.canonical() for one in self.varied}}
         # What the files of kinds hold counts, not where they are: see `made_with`.
         machines = {one.name: one.machine.model_dump(mode="json", exclude={"kinds"}) for one in self.variants}
@@ -150,7 +156,10 @@ def read_study(path: str | Path) -> Study:
     ]
     _check_runs(file, axes[0], where)
     scenarios = tuple(_build_scenario(table, file, f"{where}: scenario.{i}.") for i, table in enumerate(file.scenario))
-    study = Study(file, compared, scenarios, axes[0], _check_metrics(file.metrics, where))
+    metrics, prices = _check_metrics(file.metrics, where), _read_prices(file, Path(path).parent)
+    study = Study(file, compared, scenarios, axes[0], metrics, prices)
+    for variant in compared:
+        check_built(variant.machine, prices, metrics, where)
     if (
         where not in study_names() and study.fits_in_memory
     ):  # the built-in ones are checked by tests; others than these never run
@@ -158,10 +167,20 @@ def read_study(path: str | Path) -> Study:
     return study
 
 
+def _read_prices(file: StudyFile, folder: Path) -> "Prices | None":
+    """Return the prices of a study whose file is in a folder, if it has any."""
+    if file.prices is None:
+        return None
+    from layflat.solids.cost import read_prices  # noqa: PLC0415  # most studies have none
+
+    return read_prices(folder / file.prices)
+
+
 def check_samples(study: Study, where: str) -> None:
     """Refuse a study with invalid runs, or with a varied value without effect."""
     drawn = draw_samples(study.varied, study.file)
-    along = [path for axis in study.varied for path in axis.members]
+    built = bool(BUILT_UNITS.keys() & study.metrics)
+    along = [path for axis in study.varied for path in axis.members or (axis.paths if built else ())]
     for variant in study.variants:
         check_runs(
             variant.machine,
@@ -216,14 +235,15 @@ def _build_scenario(table: ScenarioTable, file: StudyFile, where: str) -> Scenar
 
 
 def _check_metrics(names: tuple[str, ...] | None, where: str) -> tuple[str, ...]:
-    """Return the chosen metrics in the order of `METRICS`, all for None; InputError for an unknown one, or none."""
+    """Return the chosen metrics in their order, all of runs for None; InputError for an unknown one, or none."""
     from layflat.sim.results import METRICS  # noqa: PLC0415  # xarray takes long to import
 
     if names is not None and not names:
         right = "give one or more, or leave it out for all"
         raise InputError("is empty", where=f"{where}: metrics", right=right)
-    unknown = [name for name in names or () if name not in METRICS]
+    known = (*METRICS, *BUILT_UNITS)
+    unknown = [name for name in names or () if name not in known]
     if unknown:
         what = f"{unknown[0]!r} is not a metric"
-        raise InputError(what, where=f"{where}: metrics", right=f"use {', '.join(METRICS)}")
-    return tuple(name for name in METRICS if names is None or name in names)
+        raise InputError(what, where=f"{where}: metrics", right=f"use {', '.join(known)}")
+    return METRICS if names is None else tuple(name for name in known if name in names)
