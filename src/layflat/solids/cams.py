@@ -97,7 +97,10 @@ def cam_part(sizes: JointSizes, width: float, screws: tuple[float, ...]) -> Pris
     Raises:
         DesignError: the cam is not convex, or leaves no wall around the shaft.
     """
-    holes = tuple(Hole((float(x), float(y)), sizes.rod.clearance_hole * MM) for x, y in rod_places(sizes, sizes.rod))
+    holes = tuple(
+        Hole((float(x), float(y)), sizes.rod.clearance_hole * MM)
+        for x, y in rod_places(sizes, sizes.rod, sizes.rod_sides)
+    )
     (x, y), normal = flat(sizes)
     inward = (-cos(normal), -sin(normal), 0.0)
     drilled = tuple(
@@ -118,7 +121,7 @@ def cam_loop(sizes: JointSizes) -> Loop:
     line = winding(sizes)
     profile = line[-2::-1]
     ring = direction_vector(np.linspace(0.0, 2 * pi, LUG_POINTS, endpoint=False))
-    lugs = [centre + sizes.lug_radius(sizes.rod) * ring for centre in rod_places(sizes, sizes.rod)]
+    lugs = [centre + sizes.lug_radius(sizes.rod) * ring for centre in rod_places(sizes, sizes.rod, sizes.rod_sides)]
     points = np.vstack((profile, line[-1:], _back(sizes), *lugs))
     order = ConvexHull(points).vertices
     on_back = order >= len(profile)

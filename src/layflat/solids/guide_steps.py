@@ -78,8 +78,8 @@ JOINT_STEPS = (
             "ends level, and punch the holes of the screws with a [clamp bar] as the template.",
             "{?single}Lay hose and [hinge of hose A|hinge] on each other with their ends level, and punch the holes "
             "of the screws with a [clamp bar] as the template.",
-            "Put the [inlet of hose A|inlet] into each hose: its stem comes through a hole in the inner wall and "
-            "through the cylinder, its nut and elbow sit inside the cylinder.",
+            "Put the [inlet of hose A|inlet] into each hose: its stem comes through a hole in the inner wall "
+            "and through the cylinder, its nut and elbow sit inside the cylinder.",
             "Push the ends from outside through the slot of the [cylinder], put a [clamp bar] on either side, and "
             "tighten [screw of the clamp|screws {thread screw of the clamp}] and [nut of the clamp|nuts], with "
             "[washer of the clamp|washers] below both, crosswise "
@@ -140,6 +140,7 @@ JOINT_STEPS = (
         "Shells and straps",
         (
             Rule("shell [AB]", "side"),
+            Rule("outer inlet of hose [AB]", "side"),
             Rule("bar of shell [AB]", "side"),
             Rule("strap of hose [AB]", "+y"),
             Rule("strap clamp on shell [AB]", "side"),
@@ -152,6 +153,7 @@ JOINT_STEPS = (
             "shell lies on the empty hose.",
             "{?single}Glue or rivet the free lap of the hinge to the [shell A|shell], so that the shell lies on the "
             "empty hose.",
+            "Lead the stem of each [outer inlet of hose A|inlet] through its shell, and put nut and barb on.",
             "Put the [bar of shell A|bar] under the end of each shell, threads in line with its holes.",
             "Cut the straps with 15 mm to spare: [strap of hose A|hose A] {size strap of hose A}. Strip has sharp "
             "edges: wear gloves, and break them with a stone.",

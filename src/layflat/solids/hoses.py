@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import ceil, cos, pi, sin
 from typing import TYPE_CHECKING
 
@@ -10,7 +11,7 @@ from layflat.solids.blanks import strip_length
 from layflat.solids.cams import CLAMP_SCREW, flat, opening
 from layflat.solids.component import Component, axes_towards
 from layflat.solids.hardware import socket_screw
-from layflat.solids.inlets import inlet
+from layflat.solids.inlets import choose_inlet, inlet, outer_inlet
 from layflat.solids.output import clamp_places
 from layflat.solids.places import clamp_heights, clamp_line
 from layflat.solids.section import BAR_THICKNESS, STRIP_THICKNESS, WEBBING_THICKNESS
@@ -75,7 +76,7 @@ def _side(section: CrossSection, side: str, turn: float) -> list[Component]:
         Component(f"hinge of hose {letter}", hose, hinge, "webbing", "cutting",
                   (place(z=-width / 2),), f"webbing {width:g} x 1", size=f"{hinge_cut} mm long",
                   tags=frozenset({"hinge"})),
-        inlet(sizes, hose),
+        *(() if choose_inlet(sizes).outside else (inlet(sizes, hose),)),
         *_shell(section, side, turn),
         Component(f"strap of hose {letter}", hose, strap, "steel-strip", "cutting",
                   tuple(place(z=low) for low, _ in strips), f"{name}, {layers} layers",
@@ -130,6 +131,10 @@ def _shell(section: CrossSection, side: str, turn: float) -> list[Component]:
     shell = Prism(section.shell(), width, drilled=tuple(
         Drilled(_surface(middle, z + width / 2, outward, 0.5), inward, hole, sizes.shell + 1.0)
         for z in at))  # fmt: skip
+    outside = choose_inlet(sizes).outside
+    if outside:
+        fitting, through = outer_inlet(sizes, section, group)
+        shell = replace(shell, drilled=(*shell.drilled, through))
     bar = Prism(section.bar(), width, drilled=tuple(
         Drilled(_surface(middle, z + width / 2, outward, -sizes.shell + 0.2), inward, tapping, BAR_THICKNESS + 0.4,
                 CLAMP_SCREW.name)
@@ -152,6 +157,7 @@ def _shell(section: CrossSection, side: str, turn: float) -> list[Component]:
             Component(f"strap clamp on shell {letter}", group, clamp, "stainless-steel", "laser cutting",
                       tuple(place(z=low) for low, _ in strips), f"sheet {STRIP_THICKNESS:g}"),
             socket_screw(f"screw of the strap clamp on shell {letter}", group, one, heads),
+            *((fitting,) if outside else ()),
         )
     ]  # fmt: skip
 

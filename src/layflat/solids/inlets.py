@@ -3,26 +3,26 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from math import cos, radians, sin, sqrt
+from math import atan2, cos, pi, radians, sin, sqrt
 from typing import TYPE_CHECKING
 
-from layflat.errors import DesignError
 from layflat.lazy import numpy as np
 from layflat.solids.component import Component, axes_towards
 from layflat.solids.hardware import stepped
 from layflat.solids.places import TIE_SHARE, bar_place, clamp_heights, tie_places
-from layflat.solids.section import CONTACT_GAP
+from layflat.solids.section import CONTACT_GAP, HINGE_GAP, LAP_LENGTH
 from layflat.solids.shapes import Drilled, Turned, place
 from layflat.solids.sizes import MM
 from layflat.solids.standard.fittings import TUBE_SIZES, HollowScrew, PushInFitting, push_in_fitting
 
 if TYPE_CHECKING:
     from layflat.solids.component import Group
+    from layflat.solids.section import CrossSection
     from layflat.solids.sizes import JointSizes
 
 INLET_ANGLES = tuple(radians(float(a)) for a in range(-170, -115, 1))  # on the cylinder, of hose A
 LEAST_ROOM = 0.25  # between an inlet and what lies beside it, mm
-LEAST_CYLINDER = 46.0  # diameter that takes the smallest inlet, mm
+SEAT_GAP = 0.15  # between a flat nut and a round shell, mm
 HOLE_GAP = 0.2  # between a stem and its hole, mm
 DEFAULT_BORE = {False: 2.5e-3, True: 4e-3}  # of a tube where no line is described, m: hose below or above 60 mm wide
 WIDE_HOSE = 60.0  # mm
@@ -48,6 +48,7 @@ class Inlet:
     bore: float  # of its tube, m
     mass: float  # kg
     angle: float = 0.0  # on the cylinder, rad
+    outside: bool = False  # whether it passes through the shell instead of the cylinder
 
     @property
     def reach(self) -> float:
@@ -75,8 +76,7 @@ SMALL_INLET = Inlet(
 def choose_inlet(sizes: JointSizes) -> Inlet:
     """Return the inlet that is as wide as its tube, or else the widest that fits between clamp bars and tie bars.
 
-    Raises:
-        DesignError: none fits.
+    In the smallest cylinders none fits: there the inlet sits outside, in the shell.
     """
     wanted = tube_bore(sizes)
     inlets = [_push_in(push_in_fitting(name, outer)) for name, tubes in TUBE_SIZES.items() for outer, _ in tubes]
@@ -86,8 +86,7 @@ def choose_inlet(sizes: JointSizes) -> Inlet:
         room, angle = max((_room(sizes, inlet, angle), angle) for angle in INLET_ANGLES)
         if room >= LEAST_ROOM:
             return replace(inlet, angle=angle)
-    what = f"no inlet fits into a cylinder with an inner diameter of {2 * sizes.inner_radius:.4g} mm"
-    raise DesignError(what, where=sizes.label, right=f"give cylinder.diameter of {LEAST_CYLINDER:g} mm or more")
+    return replace(SMALL_INLET, outside=True)
 
 
 def _room(sizes: JointSizes, inlet: Inlet, angle: float) -> float:
@@ -103,6 +102,8 @@ def _room(sizes: JointSizes, inlet: Inlet, angle: float) -> float:
 def inlet_holes(sizes: JointSizes) -> tuple[Drilled, ...]:
     """Return the holes of the inlets in the cylinder, in its own frame."""
     chosen = choose_inlet(sizes)
+    if chosen.outside:
+        return ()
     R = sizes.radius + 1.0
     found = []
     for s, z in _sides(sizes):
@@ -137,3 +138,31 @@ def inlet(sizes: JointSizes, group: Group) -> Component:
         f"inlet of hose {group[-1].upper()}", "body", Turned(outline), "brass", "bought",
         (place(distance * x, distance * y, z, axes_towards(x, y, 0.0)),), chosen.designation, chosen.mass,
     )  # fmt: skip
+
+
+def outer_inlet(sizes: JointSizes, section: CrossSection, group: Group) -> tuple[Component, Drilled]:
+    """Return the inlet of hose A through its shell, with the collapsed hose, and its hole in the shell.
+
+    Args:
+        sizes: sizes of the joint.
+        section: its cross-section.
+        group: of the shell.
+    """
+    chosen, shell = choose_inlet(sizes), sizes.radius + sizes.hose_thickness
+    (x, y), z = section.ramp[0], sizes.hose_width / 4
+    outer = shell + sizes.shell
+    lap = -pi / 2 - (HINGE_GAP + LAP_LENGTH) / outer
+    angle = (lap + atan2(y, x) - 2 * pi * (y > 0)) / 2
+    x, y = cos(angle), sin(angle)
+    low = CONTACT_GAP
+    outline = stepped(
+        (chosen.stem / 2, low, sizes.shell + SEAT_GAP),
+        (chosen.flange / 2, sizes.shell + SEAT_GAP, sizes.shell + chosen.nut),
+        (chosen.body / 2, sizes.shell + chosen.nut, sizes.shell + chosen.reach),
+    )
+    part = Component(
+        f"outer inlet of hose {group[-1].upper()}", group, Turned(outline), "brass", "bought",
+        (place(shell * x, shell * y, z, axes_towards(x, y, 0.0)),), chosen.designation, chosen.mass,
+    )  # fmt: skip
+    start = ((outer + 1.0) * x, (outer + 1.0) * y, z + sizes.hose_width / 2)
+    return part, Drilled(start, (-x, -y, 0.0), chosen.stem + 2 * HOLE_GAP, sizes.shell + 2.0)

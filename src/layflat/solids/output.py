@@ -62,6 +62,11 @@ def arm_reach(sizes: JointSizes) -> float:
     return link_holes(sizes)[-1]
 
 
+def rod_lines(sizes: JointSizes) -> list[float]:
+    """Return y of the rods about the output's axis, with the arm along y, mm."""
+    return [side * sizes.rod_distance(sizes.rod) for side in sizes.rod_sides]
+
+
 def arm_plate(sizes: JointSizes) -> Prism:
     """Return an arm plate about the output's axis, with the arm along y: bore, holes of rods and of the link."""
     distance, half = sizes.rod_distance(sizes.rod), sizes.arm_width / 2
@@ -70,7 +75,7 @@ def arm_plate(sizes: JointSizes) -> Prism:
     hub = HullCircle(0.0, 0.0, half)
     inside = distance + lug.radius <= half
     loop = hull([hub, HullCircle(0.0, reach, half), *(() if inside else (lug,))])
-    rods = tuple(Hole((0.0, y), sizes.rod.clearance_hole * MM) for y in (distance, -distance))
+    rods = tuple(Hole((0.0, y), sizes.rod.clearance_hole * MM) for y in rod_lines(sizes))
     link = tuple(Hole((0.0, y), sizes.screw.clearance_hole * MM) for y in link_holes(sizes))
     return Prism(loop, sizes.arm_plate, (Hole((0.0, 0.0), sizes.shaft), *rods, *link))
 
@@ -137,18 +142,17 @@ def _strip(
 def _arm(sizes: JointSizes) -> list[Component]:
     """Return arm plates, spacers and rods, in the output's frame at mid-stroke."""
     low, high = sizes.arm_z
-    size, distance = sizes.rod, sizes.rod_distance(sizes.rod)
+    size, lines = sizes.rod, rod_lines(sizes)
     lug = sizes.lug_radius(size)
-    around = [(distance, lug), (0.0, sizes.shaft / 2 + 1.5), (-distance, lug)]
-    spacer = Prism(hull([HullCircle(0.0, y, radius) for y, radius in around]), SPACER_THICKNESS - 0.02, (
-        Hole((0.0, 0.0), sizes.shaft), Hole((0.0, distance), size.clearance_hole * MM),
-        Hole((0.0, -distance), size.clearance_hole * MM)))  # fmt: skip
+    around = [HullCircle(0.0, 0.0, sizes.shaft / 2 + 1.5), *(HullCircle(0.0, y, lug) for y in lines)]
+    spacer = Prism(hull(around), SPACER_THICKNESS - 0.02, (
+        Hole((0.0, 0.0), sizes.shaft), *(Hole((0.0, y), size.clearance_hole * MM) for y in lines)))  # fmt: skip
     between = [sizes.strap_width / 2, sizes.cam_b[1]] if sizes.double else [sizes.strap_width / 2]
     spacers = tuple(place(z=s * z + (0.01 if s > 0 else 0.01 - SPACER_THICKNESS)) for z in between for s in (1.0, -1.0))
     overhang = size.pitch * MM
     length = 2 * (high + thin_nut(size.name).height * MM + overhang)
-    rods = tuple(place(0.0, y, -length / 2) for y in (distance, -distance))
-    nuts = tuple(p for y in (distance, -distance) for p in (place(0.0, y, high), place(0.0, y, -high, UPSIDE_DOWN)))
+    rods = tuple(place(0.0, y, -length / 2) for y in lines)
+    nuts = tuple(p for y in lines for p in (place(0.0, y, high), place(0.0, y, -high, UPSIDE_DOWN)))
     plates = (place(z=low), place(z=-low, axes=np.diag([-1.0, 1.0, -1.0])))
     return [
         Component("spacer", "output", spacer, "aluminium-sheet", "laser cutting", spacers,

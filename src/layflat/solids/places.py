@@ -5,20 +5,22 @@ from __future__ import annotations
 from math import asin, cos, radians, sin, sqrt
 from typing import TYPE_CHECKING
 
+from layflat.errors import DesignError
 from layflat.lazy import numpy as np
 from layflat.solids.loops import HullCircle, hull
 from layflat.solids.section import WEBBING_THICKNESS
-from layflat.solids.sizes import MM
+from layflat.solids.sizes import MM, TAIL_SHARE
 
 if TYPE_CHECKING:
     from layflat.solids.loops import Loop
     from layflat.solids.sizes import JointSizes
 
 EDGE_GAP = 0.3  # between the clamp bars and the cylinder, mm
-SCREW_SHARE, END_SHARE = 0.18, -0.25  # places of the clamp's and the end plates' screws over a bar's depth
+SCREW_SHARE, END_SHARE = 0.12, -0.22  # places of the clamp's and the end plates' screws over a bar's depth
 TIE_ANGLE = radians(189.0)  # of the tie bar on the side of hose A
 FOOT_ANGLES = tuple(radians(a) for a in (-50.0, -130.0, 165.0, 15.0))  # of the foot's studs
 TONGUE_PITCH = 2.5  # between the holes of a tongue over the diameter of the screws
+LEAST_BAR_WALL = 0.7  # around the screws of a clamp bar, mm
 BUSH_WALL = 4.0  # of an end plate around the flange of the bush, mm
 TIE_SHARE = 2.0  # diameter of a tie bar over that of the screws in it
 STOP_SHARE = 2.0  # distance of a bump stop from the output's axis over half of an arm plate's width
@@ -26,12 +28,35 @@ STOP_WALL = 0.6  # wall of a bump stop's rubber over the diameter of its screw
 
 
 def bar_place(sizes: JointSizes) -> tuple[float, float, float]:
-    """Return x and y of the middle of the clamp bar on the side of +x, and its depth along y, mm."""
+    """Return x and y of the middle of the clamp bar on the side of +x, and its depth along y, mm.
+
+    Raises:
+        DesignError: the cylinder is too small for bars with walls around their screws.
+    """
     low = WEBBING_THICKNESS + sizes.hose_thickness
     high = low + sizes.clamp_bar
-    bottom = -sqrt(sizes.inner_radius**2 - high**2) + EDGE_GAP
-    top = -sizes.inner_radius + sizes.tail
+    bottom, top = _bar_ends(sizes.inner_radius, high, sizes.tail)
+    if _bar_wall(sizes, top - bottom) < LEAST_BAR_WALL:
+        radius = sizes.inner_radius
+        while _bar_wall(sizes, -np.subtract(*_bar_ends(radius, high, TAIL_SHARE * radius))) < LEAST_BAR_WALL:
+            radius += 0.5
+        what = f"the clamp of the hoses leaves no wall around its screws in a bar of {top - bottom:.1f} mm"
+        least = 2 * (radius + sizes.joint.cylinder.wall * MM)
+        raise DesignError(what, where=sizes.label, right=f"give cylinder.diameter of {least:.0f} mm or more")
     return (low + high) / 2, (bottom + top) / 2, top - bottom
+
+
+def _bar_ends(inner_radius: float, high: float, tail: float) -> tuple[float, float]:
+    """Return the ends of a clamp bar along y, mm, from its distance from the middle and the length of hose in it."""
+    if high >= inner_radius:
+        return 0.0, 0.0
+    return -sqrt(inner_radius**2 - high**2) + EDGE_GAP, -inner_radius + tail
+
+
+def _bar_wall(sizes: JointSizes, depth: float) -> float:
+    """Return the least wall around the screws of a clamp bar of a depth, mm."""
+    screws = (0.5 - SCREW_SHARE) * depth - sizes.screw.clearance_hole * MM / 2
+    return min(screws, (0.5 + END_SHARE) * depth - sizes.screw.tapping_hole * MM / 2)
 
 
 def frame_places(sizes: JointSizes) -> list[tuple[float, float]]:

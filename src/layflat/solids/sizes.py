@@ -34,11 +34,7 @@ if TYPE_CHECKING:
 MM = 1e3  # mm per metre
 RUBBER_DENSITY = 1150.0  # of a woven hose with its lining, kg/m3
 SPACER_THICKNESS = 1.0  # thickness of the washers between cams and arm plates, mm
-TAIL_SHARE, WIDE_SHARE = (
-    0.4,
-    0.25,
-)  # most that a hose's clamp takes of the inner radius, and of what is beyond a wide one
-WIDE_RADIUS = 29.0  # inner radius of a cylinder with more room for a clamp, mm
+TAIL_SHARE = 0.5  # most that a hose's clamp takes of the cylinder's inner radius
 RIM_WIDTH = 2.0  # of an end plate beyond the shells, mm
 RING_WIDTH = 2.5  # least width of the cylinder's rings beside its window, mm
 SHAFT_SAFETY = 2.0  # required yield over bending stress of the shaft beside a bush: its load comes and goes
@@ -48,6 +44,7 @@ LEAST_PLATE = 0.004  # thickness of a plate, m
 CLAMP_PITCH = 40.0  # between screws of the clamp, mm
 DISC_SHARE = 0.7  # radius of the brake's disc over the cylinder's
 PLATE_SHARE = 0.09  # least thickness of an end plate over the cylinder's diameter
+ROD_SIDES = ((1, -1), (-1,))  # sides of the shaft with a rod, in the order of preference
 LUG_SHARE, LEAST_LUG = 0.4, 1.5  # wall around a rod over its diameter, and at least, mm
 BORE_WALL = 1.5  # between bore and rod, mm
 NUT_GAP = 0.3  # between a rod's nut and the shaft, mm
@@ -130,8 +127,7 @@ class JointSizes:
     @property
     def tail(self) -> float:
         """Length of hose in the clamp: that of `part_masses`, or as much as a small cylinder takes."""
-        room = TAIL_SHARE * self.inner_radius + WIDE_SHARE * max(0.0, self.inner_radius - WIDE_RADIUS)
-        return min(CLAMPED_LENGTH * MM, room)
+        return min(CLAMPED_LENGTH * MM, TAIL_SHARE * self.inner_radius)
 
     @property
     def strap_width(self) -> float:
@@ -193,10 +189,20 @@ class JointSizes:
 
     @cached_property
     def rod(self) -> Thread:
-        """Size of the rods through the output's cams: the largest, up to the frame's screws, that bears lugs inside."""
-        for size in reversed(THREADS.values()):
-            if size.diameter <= self.screw.diameter and lug_room(self, size) >= 0.0:
-                return size
+        """Size of the rods through the output's cams: the largest, up to the frame's screws, whose lugs fit inside."""
+        return self._rods[0]
+
+    @property
+    def rod_sides(self) -> tuple[int, ...]:
+        """Sides of the shaft, along y, on which the cams have a rod: both, or in small cams that away from the arm."""
+        return self._rods[1]
+
+    @cached_property
+    def _rods(self) -> tuple[Thread, tuple[int, ...]]:
+        for sides in ROD_SIDES:
+            for size in reversed(THREADS.values()):
+                if size.diameter <= self.screw.diameter and lug_room(self, size, sides) >= 0.0:
+                    return size, sides
         what = f"no rod of M3 or more fits beside a shaft of {self.shaft:g} mm inside the cams"
         raise DesignError(what, where=f"{self.design.label}.output", right=self._rod_mend())
 
@@ -205,7 +211,7 @@ class JointSizes:
         for one in reversed(BUSHES):
             build = self.build.model_copy(update={"shaft_diameter": one.bore})
             thinner = replace(self, design=replace(self.design, machine=_with_build(self.design, build)))
-            if one.bore * MM < self.shaft and lug_room(thinner, THREADS["M3"]) >= 0.0:
+            if one.bore * MM < self.shaft and lug_room(thinner, THREADS["M3"], ROD_SIDES[-1]) >= 0.0:
                 return f"give build.shaft_diameter of {one.bore * MM:g} mm, which bends more, or a longer stroke"
         return "a longer stroke or a lower supply pressure makes wider cams"
 
@@ -327,22 +333,34 @@ class JointSizes:
         return DISC_HUB
 
 
-def rod_places(sizes: JointSizes, size: Thread) -> Array:
-    """Return the places of the two rods of a size in a cam's own frame, mm, (2, 2): on the arm's line at mid-stroke."""
+def rod_places(sizes: JointSizes, size: Thread, sides: tuple[int, ...]) -> Array:
+    """Return the places of rods in a cam's own frame, mm, (n, 2), on the line of the arm at mid-stroke.
+
+    Args:
+        sizes: sizes of the joint.
+        size: thread of the rods.
+        sides: sides of the shaft along y.
+    """
     r, angle = sizes.rod_distance(size), -sizes.stroke / 2
     turn = np.array([[cos(angle), -sin(angle)], [sin(angle), cos(angle)]])
-    places: Array = np.array([[0.0, r], [0.0, -r]]) @ turn.T
+    places: Array = np.array([[0.0, side * r] for side in sides]) @ turn.T
     return places
 
 
-def lug_room(sizes: JointSizes, size: Thread) -> float:
-    """Return the least distance (mm) from lugs around rods of a size to the lines of the strap; below 0 one crosses."""
+def lug_room(sizes: JointSizes, size: Thread, sides: tuple[int, ...]) -> float:
+    """Return the least distance (mm) from lugs around rods to the lines of the strap; below 0 one crosses.
+
+    Args:
+        sizes: sizes of the joint.
+        size: thread of the rods.
+        sides: sides of the shaft along y.
+    """
     lug = sizes.lug_radius(size)
     if sizes.design.cam is None:
         return sizes.joint.output.radius * MM - sizes.rod_distance(size) - lug
     cam = sizes.design.cam
     normals = direction_vector(cam.normal)
-    return float((cam.lever * MM - rod_places(sizes, size) @ normals.T).min()) - lug
+    return float((cam.lever * MM - rod_places(sizes, size, sides) @ normals.T).min()) - lug
 
 
 def _with_build(design: JointDesign, build: Build) -> Machine:

@@ -1,0 +1,18 @@
+"""The smallest joints: inlets in the shells."""
+
+import pytest
+
+from layflat import extras
+from layflat.design import SizingRequest, size_joint
+from layflat.solids.joint import joint_components
+from layflat.solids.sizes import JointSizes
+from tests.solids.test_joint import overlaps
+
+pytestmark = pytest.mark.skipif(not extras.available("cad"), reason="no build123d; pip install layflat[cad]")
+
+
+def test_a_joint_of_three_newton_metres_is_built() -> None:
+    sizes = JointSizes(size_joint(SizingRequest(torque="3 N m", stroke="115 deg", supply="4 bar")).design)
+    found = joint_components(sizes, 0.5)
+    assert {"outer inlet of hose A", "outer inlet of hose B"} <= {part.name for part in found}
+    assert overlaps(found) == []
