@@ -115,10 +115,14 @@ def stl_triangles(content: bytes) -> Array:
     return np.frombuffer(content, STL_TRIANGLE, offset=STL_HEAD)["numbers"][:, 1:].astype(float)
 
 
-def binary_stl(triangles: Array) -> bytes:
-    """Return triangles (n, 3 corners, 3) as a binary STL."""
+def binary_stl(triangles: Array, *, normals: bool = False) -> bytes:
+    """Return triangles (n, 3 corners, 3) as a binary STL, with their normals or with zeros in their place."""
     rows = np.zeros(len(triangles), STL_TRIANGLE)
     rows["numbers"][:, 1:] = triangles
+    if normals:
+        across = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+        lengths = np.linalg.norm(across, axis=1, keepdims=True)
+        rows["numbers"][:, 0] = across / np.where(lengths > 0.0, lengths, 1.0)
     return b"\0" * (STL_HEAD - 4) + len(triangles).to_bytes(4, "little") + rows.tobytes()
 
 

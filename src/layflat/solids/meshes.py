@@ -50,9 +50,15 @@ def triangulate(solid: Any, error: float = CHORD_ERROR, angle: float = CHORD_ANG
     meshing.BRepMesh_IncrementalMesh(solid.wrapped, error, False, angle)
 
 
-def solid_mesh(solid: Any) -> Mesh:
-    """Return the triangles of a solid in its own frame."""
-    triangulate(solid)
+def solid_mesh(solid: Any, error: float = CHORD_ERROR, angle: float = CHORD_ANGLE) -> Mesh:
+    """Return the triangles of a solid in its own frame.
+
+    Args:
+        solid: the solid.
+        error: as of `triangulate`.
+        angle: as of `triangulate`.
+    """
+    triangulate(solid, error, angle)
     brep, kinds, locations = kernel_modules("BRep", "TopAbs", "TopLoc")
     points: list[tuple[float, float, float]] = []
     corners: list[tuple[int, int, int]] = []

@@ -89,6 +89,20 @@ def press(page: Any, name: str) -> None:
     page.get_by_role("button", name=name, exact=True).click()
 
 
+def served_solids(page: Any) -> int:
+    """Number of files with solids that the page has read."""
+    names = "performance.getEntriesByType('resource').filter(one => one.name.includes('/solids/'))"
+    return int(page.evaluate(f"() => {names}.length"))
+
+
+def test_the_arm_is_drawn_by_the_solids_of_its_joints_which_follow_a_change(page: Any) -> None:
+    pytest.importorskip("build123d")
+    until(lambda: served_solids(page) > 10)
+    before = served_solids(page)
+    enter(page, WIDTH, "210")
+    until(lambda: served_solids(page) > before and current(page))
+
+
 def test_a_wider_hose_is_seen_saved_and_undone(page: Any, folder: Path) -> None:
     torque, settled = tile(page, "torque"), tile(page, "settled, median")
     enter(page, WIDTH, "200")

@@ -2,6 +2,8 @@
 
 from collections import deque
 from collections.abc import Callable, Sequence
+from dataclasses import replace
+from hashlib import sha256
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -12,10 +14,11 @@ from nicegui.elements.scene.scene_object3d import Object3D
 from numpy.typing import NDArray
 
 from layflat.arrays import Array
-from layflat.bridge.meshes import load_mesh
+from layflat.bridge.meshes import binary_stl, load_mesh
 from layflat.bridge.pieces import Piece
 from layflat.bridge.view.scenery import FIELD_OF_VIEW, scenery, viewpoint
 from layflat.machine import Machine
+from layflat.solids.moving import MovingSolids
 
 COLOURS = {"link": "#aab4c0", "joint": "#29333f", "tip": "#c05a00"}  # far apart in black and white, too
 MAX_FRAME_RATE = 10  # frames a second while something changes: a browser without a graphics device renders them itself
@@ -55,6 +58,7 @@ class ArmScene:
         """Build the scene within the current element: floor, arm at mid-stroke, and neither target nor surface."""
         rest = [0.0] * len(machine.joints)
         self._shown, self._clicked = scenery(machine, rest), clicked
+        self._solids: list[tuple[MovingSolids, Object3D]] = []
         self.scene = ui.scene(
             grid=False, background_color="#eef1f4", fps=MAX_FRAME_RATE, on_click=self._click, click_events=["click"],
             camera=ui.scene.perspective_camera(fov=FIELD_OF_VIEW, near=0.05, far=30),
@@ -64,7 +68,8 @@ class ArmScene:
         self._trail: deque[list[float]] = deque(maxlen=MAX_TRAIL_POINTS)
         self._posed = np.full(len(rest), np.inf)
         with self.scene as scene:
-            self._draw_floor()
+            with scene.group() as self._floor:
+                self._draw_floor()
             self._arm = self._build_arm(None)
             self._ghost = self._build_arm(GHOST_COLOUR)
             self._way = scene.point_cloud([], point_size=0.012).material("#c05a00")
@@ -84,10 +89,43 @@ class ArmScene:
             return
         self._posed = np.array(angles, float)
         self._place(self._arm, angles)
+        self._place_solids()
         tip = self._shown.level @ self._shown.tip(angles)
         if not self._trail or float(np.abs(tip - self._trail[-1]).max()) > TRAIL_STEP:
             self._trail.append(tip.tolist())
             self._way.set_points(list(self._trail))
+
+    def show_machine(self, machine: Machine) -> None:
+        """Draw another machine of the same joints, by rods; neither the path of the tip nor a target remains."""
+        self.show_solids([])
+        for group in (*self._arm, *self._ghost):
+            group.delete()
+        self._shown = scenery(machine, [0.0] * len(machine.joints))
+        with self.scene:
+            self._arm, self._ghost = self._build_arm(None), self._build_arm(GHOST_COLOUR)
+        self._floor.move(z=self._shown.floor - self._drawn_floor)
+        self._trail.clear()
+        self.show_target(None)
+        angles, self._posed = self._posed, np.full(len(machine.joints), np.inf)
+        self.show_pose(angles)
+
+    def show_solids(self, solids: Sequence[MovingSolids]) -> None:
+        """Draw the arm by solids in place of its rods, and the floor below them; by its rods where there are none."""
+        for _, group in self._solids:
+            group.delete()
+        self._solids = []
+        for one in solids:
+            with self.scene, self.scene.group() as group:
+                for colour, triangles in one.triangles.items():
+                    self.scene.stl(_served_stl(binary_stl(triangles, normals=True))).material(colour)
+            self._solids.append((one, group))
+        low = min((_lowest(one, self._shown.level) for one in solids if one.frame == 0), default=self._shown.floor)
+        for group in self._arm[1:-1]:
+            group.visible(not solids)
+        self._arm[0].visible(low - self._shown.floor > FLOOR_OFFSET or not solids)  # the post below the foot
+        self._shown = replace(self._shown, floor=min(low, self._shown.floor))
+        self._floor.move(z=self._shown.floor - self._drawn_floor)
+        self._place_solids()
 
     def show_target(self, angles: Sequence[float] | Array | None) -> None:
         """Draw the target arm at these joint angles, rad; None hides it."""
@@ -127,6 +165,7 @@ class ArmScene:
     def _draw_floor(self) -> None:
         """Draw the floor below the arm as a grid of 2 m by 2 m with lines every 0.1 m."""
         scene, floor = self.scene, self._shown.floor
+        self._drawn_floor = floor
         for at in np.arange(-1.0, 1.01, 0.1).round(3).tolist():
             for start, end in (([at, -1.0, floor], [at, 1.0, floor]), ([-1.0, at, floor], [1.0, at, floor])):
                 scene.line(start, end).material("#c3cad2" if at else "#8b95a1")
@@ -142,11 +181,27 @@ class ArmScene:
             groups.append(group)
         return groups
 
+    def _place_solids(self) -> None:
+        """Move the solids to where the arm is."""
+        frames = self._shown.frames(self._posed)
+        for solids, group in self._solids:
+            _move(group, *solids.pose(frames, self._posed))
+
     def _place(self, groups: Sequence[Object3D], angles: Sequence[float] | Array) -> None:
         """Move the groups of an arm, one for each frame, to their poses at joint angles, rad."""
         for group, (axes, origin) in zip(groups, self._shown.frames(angles), strict=True):
-            group.move(*origin.round(4).tolist())
-            group.rotate_R(axes.round(5).tolist())
+            _move(group, axes, origin)
+
+
+def _move(group: Object3D, axes: Array, origin: Array) -> None:
+    """Move a group to a pose of axes (3, 3) and origin (m, (3,))."""
+    group.move(*origin.round(4).tolist())
+    group.rotate_R(axes.round(5).tolist())
+
+
+def _lowest(solids: MovingSolids, level: Array) -> float:
+    """Return the height of the lowest point of solids that move with the base, m; `level`: axes of the base."""
+    return min(float((corners.reshape(-1, 3) @ level[2]).min()) for corners in solids.triangles.values())
 
 
 def _draw_piece(scene: ui.scene, piece: Piece, ghost: str | None) -> None:
@@ -194,3 +249,16 @@ def _mesh_address(piece: Piece) -> str:
         mesh.export(copy)
         _meshes[key] = app.add_static_file(local_file=copy, url_path=f"/meshes/{len(_meshes)}.stl")
     return _meshes[key]
+
+
+_served: dict[str, str] = {}
+
+
+def _served_stl(content: bytes) -> str:
+    """Return the URL path of an STL that is served; equal ones are served once."""
+    name = sha256(content).hexdigest()[:32]
+    if name not in _served:
+        file = Path(_folder.name) / f"{name}.stl"
+        file.write_bytes(content)
+        _served[name] = app.add_static_file(local_file=file, url_path=f"/solids/{name}.stl", max_cache_age=3600)
+    return _served[name]

@@ -23,7 +23,7 @@ MAX_SESSIONS = 20  # sessions that are kept, those of closed tabs included
 RELOAD_TIMEOUT = 1.0  # for the previous page of a tab to disconnect when it is reloaded, s
 RELOAD_POLLS = 20
 STUDIO_TITLE = "layflat studio"
-KINDS: tuple[ChangedPart, ...] = ("figures", "cloud", "kept", "design")
+KINDS: tuple[ChangedPart, ...] = ("figures", "cloud", "kept", "solids", "design")
 WAIT_NOTICE_DELAY = 1.5  # of a wait until the page explains it, s
 TAB_NOTICE = "Each tab edits a design of its own, and only Save writes to the disk."
 NO_NATIVE_UNDO = """({event}) => {

@@ -11,6 +11,7 @@ from layflat.errors import LayflatError
 from layflat.pages.look import theme
 from layflat.pages.look.pieces import Pieces
 from layflat.pages.look.theme import clamp_number
+from layflat.pages.studio.arm_view import ArmView
 from layflat.pages.studio.cloud import StepCloud, Tolerances
 from layflat.pages.studio.results import DesignQuantity, differences, relative_difference
 from layflat.pages.studio.session import ChangedPart, ShownResults, StudioSession
@@ -205,6 +206,8 @@ class ResultsView:
             await pieces.pause()
             self.cam, self.pressure = CamView(session), PressureView()
         await pieces.pause()
+        self.arm = ArmView(session)
+        await pieces.pause()
         self.strap, self.figures = StrapView(), DesignFiguresView()
         await self.figures.build(pieces)
 
@@ -214,6 +217,8 @@ class ResultsView:
             self._show_figures()
         if what in {"cloud", "kept"}:
             self._show_cloud()
+        if what == "solids":
+            self.arm.show()
         self._mark_current()
 
     def _mark_current(self) -> None:
@@ -224,6 +229,7 @@ class ResultsView:
             view.mark_current(statics)
         for late in (self.step, self.pressure):
             late.mark_current(cloud)
+        self.arm.mark_current(session.solids_number == session.number)
         self.tiles.mark_current(statics and cloud)
         self.figures.mark_current(statics and cloud)
 

@@ -14,10 +14,11 @@ from layflat.pages.studio.cloud import JointStep, StepCloud, Tolerances, default
 from layflat.pages.studio.design import Changes, Design
 from layflat.pages.studio.results import JointFigures
 from layflat.pages.studio.worker import StudioProcesses, find_figures, find_stale, reread, write_design
+from layflat.solids.moving import MovingSolids
 
 Result = TypeVar("Result")
-ChangedPart = Literal["design", "figures", "cloud", "kept"]
-"""Changed part of a session: the design or step; the statics; the cloud; the design that is kept as A."""
+ChangedPart = Literal["design", "figures", "cloud", "kept", "solids"]
+"""Changed part of a session: the design or step; the statics; the cloud; the design kept as A; the solids."""
 
 QUICK_CLOUD_TIME = (
     0.2  # of a cloud that is finished in spite of a newer design, so that dragging a slider shows results, s
@@ -55,12 +56,14 @@ class StudioSession:
         self.kept: KeptDesign | None = None
         self.shown = ShownResults()
         self.stale: list[Finding] = []
+        self.solids: tuple[Machine, list[MovingSolids]] | None = None  # of the newest design whose solids are made
+        self.solids_number = 0  # of the request that they belong to
         self.number = 1  # of the newest request
         self.waiting_since: float | None = None  # start of the wait for a cloud, s, monotonic
         self.worker, self._tab = worker, worker.tab()
         self._requests = 0
         self._listeners: list[Callable[[ChangedPart], object]] = []
-        self._requested = asyncio.Event(), asyncio.Event()
+        self._requested = asyncio.Event(), asyncio.Event(), asyncio.Event()
 
     def listen(self, listener: Callable[[ChangedPart], object]) -> None:
         """Call a function with the changed part after every change."""
@@ -148,15 +151,17 @@ class StudioSession:
         return sorted(findings, key=lambda finding: SEVERITY_ORDER.index(finding.severity))
 
     async def follow(self) -> None:
-        """Compute results at once, and again after each request, until cancelled; figures and cloud concurrently.
+        """Compute results at once, and again after each request, until cancelled.
 
-        Of the requests during a computation only the newest is answered. An unexpected error becomes a finding.
+        Figures, cloud and solids are computed concurrently. Of the requests during a computation only the newest is
+        answered. An unexpected error becomes a finding.
         """
         for requested in self._requested:
             requested.set()
         async with asyncio.TaskGroup() as group:
             group.create_task(self._repeat_update(self._requested[0], self._update_figures))
             group.create_task(self._repeat_update(self._requested[1], self._update_cloud))
+            group.create_task(self._repeat_update(self._requested[2], self._update_solids))
 
     async def _repeat_update(self, requested: asyncio.Event, update: Callable[[int], Awaitable[None]]) -> None:
         """Update results after each request, until cancelled; an unexpected error becomes a finding on the page."""
@@ -190,6 +195,14 @@ class StudioSession:
             if number == self.number and stale != self.stale:
                 self.stale = stale
                 self._notify("figures")
+
+    async def _update_solids(self, number: int) -> None:
+        """Make the solids of the design."""
+        machine = self.design.machine
+        if self.solids is None or self.solids[0] != machine:
+            self.solids = machine, await self.worker.solids(machine)
+        self.solids_number = number
+        self._notify("solids")
 
     async def _design_in_process(self, work: Callable[..., Result], *arguments: Any) -> Result:
         return await self.worker.perform(work, *arguments, what="the design of a joint")

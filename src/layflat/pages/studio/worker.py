@@ -19,9 +19,11 @@ from layflat.pages.studio.cloud import JointStep, OvertakenError, StepCloud, Tol
 from layflat.pages.studio.design import Design, OpenedDescription, open_description
 from layflat.pages.studio.results import Designer, JointFigures
 from layflat.pages.studio.saving import list_stale, save
+from layflat.solids.moving import MovingSolids, moving_solids
 
 Result = TypeVar("Result")
 CALL_TIMEOUT = 60.0  # time of one call, s
+SOLIDS_TIMEOUT = 120.0  # time of making an arm's solids, s
 MAX_DESIGNERS = 16  # designs whose joints are cached
 _designers: OrderedDict[tuple[int, bool], Designer] = OrderedDict()
 MAX_TABS = 256  # with a number of their own; more share numbers, and may overtake each other
@@ -76,12 +78,16 @@ def reread(design: Design) -> tuple[Design, list[str]]:
 
 
 class StudioProcesses:
-    """Two processes, started with the first request and again if they end: one simulates, one does all else."""
+    """Processes, started with the first request and again if they end.
+
+    One simulates, one makes solids, one does all else.
+    """
 
     def __init__(self) -> None:
-        """Prepare both processes, which start with their first calls."""
+        """Prepare the processes, which start with their first calls."""
         self.helper = ProcessWorker("layflat-studio")  # for work that is shorter than a cloud and must not wait for it
         self._newest: SynchronizedArray[int] = get_context("spawn").Array("Q", MAX_TABS)
+        self._builder = ProcessWorker("layflat-studio-solids")
         self._simulator = ProcessWorker("layflat-studio-runs", first=_set_newest, shared=(self._newest,))
         self._tabs = count()
 
@@ -96,6 +102,13 @@ class StudioProcesses:
     async def perform(self, work: Callable[..., Result], *arguments: Any, what: str) -> Result:
         """Call a function that takes less than a cloud, and return its result; raises as `ProcessWorker.call`."""
         return await self.helper.call(work, *arguments, limit=CALL_TIMEOUT, what=what)
+
+    async def solids(self, machine: Machine) -> list[MovingSolids]:
+        """Return the solids of a machine's arm; none where they can't be made."""
+        try:
+            return await self._builder.call(moving_solids, machine, limit=SOLIDS_TIMEOUT, what="the making of solids")
+        except LayflatError:
+            return []
 
     def overtake(self, tab: int, number: int) -> None:
         """End the simulations of a tab whose requests have a lower number, without a result."""
@@ -123,6 +136,7 @@ class StudioProcesses:
     def end(self) -> None:
         """End the processes."""
         self.helper.end()
+        self._builder.end()
         self._simulator.end()
 
 
