@@ -14,7 +14,7 @@ SECTIONS = {
     "How-to guides": [
         "docs/python", "docs/studio", "docs/sizing-arms", "docs/arms", "docs/arm-models", "docs/export", "docs/fmu",
         "docs/motion", "docs/gym", "docs/learning", "docs/identification", "docs/logs", "docs/rig", "docs/panel",
-        "docs/foxglove", "docs/packing",
+        "docs/foxglove", "docs/packing", "docs/building",
         "docs/bridge", "docs/speed", "docs/cell", "docs/cell-vision", "docs/kinds", "docs/browser",
         "firmware/README", "layflat-ros2/README",
     ],
