@@ -6,6 +6,7 @@ import pytest
 
 from layflat.design import JointDesign, SizingRequest, design_joint, size_joint
 from layflat.errors import DesignError
+from layflat.machine.build_sizes import Build
 from layflat.solids.joint import joint_components
 from layflat.solids.sizes import JointSizes
 from layflat.solids.sweep import check_sweep
@@ -40,3 +41,18 @@ def test_cylinders_too_small_for_a_clamp_are_refused_in_one_line() -> None:
 def test_small_cylinders_have_small_inlets() -> None:
     found = joint_components(JointSizes(sized("7.3 N m", "115 deg", "3.2 bar")))
     assert any("inlet" in part.name for part in found)
+
+
+def test_a_disc_that_is_too_large_is_refused_and_the_advice_mends_it() -> None:
+    design = design_joint("paper-small-joint")
+    wide = JointSizes(with_build(design, Build(disc_diameter="160 mm")))
+    with pytest.raises(DesignError, match=r"outside the end plate; give build\.disc_diameter of") as error:
+        joint_components(wide)
+    diameter = re.search(r"disc_diameter of ([\d.]+) mm", str(error.value))[1]  # type: ignore[index]
+    joint_components(JointSizes(with_build(design, Build(disc_diameter=f"{diameter} mm"))))
+
+
+def with_build(design: JointDesign, build: Build) -> JointDesign:
+    """A design of the same joint built otherwise."""
+    machine, joint = design.machine, design.joint.model_copy(update={"build": build})
+    return design_joint(machine.model_copy(update={"joint": {**machine.joint, design.name: joint}}), design.name)

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from contextlib import suppress
-from math import pi, sqrt
+from math import hypot, pi, sqrt
 from typing import TYPE_CHECKING
 
 from layflat.errors import DesignError
-from layflat.solids.component import Component
+from layflat.solids.component import Component, axes_towards
 from layflat.solids.hardware import hexagon_nut, plain_washer, rod, sleeve, stepped, stud
 from layflat.solids.loops import HullCircle, hull
 from layflat.solids.shapes import UPSIDE_DOWN, Drilled, Hole, Prism, Turned, place, turn_about_z
@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     from layflat.solids.sizes import JointSizes
 
 PAD_SHARE = 0.25  # radius of a pad over that of the disc
+PAD_EDGE = 1.0  # between a pad and the edge of the disc, mm
+DISC_STEP = 0.5  # between radii of discs that are tried as a mend, mm
 STUD_GAP = 1.0  # between a stud's nut and the disc, mm
 BEAM_STRESS = 120e6  # allowed in the beam, Pa: half of the yield stress of EN AW-6082 T6
 SPRING_SPACES = tuple(size * 1e-3 for size in (8, 10, 12, 15, 20, 25, 30, 40))
@@ -34,7 +36,7 @@ CYLINDER_BORES = (12.0, 16.0, 20.0, 25.0, 32.0, 40.0, 50.0, 63.0)
 
 def pad_distance(sizes: JointSizes) -> float:
     """Return the distance of the pads from the output's axis, mm."""
-    return sizes.disc_radius * (1 - PAD_SHARE) - 1.0
+    return sizes.disc_radius * (1 - PAD_SHARE) - PAD_EDGE
 
 
 def pad_force(sizes: JointSizes) -> float:
@@ -44,10 +46,32 @@ def pad_force(sizes: JointSizes) -> float:
 
 def stud_places(sizes: JointSizes) -> list[tuple[float, float]]:
     """Return the places of the two studs that carry the beam, beside the disc, mm."""
-    distance = pad_distance(sizes)
-    chord = sqrt(sizes.disc_radius**2 - distance**2)
-    x, y = chord + sizes.screw.washer_diameter * MM / 2 + STUD_GAP, sizes.axis - distance
+    x, y = _stud_place(sizes, sizes.disc_radius)
     return [(-x, y), (x, y)]
+
+
+def _stud_place(sizes: JointSizes, disc_radius: float) -> tuple[float, float]:
+    """Return the place of the stud on the side of +x for a disc of a radius, mm."""
+    distance = disc_radius * (1 - PAD_SHARE) - PAD_EDGE
+    chord = sqrt(disc_radius**2 - distance**2)
+    return chord + sizes.screw.washer_diameter * MM / 2 + STUD_GAP, sizes.axis - distance
+
+
+def _check_studs(sizes: JointSizes) -> None:
+    """Raise DesignError unless the studs fit on the end plate; the message says with which disc they would."""
+    if _stud_room(sizes, sizes.disc_radius) >= 0.0:
+        return
+    radius = sizes.disc_radius
+    while radius > DISC_STEP and _stud_room(sizes, radius) < 0.0:
+        radius -= DISC_STEP
+    what = f"the studs of a brake with a disc of {2 * sizes.disc_radius:.4g} mm lie outside the end plate"
+    raise DesignError(what, where=sizes.label, right=f"give build.disc_diameter of {2 * radius:.4g} mm")
+
+
+def _stud_room(sizes: JointSizes, disc_radius: float) -> float:
+    """Return the distance of the studs of a disc from the edge of the end plate, less their size, mm."""
+    x, y = _stud_place(sizes, disc_radius)
+    return sizes.rim - hypot(x, y) - sizes.screw.diameter * MM
 
 
 def brake_components(sizes: JointSizes, angle: float) -> list[Component]:
@@ -58,23 +82,17 @@ def brake_components(sizes: JointSizes, angle: float) -> list[Component]:
     """
     if sizes.joint.brake.torque <= 0:
         return []
-    (x, y), *_ = stud_places(sizes)
-    if sqrt(x * x + y * y) + sizes.screw.diameter * MM > sizes.radius + 2.0:
-        what = f"the brake's studs lie {sqrt(x * x + y * y):.4g} mm from the cylinder's axis, outside the end plate"
-        right = f"give build.disc_diameter below {2 * MM * sizes.disc_radius * 0.9 / MM:.4g} mm"
-        raise DesignError(what, where=sizes.label, right=right)
+    _check_studs(sizes)
     pads, face = pad_distance(sizes), sizes.top
     radius, turned = PAD_SHARE * sizes.disc_radius, turn_about_z(angle).then(place(0.0, sizes.axis))
     middle = sizes.axis - pads
     pad = rod(2 * radius, PAD_THICKNESS - 0.02)
     disc_low = -(face + PAD_THICKNESS + sizes.disc)
-    hub = 1.0 * sizes.shaft
+    hub = sizes.shaft  # its radius
     outline = stepped((hub, -sizes.disc_hub, 0.0), (sizes.disc_radius, 0.0, sizes.disc), bore=sizes.shaft / 2)
     set_hole = Drilled((hub, 0.0, -sizes.disc_hub / 2), (-1.0, 0.0, 0.0), SET_SCREW.tapping_hole * MM,
                        hub, SET_SCREW.name)  # fmt: skip
     set_screw = rod(SET_SCREW.tapping_hole * MM - 0.02, hub - sizes.shaft / 2 - 0.2)
-    from layflat.solids.component import axes_towards  # noqa: PLC0415
-
     at_set = place(sizes.shaft / 2 + 0.1, 0.0, -sizes.disc_hub / 2, axes_towards(1, 0, 0))
     return [
         Component("brake disc", "output", Turned(outline, (set_hole,)), "aluminium", "turning",

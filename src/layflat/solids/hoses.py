@@ -17,7 +17,7 @@ from layflat.solids.places import clamp_heights, clamp_line
 from layflat.solids.section import BAR_THICKNESS, STRIP_THICKNESS, WEBBING_THICKNESS
 from layflat.solids.shapes import Drilled, Lofted, PartPlace, Prism, place, turn_about_z
 from layflat.solids.sizes import MM
-from layflat.solids.standard.screws import screw
+from layflat.solids.standard.screws import screw, screw_lengths
 
 if TYPE_CHECKING:
     from layflat.solids.component import Group
@@ -170,7 +170,5 @@ def _surface(middle: np.ndarray, z: float, outward: np.ndarray, distance: float)
 
 def _screw_length(depth: float) -> float:
     """Return the longest preferred length (m) of a clamp's screw that ends within a depth, mm."""
-    from layflat.solids.standard.screws import screw_lengths  # noqa: PLC0415
-
     lengths = [length for length in screw_lengths(CLAMP_SCREW.name) if length * MM <= depth + 0.01]
     return lengths[-1] if lengths else screw_lengths(CLAMP_SCREW.name)[0]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from layflat.design import design_joint
+from layflat.design.summary import refuse_errors
 from layflat.solids.brake import brake_components
 from layflat.solids.frame import frame_components
 from layflat.solids.hoses import hose_components
@@ -21,8 +22,6 @@ if TYPE_CHECKING:
 
 def joint_sizes(machine: Machine, name: str) -> JointSizes:
     """Return the sizes of a joint's parts; raise DesignError if its kind has no solids, or no cam can be made."""
-    from layflat.design.summary import refuse_errors  # noqa: PLC0415
-
     design = design_joint(machine, name)
     refuse_errors(design.findings)
     return JointSizes(design)

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 
 from layflat.design.straplines import direction_vector
 from layflat.lazy import numpy as np
-from layflat.solids.cams import CLAMP_SCREW, cam_part, flat
+from layflat.solids.cams import CLAMP_SCREW, cam_part, flat, winding
 from layflat.solids.component import Component, axes_towards
 from layflat.solids.hardware import rod, sleeve, socket_screw, stud, thin_hexagon_nut
-from layflat.solids.loops import HullCircle, hull
+from layflat.solids.loops import HullCircle, hull, rectangle
 from layflat.solids.places import end_plate_loop
 from layflat.solids.section import STRIP_THICKNESS, CrossSection
 from layflat.solids.sensor import COUPLED_LENGTH
@@ -127,9 +127,6 @@ def _strip(
     section: CrossSection, width: float, hole: float, at: tuple[float, ...], middle: tuple[float, float], normal: float
 ) -> tuple[Prism, PartPlace]:
     """Return the strip of a strap's clamp, flat on its own xy-plane, and its place in the cam's frame."""
-    from layflat.solids.cams import winding  # noqa: PLC0415
-    from layflat.solids.loops import rectangle  # noqa: PLC0415
-
     ends = winding(section.sizes)[-2:]
     length = float(np.hypot(*(ends[1] - ends[0])))
     strip = Prism(rectangle(length, width), STRIP_THICKNESS, tuple(Hole((0.0, z), hole) for z in at))
