@@ -10,6 +10,8 @@ from typing import NamedTuple
 from layflat.jit import law
 from layflat.rig.safety.detectors import air, angle_frozen, bounds, following, sample
 
+__all__ = ["DetectorLimits"]
+
 
 class DetectorLimits(NamedTuple):
     """Limits of each detector."""
