@@ -7,13 +7,11 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from layflat.bridge.pieces import rigid_arm
-from layflat.design import design_joint
-from layflat.design.summary import refuse_errors
 from layflat.errors import DesignError, InputError
 from layflat.lazy import numpy as np
 from layflat.physics.arms.bodies import RigidArm, RigidLink
 from layflat.solids import cad
-from layflat.solids.joint import joint_components
+from layflat.solids.joint import joint_components, joint_sizes
 from layflat.solids.links import Seat, arm_seats, arm_tie, flange, foot_components, strut_components
 from layflat.solids.output import arm_reach
 from layflat.solids.places import foot_places, tongue_holes
@@ -152,9 +150,7 @@ def _all_sizes(machine: Machine, arm: RigidArm, frames: list[Array]) -> tuple[di
     sizes: dict[str, JointSizes] = {}
     omitted: dict[str, str] = {}
     for k, name in enumerate(machine.joints):
-        design = design_joint(machine, name)
-        refuse_errors(design.findings)
-        one = JointSizes(design)
+        one = joint_sizes(machine, name)
         try:
             one.line  # noqa: B018  # refuses straps that a roller deflects
         except DesignError as error:

@@ -11,7 +11,7 @@ from layflat.errors import DesignError
 from layflat.lazy import numpy as np
 from layflat.solids.loops import CurveSide, Loop, StraightSide
 from layflat.solids.shapes import Drilled, Hole, Prism
-from layflat.solids.sizes import MM, rod_places
+from layflat.solids.sizes import MM
 from layflat.solids.standard.threads import THREADS
 
 if TYPE_CHECKING:
@@ -97,10 +97,7 @@ def cam_part(sizes: JointSizes, width: float, screws: tuple[float, ...]) -> Pris
     Raises:
         DesignError: the cam is not convex, or leaves no wall around the shaft.
     """
-    holes = tuple(
-        Hole((float(x), float(y)), sizes.rod.clearance_hole * MM)
-        for x, y in rod_places(sizes, sizes.rod, sizes.rod_sides)
-    )
+    holes = tuple(Hole((float(x), float(y)), sizes.rod.clearance_hole * MM) for x, y in sizes.rod_points)
     (x, y), normal = flat(sizes)
     inward = (-cos(normal), -sin(normal), 0.0)
     drilled = tuple(
@@ -121,7 +118,7 @@ def cam_loop(sizes: JointSizes) -> Loop:
     line = winding(sizes)
     profile = line[-2::-1]
     ring = direction_vector(np.linspace(0.0, 2 * pi, LUG_POINTS, endpoint=False))
-    lugs = [centre + sizes.lug_radius(sizes.rod) * ring for centre in rod_places(sizes, sizes.rod, sizes.rod_sides)]
+    lugs = [centre + sizes.lug_radius(sizes.rod) * ring for centre in sizes.rod_points]
     points = np.vstack((profile, line[-1:], _back(sizes), *lugs))
     order = ConvexHull(points).vertices
     on_back = order >= len(profile)

@@ -12,7 +12,7 @@ from layflat.solids.component import Component
 from layflat.solids.loops import polygon
 from layflat.solids.shapes import Hole, Prism, Turned
 from layflat.solids.sizes import MM
-from layflat.solids.standard.screws import Screw, nut, thin_nut, threaded_rod, washer
+from layflat.solids.standard.screws import Screw, nut, threaded_rod, washer
 
 if TYPE_CHECKING:
     from layflat.solids.component import Group
@@ -63,7 +63,9 @@ def socket_screw(name: str, group: Group, screw: Screw, places: tuple[PartPlace,
     return Component(name, group, Turned(outline), "screw-steel", "bought", places, screw.designation, screw.mass)
 
 
-def hexagon_nut(name: str, group: Group, size: Thread, places: tuple[PartPlace, ...]) -> Component:
+def hexagon_nut(
+    name: str, group: Group, size: Thread, places: tuple[PartPlace, ...], *, thin: bool = False
+) -> Component:
     """Return nuts that stand on z = 0.
 
     Args:
@@ -71,33 +73,15 @@ def hexagon_nut(name: str, group: Group, size: Thread, places: tuple[PartPlace, 
         group: with which they move.
         size: their thread.
         places: where they are.
+        thin: whether they are thin ones.
     """
-    one = nut(size.name)
-    shape = _nut_shape(size, size.nut_height * MM)
-    return Component(name, group, shape, "screw-steel", "bought", places, one.designation, one.mass)
-
-
-def thin_hexagon_nut(name: str, group: Group, size: Thread, places: tuple[PartPlace, ...]) -> Component:
-    """Return thin nuts that stand on z = 0.
-
-    Args:
-        name: of the parts in the list.
-        group: with which they move.
-        size: their thread.
-        places: where they are.
-    """
-    one = thin_nut(size.name)
-    shape = _nut_shape(size, one.height * MM)
-    return Component(name, group, shape, "screw-steel", "bought", places, one.designation, one.mass)
-
-
-def _nut_shape(size: Thread, height: float) -> Prism:
-    """Return a hexagon of a height (mm) with the tapping hole of a thread."""
+    one = nut(size.name, thin=thin)
     half = size.nut_flats * MM / 2
     corner = 2 * half / sqrt(3)
     outline = polygon([(corner, 0), (corner / 2, half), (-corner / 2, half), (-corner, 0), (-corner / 2, -half),
                        (corner / 2, -half)])  # fmt: skip
-    return Prism(outline, height, (Hole((0.0, 0.0), size.tapping_hole * MM),))
+    shape = Prism(outline, one.height * MM, (Hole((0.0, 0.0), size.tapping_hole * MM),))
+    return Component(name, group, shape, "screw-steel", "bought", places, one.designation, one.mass)
 
 
 def plain_washer(name: str, group: Group, size: Thread, places: tuple[PartPlace, ...]) -> Component:

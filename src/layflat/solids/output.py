@@ -9,14 +9,14 @@ from layflat.design.straplines import direction_vector
 from layflat.lazy import numpy as np
 from layflat.solids.cams import CLAMP_SCREW, cam_part, flat, winding
 from layflat.solids.component import Component, axes_towards
-from layflat.solids.hardware import rod, sleeve, socket_screw, stud, thin_hexagon_nut
+from layflat.solids.hardware import hexagon_nut, rod, sleeve, socket_screw, stud
 from layflat.solids.loops import HullCircle, hull, rectangle
 from layflat.solids.places import end_plate_loop
 from layflat.solids.section import STRIP_THICKNESS, CrossSection
 from layflat.solids.sensor import COUPLED_LENGTH
 from layflat.solids.shapes import UPSIDE_DOWN, Hole, PartPlace, Prism, place, turn_about_z
 from layflat.solids.sizes import MM, PAD_THICKNESS, SPACER_THICKNESS
-from layflat.solids.standard.screws import screw_for, thin_nut
+from layflat.solids.standard.screws import nut, screw_for
 
 if TYPE_CHECKING:
     from layflat.solids.sizes import JointSizes
@@ -147,7 +147,7 @@ def _arm(sizes: JointSizes) -> list[Component]:
     between = [sizes.strap_width / 2, sizes.cam_b[1]] if sizes.double else [sizes.strap_width / 2]
     spacers = tuple(place(z=s * z + (0.01 if s > 0 else 0.01 - SPACER_THICKNESS)) for z in between for s in (1.0, -1.0))
     overhang = size.pitch * MM
-    length = 2 * (high + thin_nut(size.name).height * MM + overhang)
+    length = 2 * (high + nut(size.name, thin=True).height * MM + overhang)
     rods = tuple(place(0.0, y, -length / 2) for y in lines)
     nuts = tuple(p for y in lines for p in (place(0.0, y, high), place(0.0, y, -high, UPSIDE_DOWN)))
     plates = (place(z=low), place(z=-low, axes=np.diag([-1.0, 1.0, -1.0])))
@@ -157,7 +157,7 @@ def _arm(sizes: JointSizes) -> list[Component]:
         Component("arm plate", "output", arm_plate(sizes), "aluminium", "laser cutting", plates,
                   f"plate {sizes.arm_plate:g}", tags=frozenset({"arm plate"})),
         stud("rod of the output", "output", size, length, rods),
-        thin_hexagon_nut("nut of the output", "output", size, nuts),
+        hexagon_nut("nut of the output", "output", size, nuts, thin=True),
     ]  # fmt: skip
 
 

@@ -114,5 +114,4 @@ def turn_about_z(angle: float, about: Point = (0.0, 0.0)) -> PartPlace:
 
 
 ALONG_X = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])  # a part's own x, y, z lie along y, z, x
-ALONG_Y = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])  # a part's own x, y, z lie along z, x, y
 UPSIDE_DOWN = np.diag([1.0, -1.0, -1.0])  # rotated about x by half a turn

@@ -22,7 +22,7 @@ from layflat.machine.build_sizes import Build
 from layflat.machine.parts import CLAMPED_LENGTH
 from layflat.solids.standard.bushes import BUSHES, Bush, bush
 from layflat.solids.standard.materials import MATERIALS
-from layflat.solids.standard.screws import thin_nut
+from layflat.solids.standard.screws import nut
 from layflat.solids.standard.stock import next_thickness
 from layflat.solids.standard.threads import THREADS, Thread, thread
 
@@ -43,7 +43,9 @@ ARM_WALL = 1.5  # wall of an arm plate beside its bore over the diameter of the 
 LEAST_PLATE = 0.004  # thickness of a plate, m
 CLAMP_PITCH = 40.0  # between screws of the clamp, mm
 DISC_SHARE = 0.7  # radius of the brake's disc over the cylinder's
-PLATE_SHARE = 0.09  # least thickness of an end plate over the cylinder's diameter
+PLATE_SHARE = (
+    0.09  # least thickness of an end plate over the cylinder's diameter: chosen by the mass of the paper's joints
+)
 ROD_SIDES = ((1, -1), (-1,))  # sides of the shaft with a rod, in the order of preference
 LUG_SHARE, LEAST_LUG = 0.4, 1.5  # wall around a rod over its diameter, and at least, mm
 BORE_WALL = 1.5  # between bore and rod, mm
@@ -201,17 +203,35 @@ class JointSizes:
     def _rods(self) -> tuple[Thread, tuple[int, ...]]:
         for sides in ROD_SIDES:
             for size in reversed(THREADS.values()):
-                if size.diameter <= self.screw.diameter and lug_room(self, size, sides) >= 0.0:
+                if size.diameter <= self.screw.diameter and self._lug_room(size, sides) >= 0.0:
                     return size, sides
         what = f"no rod of M3 or more fits beside a shaft of {self.shaft:g} mm inside the cams"
         raise DesignError(what, where=f"{self.design.label}.output", right=self._rod_mend())
+
+    @property
+    def rod_points(self) -> Array:
+        """Places of the rods in a cam's own frame, (n, 2), on the line of the arm at mid-stroke."""
+        return self._rod_points(*self._rods)
+
+    def _rod_points(self, size: Thread, sides: tuple[int, ...]) -> Array:
+        r, angle = self.rod_distance(size), -self.stroke / 2
+        points: Array = np.array([[-side * r * sin(angle), side * r * cos(angle)] for side in sides])
+        return points
+
+    def _lug_room(self, size: Thread, sides: tuple[int, ...]) -> float:
+        """Return the least distance from lugs around rods to the lines of the strap; below 0 one crosses."""
+        lug, cam = self.lug_radius(size), self.design.cam
+        if cam is None:
+            return self.joint.output.radius * MM - self.rod_distance(size) - lug
+        across = self._rod_points(size, sides) @ direction_vector(cam.normal).T
+        return float((cam.lever * MM - across).min()) - lug
 
     def _rod_mend(self) -> str:
         """Return which shaft leaves room for rods, or what else would."""
         for one in reversed(BUSHES):
             build = self.build.model_copy(update={"shaft_diameter": one.bore})
             thinner = replace(self, design=replace(self.design, machine=_with_build(self.design, build)))
-            if one.bore * MM < self.shaft and lug_room(thinner, THREADS["M3"], ROD_SIDES[-1]) >= 0.0:
+            if one.bore * MM < self.shaft and thinner._lug_room(THREADS["M3"], ROD_SIDES[-1]) >= 0.0:
                 return f"give build.shaft_diameter of {one.bore * MM:g} mm, which bends more, or a longer stroke"
         return "a longer stroke or a lower supply pressure makes wider cams"
 
@@ -262,7 +282,7 @@ class JointSizes:
     @property
     def window(self) -> float:
         """Half of the length of the cylinder's window: shells, arm plates and their nuts move in it."""
-        nuts = self.arm_z[1] + (thin_nut(self.screw.name).height + self.screw.pitch) * MM
+        nuts = self.arm_z[1] + (nut(self.screw.name, thin=True).height + self.screw.pitch) * MM
         return max(self.hose_width / 2, nuts) + self.clearance
 
     @property
@@ -331,36 +351,6 @@ class JointSizes:
     def disc_hub(self) -> float:
         """Height of the disc's hub."""
         return DISC_HUB
-
-
-def rod_places(sizes: JointSizes, size: Thread, sides: tuple[int, ...]) -> Array:
-    """Return the places of rods in a cam's own frame, mm, (n, 2), on the line of the arm at mid-stroke.
-
-    Args:
-        sizes: sizes of the joint.
-        size: thread of the rods.
-        sides: sides of the shaft along y.
-    """
-    r, angle = sizes.rod_distance(size), -sizes.stroke / 2
-    turn = np.array([[cos(angle), -sin(angle)], [sin(angle), cos(angle)]])
-    places: Array = np.array([[0.0, side * r] for side in sides]) @ turn.T
-    return places
-
-
-def lug_room(sizes: JointSizes, size: Thread, sides: tuple[int, ...]) -> float:
-    """Return the least distance (mm) from lugs around rods to the lines of the strap; below 0 one crosses.
-
-    Args:
-        sizes: sizes of the joint.
-        size: thread of the rods.
-        sides: sides of the shaft along y.
-    """
-    lug = sizes.lug_radius(size)
-    if sizes.design.cam is None:
-        return sizes.joint.output.radius * MM - sizes.rod_distance(size) - lug
-    cam = sizes.design.cam
-    normals = direction_vector(cam.normal)
-    return float((cam.lever * MM - rod_places(sizes, size, sides) @ normals.T).min()) - lug
 
 
 def _with_build(design: JointDesign, build: Build) -> Machine:

@@ -199,32 +199,6 @@ def shaft(loads: Sequence[tuple[float, float]], span: float, diameter: float, to
     return Strength("shaft", "sqrt(sigma^2 + 3 tau^2)", max(bent, sheared), limit, YIELD_SAFETY, source)
 
 
-def tie_rod(pull: float, count: int, preload: float, stress_area: float, limit: float) -> Strength:
-    """Return the stress of preloaded tie rods, (F_V + F/n)/A.
-
-    Args:
-        pull: external force F on all rods, N.
-        count: number n of rods.
-        preload: F_V of each rod, N.
-        stress_area: A, m2.
-        limit: proof stress, Pa.
-    """
-    stress = (preload + pull / count) / stress_area
-    return Strength("tie rods", "(F_V + F/n)/A", stress, limit, YIELD_SAFETY, "VDI 2230, with all of F on the rods")
-
-
-def tie_rod_parting(pull: float, count: int, preload: float) -> Strength:
-    """Return the pull of each tie rod beside the preload, above which the clamped parts separate.
-
-    Args:
-        pull: external force F on all rods, N.
-        count: number n of rods.
-        preload: F_V of each rod, N.
-    """
-    source = "VDI 2230, without the relief of the clamped parts"
-    return Strength("tie rods: parting", "F/n below F_V", pull / count, preload, PARTING_SAFETY, source, "N")
-
-
 def hinge_webbing(tension: float, width: float, thickness: float, limit: float) -> Strength:
     """Return the stress of the webbing that hinges the shell, F/(b t).
 
@@ -249,26 +223,3 @@ def calliper_arm(force: float, lever: float, width: float, height: float, limit:
     """
     stress = force * lever / section_modulus(width, height)
     return Strength("calliper: arm", "F e over b h^2/6", stress, limit, YIELD_SAFETY, "budynas2020, table 8.1, case 1a")
-
-
-def tube_ring(force: float, radius: float, width: float, thickness: float, limit: float) -> Strength:
-    """Return the bending stress of the ring that is left beside a tube's window, F R/pi over b t^2/6.
-
-    Two opposed forces squeeze it; the moment is largest below them (budynas2020, table 9.2, case 1).
-
-    Args:
-        force: F, N.
-        radius: R of the wall's middle, m.
-        width: b of the ring along the tube, m.
-        thickness: t of the wall, m.
-        limit: yield stress, Pa.
-    """
-    stress = RING_MOMENT * force * radius / section_modulus(width, thickness)
-    return Strength(
-        "tube: ring beside a window",
-        "F R/pi over b t^2/6",
-        stress,
-        limit,
-        YIELD_SAFETY,
-        "budynas2020, table 9.2, case 1",
-    )

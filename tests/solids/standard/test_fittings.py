@@ -5,15 +5,7 @@ from itertools import pairwise
 import pytest
 
 from layflat.errors import DesignError
-from layflat.solids.standard.fittings import (
-    AIR_PORTS,
-    ANGLE_SENSOR,
-    TUBE_SIZES,
-    HollowScrew,
-    port,
-    port_for,
-    push_in_fitting,
-)
+from layflat.solids.standard.fittings import AIR_PORTS, ANGLE_SENSOR, TUBE_SIZES, HollowScrew, port, push_in_fitting
 
 
 @pytest.mark.parametrize("name", AIR_PORTS)
@@ -44,12 +36,6 @@ def test_a_hollow_screw_is_longer_by_its_grip() -> None:
     assert thick.length - thin.length == pytest.approx(0.005)
     assert thick.mass > thin.mass
     assert thin.designation == "hollow screw G1/8 x 11.5 - brass"
-
-
-def test_the_smallest_port_that_is_wide_enough_is_chosen() -> None:
-    assert [port_for(bore).name for bore in (0.002, 0.0025, 0.003, 0.008)] == ["M5", "M5", "G1/8", "G1/4"]
-    with pytest.raises(DesignError, match="no port has a bore of 9 mm; the widest is 8 mm: use several inlets"):
-        port_for(0.009)
 
 
 def test_unknown_ports_and_tubing_are_refused() -> None:

@@ -1,11 +1,10 @@
-"""Screws, nuts, washers, rods and pins."""
+"""Screws, nuts, washers and rods."""
 
 from itertools import pairwise
 
 import pytest
 
 from layflat.errors import DesignError
-from layflat.solids.standard.pins import pin_for
 from layflat.solids.standard.screws import (
     Screw,
     nut,
@@ -99,11 +98,9 @@ def test_too_thick_parts_are_refused() -> None:
         threaded_rod("M6", 3.0)
 
 
-def test_pins_are_the_shortest_of_their_diameter() -> None:
-    assert pin_for(0.006, 0.029).designation == "ISO 2338 6 m6 x 30 - A1"
-    assert pin_for(0.006, 0.030, hardened=True).designation == "ISO 8734 6 x 30 - A"
-    assert pin_for(0.006, 0.029).mass == pytest.approx(6.7e-3, rel=0.01)  # 848 mm3 of 1.4301
-    with pytest.raises(DesignError, match="no pin of 7 mm; known are 2, 3, 4, 5, 6, 8, 10 mm"):
-        pin_for(0.007, 0.02)
-    with pytest.raises(DesignError, match="no pin of 6 mm is 90 mm long; the longest is 60 mm"):
-        pin_for(0.006, 0.09)
+@pytest.mark.parametrize("name", THREADS)
+def test_a_thin_nut_is_as_light_as_it_is_low(name: str) -> None:
+    low, high = nut(name, thin=True), nut(name)
+    assert 0.5 * low.thread.diameter <= low.height < high.height
+    assert low.mass / high.mass == pytest.approx(low.height / high.height)
+    assert low.designation == f"ISO 4035 {name} - A2-025"

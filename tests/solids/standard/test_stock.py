@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from layflat.errors import DesignError
-from layflat.solids.standard.stock import PLATE_THICKNESSES, next_bar, next_thickness, next_tube, shaft
+from layflat.solids.standard.stock import PLATE_THICKNESSES, next_thickness, next_tube
 
 
 @given(st.floats(1e-5, PLATE_THICKNESSES[-1]))
@@ -17,7 +17,6 @@ def test_the_next_plate_is_the_thinnest_that_suffices(minimum: float) -> None:
 
 def test_a_size_in_stock_is_itself() -> None:
     assert [next_thickness(t) for t in PLATE_THICKNESSES] == list(PLATE_THICKNESSES)
-    assert next_bar(0.011, 0.0049) == pytest.approx((0.012, 0.005))
 
 
 @given(st.floats(0.01, 0.3), st.floats(1e-4, 3e-3))
@@ -28,17 +27,8 @@ def test_a_tube_is_as_wide_and_thick_as_demanded_and_hollow(outer: float, wall: 
     assert 0 < tube.inner < tube.outer
 
 
-@pytest.mark.parametrize(("diameter", "micrometres"), [(6, 8), (8, 9), (17, 11), (25, 13), (40, 16), (60, 19)])
-def test_shafts_have_the_tolerance_of_h6(diameter: int, micrometres: int) -> None:
-    ground = shaft(diameter * 1e-3)
-    assert ground.designation == f"{diameter} h6"
-    assert ground.tolerance == pytest.approx(micrometres * 1e-6)
-
-
 def test_sizes_out_of_stock_are_refused() -> None:
     with pytest.raises(DesignError, match="plate: 31 mm are needed; the largest in stock is 30 mm"):
         next_thickness(0.031)
-    with pytest.raises(DesignError, match=r"no shaft has 11 mm; diameters are 4, 5, .* 60 mm"):
-        shaft(0.011)
     with pytest.raises(DesignError, match="a wall of 6 mm leaves no bore in 12 mm; a thinner wall"):
         next_tube(0.012, 0.006)

@@ -136,15 +136,6 @@ def push_in_fitting(name: str, tube_outer: float) -> PushInFitting:
     raise DesignError(what, where="fitting", right=f"tubing of {name} is {known} mm")
 
 
-def port_for(bore: float) -> Port:
-    """Return the smallest port whose bore is not below one (m); raise DesignError if there is none."""
-    for candidate in AIR_PORTS.values():
-        if candidate.bore + 1e-9 >= bore:
-            return candidate
-    right = f"the widest is {max(p.bore for p in AIR_PORTS.values()) * 1e3:g} mm: use several inlets"
-    raise DesignError(f"no port has a bore of {bore * 1e3:.4g} mm", where="fitting", right=right)
-
-
 @dataclass(frozen=True)
 class Potentiometer:
     """Potentiometer of conductive plastic with a servo mount, m."""

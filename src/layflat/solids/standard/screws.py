@@ -57,11 +57,6 @@ class Screw:
         shank = _round_area(size.diameter) * (self.length - self.threaded_length)
         return _DENSITY * (head + shank + _round_area(size.pitch_diameter) * self.threaded_length)
 
-    @property
-    def proof_load(self) -> float:
-        """Tension at its proof stress, N."""
-        return PROOF_STRESS * self.thread.stress_area
-
 
 def screw_lengths(size: str) -> tuple[float, ...]:
     """Return the preferred lengths of a size, m (ISO 4762)."""
@@ -107,38 +102,27 @@ def screw_for(grip: float, size: str, engagement: float | None = None) -> Screw:
 
 @dataclass(frozen=True)
 class Nut:
-    """Hexagon nut (ISO 4032)."""
+    """Hexagon nut (ISO 4032), or a thin one (ISO 4035)."""
 
     thread: Thread
+    thin: bool = False
+
+    @property
+    def height(self) -> float:
+        """Height, m."""
+        return THIN_NUT_HEIGHTS[self.thread.name] if self.thin else self.thread.nut_height
 
     @property
     def designation(self) -> str:
-        """Designation, such as "ISO 4032 M5 - A2-70"."""
-        return f"ISO 4032 {self.thread.name} - {PROPERTY_CLASS}"
+        """Designation, such as "ISO 4032 M5 - A2-70" or "ISO 4035 M5 - A2-025"."""
+        standard, strength = ("ISO 4035", "A2-025") if self.thin else ("ISO 4032", PROPERTY_CLASS)
+        return f"{standard} {self.thread.name} - {strength}"
 
     @property
     def mass(self) -> float:
         """Mass, kg."""
         size = self.thread
-        return _DENSITY * size.nut_height * (HEXAGON_AREA * size.nut_flats**2 - _round_area(size.pitch_diameter))
-
-
-@dataclass(frozen=True)
-class ThinNut:
-    """Thin hexagon nut (ISO 4035)."""
-
-    thread: Thread
-    height: float  # m
-
-    @property
-    def designation(self) -> str:
-        """Designation, such as "ISO 4035 M5 - A2-025"."""
-        return f"ISO 4035 {self.thread.name} - A2-025"
-
-    @property
-    def mass(self) -> float:
-        """Mass, kg."""
-        return Nut(self.thread).mass * self.height / self.thread.nut_height
+        return _DENSITY * self.height * (HEXAGON_AREA * size.nut_flats**2 - _round_area(size.pitch_diameter))
 
 
 @dataclass(frozen=True)
@@ -178,14 +162,9 @@ class ThreadedRod:
         return _DENSITY * self.length * _round_area(self.thread.pitch_diameter)
 
 
-def nut(size: str) -> Nut:
-    """Return the nut of a size, such as M5."""
-    return Nut(thread(size))
-
-
-def thin_nut(size: str) -> ThinNut:
-    """Return the thin nut of a size, such as M5."""
-    return ThinNut(thread(size), THIN_NUT_HEIGHTS[thread(size).name])
+def nut(size: str, *, thin: bool = False) -> Nut:
+    """Return the nut, or the thin one, of a size, such as M5."""
+    return Nut(thread(size), thin)
 
 
 def washer(size: str) -> Washer:

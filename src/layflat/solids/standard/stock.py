@@ -3,15 +3,10 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from layflat.design.cam import BORE_DIAMETERS
 from layflat.errors import DesignError
 
 PLATE_THICKNESSES = tuple(size * 1e-3 for size in (1, 1.5, 2, 2.5, 3, 4, 5, 6, 8, 10, 12, 15, 20, 25, 30))
 """Thicknesses of sheet and plate, m (of EN 485-3 and EN 485-4, those in stock)."""
-BAR_WIDTHS = tuple(size * 1e-3 for size in (10, 12, 15, 20, 25, 30, 40, 50, 60, 80, 100))
-"""Widths of flat bars, m (EN 755-5)."""
-BAR_THICKNESSES = tuple(size * 1e-3 for size in (3, 4, 5, 6, 8, 10, 12, 15, 20, 25, 30))
-"""Thicknesses of flat bars, m (EN 755-5)."""
 TUBE_OUTER_DIAMETERS = tuple(
     size * 1e-3
     for size in (
@@ -23,8 +18,6 @@ TUBE_OUTER_DIAMETERS = tuple(
 TUBE_WALLS = tuple(size * 1e-3 for size in (1, 1.5, 2, 2.5, 3, 4, 5, 6, 8, 10))
 """Walls of round tubes, m (EN 755-8)."""
 THINNEST_WALL = 1.0 / 60.0  # wall of a tube in stock over its outer diameter
-SHAFT_DIAMETERS = BORE_DIAMETERS
-"""Diameters of ground shafts, m: those that fit the bores of bearings."""
 H6_TOLERANCES = ((6e-3, 8e-6), (10e-3, 9e-6), (18e-3, 11e-6), (30e-3, 13e-6), (50e-3, 16e-6), (80e-3, 19e-6))
 """Largest diameter of each range from 3 mm on and its tolerance of class h6, m (ISO 286-2)."""
 SIZE_TOLERANCE = 1e-7  # within which a size is one of the table, m
@@ -41,19 +34,6 @@ class RoundTube:
     def inner(self) -> float:
         """Inner diameter, m."""
         return self.outer - 2 * self.wall
-
-
-@dataclass(frozen=True)
-class Shaft:
-    """Ground shaft of tolerance h6."""
-
-    diameter: float  # m
-    tolerance: float  # by which it may be thinner, m
-
-    @property
-    def designation(self) -> str:
-        """Designation, such as "25 h6"."""
-        return f"{self.diameter * 1e3:g} h6"
 
 
 def next_size(minimum: float, sizes: Sequence[float], stock: str) -> float:
@@ -79,11 +59,6 @@ def next_thickness(minimum: float) -> float:
     return next_size(minimum, PLATE_THICKNESSES, "plate")
 
 
-def next_bar(width: float, thickness: float) -> tuple[float, float]:
-    """Return width and thickness of the smallest flat bar (m); raise DesignError if there is none."""
-    return next_size(width, BAR_WIDTHS, "bar width"), next_size(thickness, BAR_THICKNESSES, "bar thickness")
-
-
 def next_tube(outer: float, wall: float) -> RoundTube:
     """Return the smallest tube with an outer diameter and a wall not below those given (m).
 
@@ -96,16 +71,3 @@ def next_tube(outer: float, wall: float) -> RoundTube:
         what = f"a wall of {tube.wall * 1e3:g} mm leaves no bore in {diameter * 1e3:g} mm"
         raise DesignError(what, where="tube wall", right="a thinner wall")
     return tube
-
-
-def shaft(diameter: float) -> Shaft:
-    """Return the ground shaft of a diameter (m).
-
-    Raises:
-        DesignError: there is none; the message lists the known diameters.
-    """
-    for size in SHAFT_DIAMETERS:
-        if abs(size - diameter) <= SIZE_TOLERANCE:
-            return Shaft(size, next(tolerance for largest, tolerance in H6_TOLERANCES if size <= largest + 1e-9))
-    known = ", ".join(f"{size * 1e3:g}" for size in SHAFT_DIAMETERS)
-    raise DesignError(f"no shaft has {diameter * 1e3:.4g} mm", where="shaft", right=f"diameters are {known} mm")
