@@ -50,9 +50,13 @@ class Assembly:
 
     def solid(self, component: Component) -> Any:
         """Return the solid of a component in its own frame, mm."""
-        if component.shape not in self._solids:
-            self._solids[component.shape] = cad.solid(component.shape)
-        return self._solids[component.shape]
+        return self.shape_solid(component.shape)
+
+    def shape_solid(self, shape: Shape) -> Any:
+        """Return the solid of a shape, mm, made once."""
+        if shape not in self._solids:
+            self._solids[shape] = cad.solid(shape)
+        return self._solids[shape]
 
     def mass_of(self, component: Component) -> float:
         """Return the mass of one part of a component, kg: as bought, or of its solid."""

@@ -68,7 +68,7 @@ def check_build(assembly: Assembly, progress: Callable[[int, int], object] = lam
         progress: called with how many steps are done, and of how many.
     """
     steps = 2 * len(assembly.sizes) + 3
-    store, clearances = MeshStore(), list[Clearance]()
+    store, clearances = MeshStore(assembly.shape_solid), list[Clearance]()
     for done, name in enumerate(assembly.sizes):
         progress(2 * done, steps)
         clearances += joint_clearances(assembly, name, store)

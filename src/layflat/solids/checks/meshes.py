@@ -6,12 +6,12 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from layflat import extras
 from layflat.lazy import numpy as np
 from layflat.solids import cad
+from layflat.solids.meshes import solid_mesh
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Callable, Iterable, Sequence
 
     from layflat.arrays import Array
     from layflat.solids.component import Component
@@ -51,22 +51,19 @@ class PartMesh:
 class MeshStore:
     """Triangles of shapes, each computed once."""
 
+    solid: Callable[[Shape], Any] = cad.solid  # function that returns the solid of a shape, mm
     _triangles: dict[Shape, Array] = field(default_factory=dict)
 
     def parts(self, components: Iterable[Component]) -> list[PartMesh]:
         """Return all parts of components as meshes, each at its place."""
-        return [PartMesh(one, self.triangles(one.shape)).moved(place) for one in components for place in one.places]
+        meshes = [PartMesh(one, self.triangles(one.shape)) for one in components]
+        return [mesh.moved(place) for mesh in meshes for place in mesh.component.places]
 
     def triangles(self, shape: Shape) -> Array:
         """Return the triangles of a shape in its own frame, (n, 3, 3)."""
         if shape not in self._triangles:
-            solid = cad.solid(shape)
-            # The kernel's own `tessellate` takes its tolerance as a share of each edge's length.
-            mesher = extras.import_extra("cad", "OCP.BRepMesh", cad.ROOM_NAME).BRepMesh_IncrementalMesh
-            mesher(solid.wrapped, CHORD_TOLERANCE, False, CHORD_ANGLE, False)
-            points, faces = solid.tessellate(2 * CHORD_TOLERANCE)
-            corners = np.array([(p.X, p.Y, p.Z) for p in points])
-            self._triangles[shape] = corners[np.array(faces)]
+            mesh = solid_mesh(self.solid(shape), CHORD_TOLERANCE, CHORD_ANGLE)
+            self._triangles[shape] = mesh.points[mesh.triangles]
         return self._triangles[shape]
 
 
