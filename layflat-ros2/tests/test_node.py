@@ -18,6 +18,7 @@ from layflat_ros2.messages import stamp
 from protocol_server import Peer, ProtocolServer
 from test_trajectory import goal_of
 
+pytestmark = pytest.mark.realtime
 ACTION = "/layflat/follow_joint_trajectory"
 STATES, PRESSURES, COMMANDS = "/layflat/joint_states", "/layflat/pressures", "/layflat/joint_commands"
 SUCCEEDED, CANCELED, ABORTED = 4, 5, 6  # of action_msgs/msg/GoalStatus, from its documentation

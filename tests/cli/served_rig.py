@@ -36,8 +36,8 @@ class ServedRig:
         return self.line()
 
     def vented(self) -> bool:
-        """Whether no hose holds more than a tenth of a bar, within some seconds."""
-        until = time.monotonic() + 5.0
+        """Whether no hose holds more than a tenth of a bar, in time."""
+        until = time.monotonic() + 20.0
         while time.monotonic() < until:
             hoses = re.findall(r"hoses ([\d.]+) bar and ([\d.]+) bar", self.ask("state"))
             assert len(hoses) == 2
@@ -48,6 +48,6 @@ class ServedRig:
 
     def end(self, number: int = signal.SIGINT) -> int:
         self.process.send_signal(number)
-        status = self.process.wait(10.0)
+        status = self.process.wait(30.0)
         self.process.communicate()
         return status

@@ -16,6 +16,7 @@ from layflat.rig.safety.faults import RigState
 from layflat.rig.session import STARTS_WITHIN, RigLoopError, RigSession
 from tests.rig import fake_drivers as drivers
 
+pytestmark = pytest.mark.realtime
 ARM = load("paper-arm")
 
 

@@ -16,6 +16,7 @@ from tests.export.firmware.controllers import Firmware
 from tests.export.firmware.served import BoardOnPlant, ServedController, board_on_plant, patient_machine
 from tests.rig.fake_drivers import LineRecorder
 
+pytestmark = pytest.mark.realtime
 MACHINE = patient_machine()
 
 

@@ -14,6 +14,7 @@ from layflat.rig.drivers import create_driver
 from layflat.rig.session import STARTS_WITHIN, HostLease, RigSession
 from layflat.virtual_rig import simulated_rig
 
+pytestmark = pytest.mark.realtime
 ARM = load("paper-arm")
 NOBODY = "modbus://127.0.0.1:1"
 

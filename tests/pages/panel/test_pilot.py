@@ -15,6 +15,7 @@ from layflat.rig.record import RowLayout
 from layflat.rig.safety.faults import Fault, RigState
 from layflat.rig.session import HostLease, RigSession, RigSnapshot
 
+pytestmark = pytest.mark.realtime
 ARM = load("paper-arm-tracking")
 LAYOUT = RowLayout.for_machine(ARM)
 
