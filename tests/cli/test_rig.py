@@ -124,9 +124,9 @@ def test_ctrl_c_through_serial_is_a_controlled_stop(serial: ServedRig, place: Pa
 
 
 def wait_until_moving(part: Path) -> None:
-    """Until a log holds two seconds."""
+    """Wait until a log holds the start and a whole move, about four seconds."""
     until = time.monotonic() + 60.0
-    while not part.exists() or part.stat().st_size < 400_000:
+    while not part.exists() or part.stat().st_size < 800_000:
         assert time.monotonic() < until
         time.sleep(0.05)
 
