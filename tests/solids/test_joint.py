@@ -14,6 +14,8 @@ from layflat.machine.parts import Calliper
 from layflat.solids import cad
 from layflat.solids.cams import opening, strap_point
 from layflat.solids.component import Component
+from layflat.solids.documents.tubes import list_tubes
+from layflat.solids.inlets import choose_inlet
 from layflat.solids.joint import joint_components, joint_sizes
 from layflat.solids.section import CrossSection
 from layflat.solids.shapes import Lofted
@@ -123,3 +125,15 @@ def test_given_sizes_take_the_place_of_rules() -> None:
     own = joint_sizes(changed, "small")
     assert (own.end_plate, own.screw.name, own.shaft) == (12.0, "M6", 12.0)
     assert len(joint_components(own)) == len(joint_components(sizes))
+
+
+@pytest.mark.parametrize("machine", ["paper-arm", "picking-arm", "single-joint-lift"])
+def test_inlets_take_the_tubes_of_the_list_or_the_widest_that_fit(machine: str) -> None:
+    described = load(machine)
+    rows = {row.end: row for row in list_tubes(described)}
+    for number, joint in enumerate(described.joints, start=1):
+        inlet, tube = choose_inlet(sizes_of(machine, joint)), rows[f"{number}A1"]
+        assert tube.bore is not None
+        assert inlet.bore == pytest.approx(tube.bore, rel=0.1) or inlet.bore < tube.bore
+        if joint != "wrist":
+            assert inlet.bore == pytest.approx(tube.bore, rel=0.1)

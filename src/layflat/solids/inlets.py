@@ -14,6 +14,7 @@ from layflat.solids.section import CONTACT_GAP, HINGE_GAP, LAP_LENGTH
 from layflat.solids.shapes import Drilled, Turned, place
 from layflat.solids.sizes import MM
 from layflat.solids.standard.fittings import TUBE_SIZES, HollowScrew, PushInFitting, push_in_fitting
+from layflat.solids.tubing import hose_tube
 
 if TYPE_CHECKING:
     from layflat.solids.component import Group
@@ -24,15 +25,7 @@ INLET_ANGLES = tuple(radians(float(a)) for a in range(-170, -115, 1))  # on the 
 LEAST_ROOM = 0.25  # between an inlet and what lies beside it, mm
 SEAT_GAP = 0.15  # between a flat nut and a round shell, mm
 HOLE_GAP = 0.2  # between a stem and its hole, mm
-DEFAULT_BORE = {False: 2.5e-3, True: 4e-3}  # of a tube where no line is described, m: hose below or above 60 mm wide
-WIDE_HOSE = 60.0  # mm
 ELBOW_LENGTH = 3e-3  # length of an elbow beyond its tube's diameter, m
-
-
-def tube_bore(sizes: JointSizes) -> float:
-    """Return the bore of the tube to a hose, m: the described line's, or one by the hose's width."""
-    line = sizes.joint.line or sizes.design.machine.line
-    return line.bore if line is not None else DEFAULT_BORE[sizes.hose_width > WIDE_HOSE]
 
 
 @dataclass(frozen=True)
@@ -78,7 +71,7 @@ def choose_inlet(sizes: JointSizes) -> Inlet:
 
     In the smallest cylinders none fits: there the inlet sits outside, in the shell.
     """
-    wanted = tube_bore(sizes)
+    wanted, *_ = hose_tube(sizes.design.machine, sizes.design.name)
     inlets = [_push_in(push_in_fitting(name, outer)) for name, tubes in TUBE_SIZES.items() for outer, _ in tubes]
     narrow = [inlet for inlet in (SMALL_INLET, *inlets) if inlet.bore < wanted - 1e-9]
     wide = [inlet for inlet in inlets if inlet.bore >= wanted - 1e-9]

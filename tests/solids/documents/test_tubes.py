@@ -16,7 +16,8 @@ from layflat.errors import MachineError
 from layflat.machine import Machine, build, changed, load
 from layflat.machine.tube import volume
 from layflat.solids.documents.components import list_components
-from layflat.solids.documents.tubes import COLUMNS, SOLD_TUBES, TubeRow, choose_tube, list_tubes, tubes_csv
+from layflat.solids.documents.tubes import COLUMNS, TubeRow, list_tubes, tubes_csv
+from layflat.solids.tubing import SOLD_TUBES, choose_tube
 from tests.solids.documents.machines import with_joints
 
 MACHINES = ["paper-arm", "picking-arm", "single-joint-lift", "paper-arm-adjustable", "paper-arm-switching"]

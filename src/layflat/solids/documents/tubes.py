@@ -1,32 +1,16 @@
-"""List of the tubes of a machine: ends, bore, outer diameter, length and air, in agreement with `[line]`.
-
-A described line has its length and bore. Bores of others follow a rule: the narrowest tube that is sold whose
-conductance, over its length, is `CONDUCTANCE_MARGIN` times that of the valves it feeds, or else the widest. Without a
-line the described dead volume of a hose includes its tube, which may take up to `TUBE_SHARE` of it.
-"""
+"""List of the tubes of a machine: ends, bore, outer diameter, length and air, in agreement with `[line]`."""
 
 import csv
 import io
-from math import pi
 from typing import NamedTuple
 
-from layflat.machine import Joint, Machine
+from layflat.machine import Machine
 from layflat.machine.parameters import valve_and_sensors
-from layflat.machine.tube import TubePart
-from layflat.physics.line import tube_conductance, tube_volume
+from layflat.physics.line import tube_volume
 from layflat.solids.documents.components import ValvePorts
-from layflat.solids.standard.fittings import TUBE_SIZES
+from layflat.solids.tubing import SOLD_TUBES, HoseTube, choose_tube, hose_tube
 
-CONDUCTANCE_MARGIN = 2.0  # of a tube over the valves that it feeds
-TUBE_SHARE = 0.5  # of a hose's dead volume that its tube may take
 SUPPLY_LENGTH, JOINT_LENGTH, SENSOR_LENGTH = 1.0, 0.5, 0.1  # of tubes that are not described, m
-BORE_TOLERANCE = 0.1  # relative difference up to which a tube that is sold has a described bore
-SOLD_TUBES = sorted({size for sizes in TUBE_SIZES.values() for size in sizes})
-"""Outer and inner diameter of the tubes that push-in fittings take, m, the narrowest first."""
-
-HoseTube = tuple[float, float | None, float, str]
-"""Bore, outer diameter (m; None: not sold), length (m) and note of a tube."""
-
 SILENCER_NOTE = "silencer, screwed into the port"
 COLUMNS = ("number", "from", "to", "bore_mm", "outer_mm", "length_m", "volume_ml", "note")
 
@@ -69,7 +53,7 @@ def _joint_tubes(machine: Machine, number: int, name: str) -> list[TubeRow]:
     """Return the tubes and silencers of a joint, without numbers."""
     (valve, _, _), joint = valve_and_sensors(machine), machine.joint[name]
     needed = joint.valve_size * valve.conductance
-    feed, hose = _feed_tube(needed, JOINT_LENGTH), _hose_tube(joint, machine.lines[name], needed)
+    feed, hose = _feed_tube(needed, JOINT_LENGTH), hose_tube(machine, name)
     outer, bore = SOLD_TUBES[0]
     signal = bore, outer, SENSOR_LENGTH, "keep it short: its air counts as the hose's"
     brake = bore, outer, JOINT_LENGTH, "cut to fit"
@@ -103,39 +87,6 @@ def _feed_tube(needed: float, length: float) -> HoseTube:
         length,
         "cut to fit" if enough else "cut to fit; no tube that is sold is wide enough: use several",
     )
-
-
-def _hose_tube(joint: Joint, line: TubePart | None, needed: float) -> HoseTube:
-    """Return the tube from a valve of a conductance (m3/(s Pa)) to a hose of a joint."""
-    if line is None:
-        room = TUBE_SHARE * joint.hose.dead_volume
-        bore, outer, enough = choose_tube(needed, None, room)
-        note = f"at most this long: without [line] the dead volume, {1e6 * joint.hose.dead_volume:.3g} ml, includes it"
-        throttles = "" if enough else "; it throttles the valve: describe [line]"
-        return bore, outer, room / (0.25 * pi * bore**2), note + throttles
-    outer, inner = min(SOLD_TUBES, key=lambda size: abs(size[1] - line.bore))
-    if abs(inner - line.bore) > BORE_TOLERANCE * line.bore:
-        return line.bore, None, line.length, "as [line]; no push-in tube has this bore: use hose nozzles"
-    note = "as [line]" if inner == line.bore else f"as [line]; the tube that is sold has a bore of {1e3 * inner:g} mm"
-    return line.bore, outer, line.length, note
-
-
-def choose_tube(needed: float, length: float | None, room: float = 0.0) -> tuple[float, float, bool]:
-    """Return bore and outer diameter, m, of the narrowest tube that feeds valves with a margin; else of the widest.
-
-    Args:
-        needed: conductance of the valves, m3/(s Pa).
-        length: of the tube, m; None: the length with which its air fills `room`.
-        room: volume, m3.
-
-    Returns:
-        Bore, outer diameter, and whether the tube has the margin.
-    """
-    for outer, bore in SOLD_TUBES:
-        through = tube_conductance(length or room / (0.25 * pi * bore**2), bore)
-        if through >= CONDUCTANCE_MARGIN * needed:
-            return bore, outer, True
-    return bore, outer, False
 
 
 def tubes_csv(machine: Machine) -> str:
