@@ -119,7 +119,7 @@ def inlet(sizes: JointSizes, group: Group) -> Component:
     chosen = choose_inlet(sizes)
     (_, z), *_ = _sides(sizes)
     seat = sqrt(sizes.inner_radius**2 - (chosen.flange / 2) ** 2) - 0.02  # the nut's rim meets the cylinder
-    stem = sizes.radius + CONTACT_GAP - seat
+    stem = sqrt((sizes.radius + CONTACT_GAP) ** 2 - (chosen.stem / 2) ** 2) - seat  # its rim meets the hose
     outline = stepped(
         (chosen.body / 2, 0.0, chosen.end),
         (chosen.flange / 2, chosen.end, chosen.reach),
