@@ -27,9 +27,11 @@ class Wired(SimulatedDriver):
 
     def __init__(self, machine: str = "paper-arm") -> None:
         self.clock = VirtualClock()
-        super().__init__(VirtualRig(load(machine))(self.clock))
-        self.signs = {"valve": np.ones(2), "angle": np.ones(2), "pressure": np.ones(2)}
-        self.order = [0, 1]
+        self.machine = load(machine)
+        super().__init__(VirtualRig(self.machine)(self.clock))
+        n = len(self.machine.joints)
+        self.signs = {"valve": np.ones(n), "angle": np.ones(n), "pressure": np.ones(n)}
+        self.order = list(range(n))
         self.breaks: tuple[float, Callable[[], None]] = (1e9, lambda: None)
         self.reached = self.pressed = 0.0
 
@@ -50,7 +52,7 @@ class Wired(SimulatedDriver):
 
 
 def checked(driver: Wired, *, air: bool = True) -> dict[str, CheckResult]:
-    found = check_rig(ARM, driver, driver.clock, air=air)
+    found = check_rig(driver.machine, driver, driver.clock, air=air)
     assert driver.state is Lifecycle.FINALIZED
     return {one.what: one for one in found}
 
@@ -66,6 +68,27 @@ def test_a_sound_rig_passes_and_is_left_without_air() -> None:
     assert {"air", "signs of large", "signs of small", "e-stop", "angle of large", "pressure of small"} <= set(found)
     assert 1.5 < driver.reached < 12.0
     assert not driver.device.line.air
+    assert driver.device.plant.pressures.max() < ARM.supply.ambient_pressure + 0.2e5
+
+
+@pytest.mark.parametrize(
+    ("part", "what", "right"),
+    [
+        ("", "", ""),
+        ("valve", "ended early", "joint 'small': moves though its valve vents its hose"),
+        ("angle", "signs of small", "its angle sensor goes the wrong way"),
+        ("pressure", "signs of small", "its pressure sensor goes the wrong way"),
+    ],
+)
+def test_a_single_hose_is_checked_from_its_exhaust(part: str, what: str, right: str) -> None:
+    driver = Wired("single-joint-lift")
+    if part:
+        driver.signs[part][0] = -1.0
+    found = checked(driver)
+    assert [name for name, one in found.items() if not one.has_passed] == [what][: len(part)]
+    if part:
+        assert right in found[what].finding + found[what].action
+    assert np.degrees(driver.device.plant.angles[0]) < -50.0  # it does not rise on the leaks of its valve
     assert driver.device.plant.pressures.max() < ARM.supply.ambient_pressure + 0.2e5
 
 

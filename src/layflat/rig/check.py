@@ -21,7 +21,8 @@ from layflat.physics.sensor import Sensor
 from layflat.rig.abilities import resting_angles
 from layflat.rig.clock import LoopClock, MonotonicClock
 from layflat.rig.driver import Capabilities, Driver
-from layflat.rig.open_loop import CheckResult, OpenLoopRig, check_signs
+from layflat.rig.open_loop import CheckResult, OpenLoopRig
+from layflat.rig.signs import check_signs
 from layflat.rig.system import set_fifo_priority
 
 CHECK_DURATION = 2.0  # for which a rig is observed without air, s

@@ -1,6 +1,6 @@
 """Sheet of a first start: measurements by hand, then the checks of `layflat rig check`, with their limits.
 
-The checks have the names, the order and the limits of `rig/check.py` and `rig/open_loop.py`.
+The checks have the names, the order and the limits of `rig/check.py` and `rig/signs.py`.
 """
 
 from math import degrees, floor, radians
@@ -11,7 +11,7 @@ from layflat.machine import Machine
 from layflat.machine.parameters import sensor, valve_and_sensors
 from layflat.physics.sensor import Sensor
 from layflat.plot import render_page
-from layflat.rig import check, open_loop
+from layflat.rig import check, signs
 from layflat.rig.abilities import falls_without_air, resting_angles
 from layflat.rig.driver import Capabilities
 from layflat.rig.safety.detectors import DetectorLimits
@@ -116,9 +116,10 @@ def rows_with_air(machine: Machine) -> list[SheetRow]:
     valve_and_sensors(machine)
     ready = machine.safety.supply_ready * machine.supply.pressure_gauge / BAR
     rows = [SheetRow("air", "open 0V1; read the time", f"{ready:g} bar gauge within {machine.safety.start_time:g} s")]
-    angle, pressure = degrees(open_loop.MAX_TEST_ANGLE / 2), open_loop.MIN_PRESSURE_RESPONSE / BAR
-    for name in machine.joints:
+    angle, pressure = degrees(signs.MAX_TEST_ANGLE / 2), signs.MIN_PRESSURE_RESPONSE / BAR
+    for name, joint in machine.joints.items():
         forward, back = (f"{sign}{pressure:g} bar and {sign}{angle:g} deg or more" for sign in "+-")
+        back = back if joint.acting == "double" else "nothing, or as much"
         expected = f"opened forward: {forward}; opened back: {back}"
         rows.append(SheetRow(f"signs of {name}", "stand clear; read both responses", expected))
     return rows
