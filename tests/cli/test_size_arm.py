@@ -5,8 +5,10 @@ from pathlib import Path
 
 import pytest
 
+from layflat import extras
 from layflat.design.arm import TASK_LIBRARY, read_task
 from layflat.machine import load
+from layflat.solids.totals import list_built_parts
 from tests.cli.commands import layflat, refused
 
 ASKED = ("--reach", "0.5 m", "--payload", "0.5 kg", "--supply", "5 bar", "--time", "0.8 s")
@@ -40,6 +42,22 @@ def test_masses_are_compared(tmp_path: Path) -> None:
     assert [row["undominated"] for row in rows] == ["0"] * 3 + ["1"] * 3
 
 
+@pytest.mark.skipif(not extras.available("cad"), reason="no build123d; pip install layflat[cad]")
+def test_costs_are_compared(tmp_path: Path) -> None:
+    prices = tmp_path / "prices.toml"
+    prices.write_text('[bought]\n"*" = "2"\n', encoding="utf-8")
+    grid = ("--pressures", "3 bar, 5 bar", "--times", "0.8 s", "--prices", str(prices))
+    done = layflat("arm", "size", *ASKED, "--joints", "1", "--pareto", *grid, "--out", str(tmp_path / "out"))
+    assert done.returncode == 0, done.stderr
+    assert "as built: " in done.stdout
+    assert "no price, counted as nothing: 1 cylinder" in done.stderr
+    with (tmp_path / "out/sized-arm-pareto.csv").open(encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file))
+    parts = list_built_parts(load(tmp_path / "out/sized-arm.toml"))
+    assert float(rows[1]["built_mass_kg"]) == pytest.approx(parts.mass, rel=1e-5)
+    assert float(rows[1]["cost"]) == 2 * sum(part.quantity for part in parts.parts if part.bought)
+
+
 def test_tasks_are_listed_and_printed(tmp_path: Path) -> None:
     listed = layflat("task", "list").stdout
     assert all(name in listed for name in TASK_LIBRARY.names)
@@ -60,6 +78,8 @@ def test_tasks_are_listed_and_printed(tmp_path: Path) -> None:
         (("picking-arm", "--configuration", "1"), "--configuration.0.0: '1' is a bare number"),
         (("picking-arm", "--pose", "1 deg"), "layflat: --pose is --configuration now"),
         (("picking-arm", "--times", "1 s"), "--times: needs --pareto"),
+        (("picking-arm", "--built"), "--built: needs --pareto"),
+        (("picking-arm", "--pareto", "--prices", "none.toml"), "none.toml: can't be read"),
         (("picking-arm", "--pareto", "--pressures", "4"), "--pressures: '4' is a bare number"),
         (("picking-arm", "--time", "1 s", "--acceleration", "1 m/s^2"), "give one of them"),
         (("picking-arm", "--payload", "80 kg"), "picking-arm: joint 'base': would have to give at least"),

@@ -49,6 +49,7 @@ FIGURES: dict[str, Callable[[], Figure]] = {
     "learning": learning,
     "workspace": lambda: workspace_figure(dict.fromkeys(NAMES, np.eye(3)), np.zeros((4, 3)), ["xy"]),
     "sizes": lambda: sizes_figure([SizedArms(float(i), X, X, np.round(X)) for i in range(COUNT)], (0.5, 2.0)),
+    "priced": lambda: sizes_figure([SizedArms(float(i), X, X, X, X) for i in range(COUNT)], (0.5, 2.0, 1.0)),
     "study": lambda: study_figure({"a (1)": X}, {"b (1)": X}, dict.fromkeys(NAMES, X >= 0.0)),
 }
 

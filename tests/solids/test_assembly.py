@@ -9,6 +9,7 @@ from layflat import extras
 from layflat.bridge.pieces import rigid_arm
 from layflat.errors import InputError
 from layflat.machine import load
+from layflat.machine.parts import DeflectingRoller
 from layflat.solids.assembly import Assembly, assemble
 
 pytestmark = pytest.mark.skipif(not extras.available("cad"), reason="no build123d; pip install layflat[cad]")
@@ -51,6 +52,22 @@ def test_an_arm_in_space_is_built_whole() -> None:
     assert arm.omitted == {}
     assert {part.joint for part in arm.components} == {"base", "shoulder", "elbow", "wrist"}
     assert all(arm.solid(part).is_valid for part in arm.components)
+
+
+@pytest.mark.parametrize("name", ["base", "shoulder", "wrist"])
+def test_the_rest_of_an_arm_is_built_where_a_strap_is_deflected(name: str) -> None:
+    arm = load("picking-arm")
+    joint = arm.joint[name]
+    roller = DeflectingRoller(diameter="25 mm", count=1, friction_fraction=0.006, bending_fraction=0.05)
+    output = joint.output.model_copy(update={"shaft_offset": 0.0})
+    deflected = joint.model_copy(update={"deflecting_roller": roller, "output": output})
+    found = assemble(arm.model_copy(update={"joint": {**arm.joint, name: deflected}}))
+    assert set(found.omitted) == {name}
+    assert "\n" not in found.omitted[name]
+    assert {part.joint for part in found.components} == set(arm.joints) - {name}
+    # The first joint alone stands on a foot; the others have tongues for what carries them.
+    assert [one for one, sizes in found.sizes.items() if sizes.foot] == [one for one in ("base",) if one != name]
+    assert all((sizes.mount is None) == sizes.foot for sizes in found.sizes.values())
 
 
 @pytest.mark.parametrize(("angles", "text"), [((0.0,), "1 angles for 2 joints"), ((0.0, 2.0), "114.6 deg for small")])

@@ -8,8 +8,8 @@ import pytest
 from layflat.errors import InputError
 from layflat.machine import changed, load
 from layflat.solids.cost import cost_of, read_prices
+from layflat.solids.totals import list_built_parts
 from layflat.study import Study, read_study, run_study, study_table
-from layflat.study.built import list_built_parts
 from tests.cli.commands import layflat
 from tests.study.studies import SMALL, written
 

@@ -1,6 +1,9 @@
 """Commands that size arms, and list and show their tasks."""
 
+from contextlib import suppress
 from dataclasses import asdict, dataclass
+from functools import partial
+from math import inf, isinf, isnan
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -11,10 +14,12 @@ from layflat.cli.common import Out, expanded, naming_options, print_findings, pr
 from layflat.cli.completers import complete_name
 from layflat.cli.design import report_missing_dxf
 from layflat.cli.groups import arms, tasks
-from layflat.errors import InputError, StoppedError
+from layflat.errors import DesignError, InputError, StoppedError
 
 if TYPE_CHECKING:
     from layflat.design.arm.sizing import SizedArm
+    from layflat.design.arm.trade_off import Totals
+    from layflat.solids.cost import Prices
 
 POINT_EXAMPLE = "such as '500 mm, 0 mm, 300 mm'"
 TASK_KEYS = {"point": "points", "configuration": "configurations"}  # keys of a task with options of other names
@@ -89,10 +94,71 @@ class TaskOptions:
         return values
 
 
-@arms.register("size", "picking-arm", "--reach 900mm --payload 1kg --supply 6bar --time 0.6s")
+@dataclass(frozen=True)
+class ComparisonOptions:
+    """Options about the comparison of an arm with others for the same task."""
+
+    pareto: Annotated[
+        bool, typer.Option("--pareto", help="size it at other pressures and speeds too; draw mass against time")
+    ] = False
+    pressures: Annotated[str | None, typer.Option(help='of --pareto, such as "4 bar, 6 bar"; default: 2 to 8 bar')] = (
+        None
+    )
+    times: Annotated[
+        str | None,
+        typer.Option(help='of a move, of --pareto, such as "0.5 s, 1 s"; default: 0.7 to 2.4 of the task\'s'),
+    ] = None
+    built: Annotated[
+        bool, typer.Option("--built", help="--pareto compares arms by the masses of what `layflat build` would make")
+    ] = False
+    prices: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="prices as of `layflat build`: as --built, and --pareto compares costs too"),
+    ] = None
+
+    def grid(self) -> tuple[list[float], list[float]]:
+        """Return pressures (gauge, Pa) and times (s), ascending; empty where an option is not given.
+
+        Raise InputError for an option without --pareto, or a value that is not above zero.
+        """
+        from layflat.description import units as u  # noqa: PLC0415
+
+        given = {f"--{name}": value for name, value in asdict(self).items() if value not in (None, False)}
+        if given and not self.pareto:
+            raise InputError("needs --pareto", where=next(iter(given)), right="add it, or leave this option out")
+        grid = []
+        for option, text, kind in (("--pressures", self.pressures, u.PRESSURE), ("--times", self.times, u.TIME)):
+            values = sorted({u.quantity(one, kind, option) for one in _listed(text)}) if text is not None else []
+            if values and values[0] <= 0.0:
+                raise InputError(f"{text!r} is out of range", where=option, right="give values above zero")
+            grid.append(values)
+        return grid[0], grid[1]
+
+    def totals(self, prices: "Prices | None") -> "Totals | None":
+        """Return the function that returns mass and cost of an arm as built; None without --built and --prices."""
+        if not self.built and prices is None:
+            return None
+        from layflat.solids.totals import built_totals  # noqa: PLC0415
+
+        return partial(built_totals, prices=prices)
+
+    def read_prices(self) -> "Prices | None":
+        """Return the prices of --prices; raise InputError if the file is wrong."""
+        from layflat.solids.cost import read_prices  # noqa: PLC0415
+
+        return None if self.prices is None else read_prices(self.prices)
+
+
+@arms.register(
+    "size",
+    "picking-arm",
+    "--reach 900mm --payload 1kg --supply 6bar --time 0.6s",
+    "picking-arm --pareto --prices prices.toml",
+)
 @expanded
 def size_for_task(
     options: TaskOptions,
+    comparison: ComparisonOptions,
     task: Annotated[
         str | None,
         typer.Argument(
@@ -100,16 +166,6 @@ def size_for_task(
             help="built-in task (see `layflat task list`), or one in TOML",
             autocompletion=complete_name("task"),
         ),
-    ] = None,
-    pareto: Annotated[
-        bool, typer.Option("--pareto", help="size it at other pressures and speeds too; draw mass against time")
-    ] = False,
-    pressures: Annotated[str | None, typer.Option(help='of --pareto, such as "4 bar, 6 bar"; default: 2 to 8 bar')] = (
-        None
-    ),
-    times: Annotated[
-        str | None,
-        typer.Option(help='of a move, of --pareto, such as "0.5 s, 1 s"; default: 0.7 to 2.4 of the task\'s'),
     ] = None,
     out: Out = Path("build/size-arm"),
 ) -> None:
@@ -128,10 +184,10 @@ def size_for_task(
     if task is None and not any(value is not None for value in values.values()):
         right = "see `layflat task list`, or give --reach, --payload, --supply and --time"
         raise InputError("is missing", where="arm size: TASK", right=right)
-    grid = _grid(pareto, pressures, times)
+    grid, prices = comparison.grid(), comparison.read_prices()
     with naming_options(options.names("task" if task is None else task)):
         described = read_task(task, **values)
-    pareto_names = (f"{described.name}-pareto.csv", f"{described.name}-pareto.png") if pareto else ()
+    pareto_names = (f"{described.name}-pareto.csv", f"{described.name}-pareto.png") if comparison.pareto else ()
     check_folder(out, f"{described.name}.toml", f"{described.name}-arm.png", *pareto_names)
     with bar(f"sizing {described.name}", None, "TimeElapsedColumn") as update:
         arm = size_arm(
@@ -145,8 +201,9 @@ def size_for_task(
     for design in arm.designs:
         for drawing in write_drawings(design, out):
             typer.echo(f"wrote {drawing}")
-    if pareto:
-        _compare(arm, *grid, out)
+    if comparison.pareto:
+        _compare(arm, grid, comparison.totals(prices), out)
+        _report_unpriced(arm, prices)
     typer.echo(f"simulate it with `layflat simulate {path}`")
 
 
@@ -183,27 +240,7 @@ def _print(arm: "SizedArm") -> None:
     print_findings(arm.findings)
 
 
-def _grid(pareto: bool, pressures: str | None, times: str | None) -> tuple[list[float], list[float]]:
-    """Return pressures (gauge, Pa) and times (s) of a comparison, ascending; empty where an option is not given.
-
-    Raise InputError for an option without --pareto, or a value that is not above zero.
-    """
-    from layflat.description import units as u  # noqa: PLC0415
-
-    options = {"--pressures": (pressures, u.PRESSURE), "--times": (times, u.TIME)}
-    for option, (text, _) in options.items():
-        if text is not None and not pareto:
-            raise InputError("needs --pareto", where=option, right="add it, or leave this option out")
-    grid = []
-    for option, (text, kind) in options.items():
-        values = sorted({u.quantity(one, kind, option) for one in _listed(text)}) if text is not None else []
-        if values and values[0] <= 0.0:
-            raise InputError(f"{text!r} is out of range", where=option, right="give values above zero")
-        grid.append(values)
-    return grid[0], grid[1]
-
-
-def _compare(arm: "SizedArm", pressures: list[float], times: list[float], out: Path) -> None:
+def _compare(arm: "SizedArm", grid: tuple[list[float], list[float]], totals: "Totals | None", out: Path) -> None:
     """Size the arm's task at other pressures and times of its moves; write a table and the picture, print their paths.
 
     Empty lists stand for the defaults. Raise StoppedError after Ctrl-C.
@@ -211,6 +248,7 @@ def _compare(arm: "SizedArm", pressures: list[float], times: list[float], out: P
     from layflat.design.arm.trade_off import PACE_RATIOS, PRESSURES, sizes_picture, trade_off, write_trials  # noqa: PLC0415
     from layflat.plot.style import save_figure  # noqa: PLC0415
 
+    pressures, times = grid
     paces = [time / float(arm.moves.times.mean()) for time in times]
     try:
         with bar("sizing it otherwise", None, "MofNCompleteColumn", "TimeRemainingColumn") as update:
@@ -218,13 +256,40 @@ def _compare(arm: "SizedArm", pressures: list[float], times: list[float], out: P
                 arm,
                 pressures or PRESSURES,
                 paces or PACE_RATIOS,
+                totals=totals,
                 advance=lambda done, total: update(completed=done, total=total),
             )
     except KeyboardInterrupt:
         raise StoppedError("the arm itself", out) from None
     stem = f"{arm.task.name}-pareto"
+    built = None if totals is None else _print_totals(arm, totals)
     typer.echo(f"wrote {write_trials(trials, out / f'{stem}.csv')}")
-    typer.echo(f"wrote {save_figure(sizes_picture(arm, trials), out / f'{stem}.png')}")
-    refused = [one for one in trials if one.refused]
-    if refused:
-        typer.echo(f"{len(refused)} of {len(trials)} are beyond what such joints can do; {stem}.csv says why")
+    typer.echo(f"wrote {save_figure(sizes_picture(arm, trials, built), out / f'{stem}.png')}")
+    beyond = [one for one in trials if isinf(one.mass)]
+    unbuilt = [one for one in trials if one.refused and not isinf(one.mass)]
+    for refused, why in ((beyond, "are beyond what such joints can do"), (unbuilt, "can't be built as they are")):
+        if refused:
+            typer.echo(f"{len(refused)} of {len(trials)} {why}; {stem}.csv says why")
+
+
+def _print_totals(arm: "SizedArm", totals: "Totals") -> tuple[float, float]:
+    """Print mass and cost of an arm as built, or why it can't be built, and return them, infinite then."""
+    try:
+        mass, cost = totals(arm.machine)
+    except DesignError as error:
+        typer.echo(f"can't be built as it is: {error}", err=True)
+        return inf, inf
+    typer.echo(f"as built: {mass:.2f} kg" + ("" if isnan(cost) else f", cost {cost:.2f}"))
+    return mass, cost
+
+
+def _report_unpriced(arm: "SizedArm", prices: "Prices | None") -> None:
+    """Print the parts of an arm without a price, if there are prices and the arm can be built."""
+    if prices is None:
+        return
+    from layflat.cli.build import report_unpriced  # noqa: PLC0415  # of few runs
+    from layflat.solids.cost import cost_of  # noqa: PLC0415
+    from layflat.solids.totals import list_built_parts  # noqa: PLC0415
+
+    with suppress(DesignError):
+        report_unpriced(cost_of(list_built_parts(arm.machine), prices))

@@ -100,7 +100,7 @@ def _print_summary(described: "Study", out: Path) -> None:
     if described.prices is not None:
         from layflat.cli.build import report_unpriced  # noqa: PLC0415  # of few studies
         from layflat.solids.cost import cost_of  # noqa: PLC0415
-        from layflat.study.built import list_built_parts  # noqa: PLC0415
+        from layflat.solids.totals import list_built_parts  # noqa: PLC0415
 
         for variant in described.variants:
             report_unpriced(cost_of(list_built_parts(variant.machine), described.prices))

@@ -105,25 +105,42 @@ class SizedArms(NamedTuple):
     pressure: float  # gauge, bar
     time: Array  # of a move, s
     mass: Array  # kg; infinite if no arm is feasible
-    best: Array  # 1 for Pareto-optimal arms: none at any pressure is both quicker and lighter; else 0
+    best: Array  # 1 for Pareto-optimal arms: none at any pressure is better in all that is drawn; else 0
+    cost: Array | None = None  # the same; None or without finite values where costs are not compared
 
 
-def sizes_figure(sizes: Sequence[SizedArms], task: tuple[float, float]) -> Figure:
-    """Draw mass over the time of a move, one curve per pressure, and the task's arm (s, kg) as a star.
+def sizes_figure(sizes: Sequence[SizedArms], task: Sequence[float], *, built: bool = False) -> Figure:
+    """Draw mass, and cost if there are costs, over the time of a move, one curve per pressure.
 
     Markers of Pareto-optimal arms are filled; arms of infinite mass are left out.
+
+    Args:
+        sizes: arms of each pressure.
+        task: time (s), mass (kg) and, with costs, cost of the task's own arm, which is drawn as a star.
+        built: whether masses are those of arms as built.
     """
-    with styled_figure(width=6.4, height=4.0) as (fig, (axes,)):
-        for order, one in enumerate(sizes):
-            style, known = series_style(order), np.isfinite(one.mass)
-            axes.plot(one.time[known], one.mass[known], **style, label=f"{one.pressure:g} bar")
-            for best, face in ((True, style["color"]), (False, "white")):
-                at = known & (one.best.astype(bool) == best)
-                axes.plot(one.time[at], one.mass[at], ls="", marker="o", ms=5, mec=style["color"], mfc=face)
-        axes.plot(*task, ls="", marker="*", ms=13, mec="black", mfc="white", label="the task")
-        axes.plot([], [], ls="", marker="o", ms=5, mec="black", mfc="black", label="none is both quicker and lighter")
-        axes.set_ylim(bottom=0.0)
-        axes.set_xlabel("Time of a move (s)")
-        axes.set_ylabel("Mass of the arm (kg)")
-        axes.legend()
+    priced = any(one.cost is not None and np.isfinite(one.cost).any() for one in sizes)
+    labels = ["Mass of the arm as built (kg)" if built else "Mass of the arm (kg)", "Cost of the arm"][: 1 + priced]
+    better = "quicker, lighter and cheaper" if priced else "both quicker and lighter"
+    with styled_figure(1, len(labels), width=6.4 + 3.2 * priced, height=4.0) as (fig, all_axes):
+        for number, (axes, label) in enumerate(zip(all_axes, labels, strict=True), 1):
+            for order, one in enumerate(sizes):
+                _draw_sizes(axes, one, one.mass if number == 1 else one.cost, order)
+            axes.plot(task[0], task[number], ls="", marker="*", ms=13, mec="black", mfc="white", label="the task")
+            axes.plot([], [], ls="", marker="o", ms=5, mec="black", mfc="black", label=f"none is {better}")
+            axes.set_ylim(0.0, 1.05 * axes.get_ylim()[1])
+            axes.set_xlabel("Time of a move (s)")
+            axes.set_ylabel(label)
+        all_axes[0].legend()
     return fig
+
+
+def _draw_sizes(axes: Axes, sizes: SizedArms, values: Array | None, order: int) -> None:
+    """Draw masses or costs of the arms of one pressure, where they are finite, in the style of the `order`-th one."""
+    if values is None:
+        return
+    style, known = series_style(order), np.isfinite(values)
+    axes.plot(sizes.time[known], values[known], **style, label=f"{sizes.pressure:g} bar")
+    for best, face in ((True, style["color"]), (False, "white")):
+        at = known & (sizes.best.astype(bool) == best)
+        axes.plot(sizes.time[at], values[at], ls="", marker="o", ms=5, mec=style["color"], mfc=face)

@@ -160,20 +160,25 @@ def _all_sizes(machine: Machine, arm: RigidArm, frames: list[Array]) -> tuple[di
         except DesignError as error:
             omitted[name] = str(error)
             continue
-        before = list(machine.joints)[k - 1] if k else None
-        if before is None or before not in sizes:
+        if k == 0:
             sizes[name] = replace(one, foot=True)
             continue
-        sizes[name] = replace(one, mount=_mount(arm, frames, sizes[before], one, k))
+        before = sizes.get(list(machine.joints)[k - 1])
+        sizes[name] = replace(one, mount=_mount(arm, frames, before, one, k))
     return sizes, omitted
 
 
-def _mount(arm: RigidArm, frames: list[Array], before: JointSizes, after: JointSizes, k: int) -> float:
-    """Return the direction of a joint's tongues in its own frame, rad: towards the arm plates before it."""
+def _mount(arm: RigidArm, frames: list[Array], before: JointSizes | None, after: JointSizes, k: int) -> float:
+    """Return the direction of a joint's tongues in its own frame, rad: towards the arm plates of the joint before.
+
+    Where that has no solids, they point to its axis.
+    """
     link: RigidLink = arm.links[k]
     axes = link.axes @ frames[k]
     centre = MM * link.place - axes @ np.array([0.0, after.axis, 0.0])
-    start = frames[k - 1] @ np.array([0.0, arm_reach(before), -_lowered(before, after, arm, k - 1)])
+    start = np.zeros(3)
+    if before is not None:
+        start = frames[k - 1] @ np.array([0.0, arm_reach(before), -_lowered(before, after, arm, k - 1)])
     towards = axes.T @ (start - centre)
     return float(np.arctan2(towards[1], towards[0]))
 

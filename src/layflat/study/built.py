@@ -18,41 +18,23 @@ if TYPE_CHECKING:
     from layflat.arrays import Array
     from layflat.machine import Machine
     from layflat.solids.cost import Prices
-    from layflat.solids.parts_list import PartsList
 
 BUILT_UNITS = {"mass_built": "kg", "cost": "1"}
 """Units of what a machine has once it is built, by its name among the metrics; a cost is in the prices' currency."""
 
 
-def list_built_parts(machine: Machine) -> PartsList:
-    """Return the parts list of a machine.
-
-    Raises:
-        DesignError: no size keeps a rule, or a joint is of a kind without solids; the message says why.
-    """
-    from layflat.solids.assembly import assemble  # noqa: PLC0415  # most studies build nothing
-    from layflat.solids.parts_list import list_parts  # noqa: PLC0415
-    from layflat.solids.volumes import mass_of  # noqa: PLC0415
-
-    assembly = assemble(machine)
-    for name, why in assembly.omitted.items():
-        raise DesignError(f"joint {name} has no solids", where=machine.origin, right=why)
-    return list_parts(assembly.components, mass_of)
-
-
 def _built_values(machine: Machine, prices: Prices | None) -> dict[str, float]:
-    """Return the values of `BUILT_UNITS` of a machine, the cost only with prices."""
-    from layflat.solids.cost import cost_of  # noqa: PLC0415  # as above
+    """Return the values of `BUILT_UNITS` of a machine, a cost only with prices."""
+    from layflat.solids.totals import built_totals  # noqa: PLC0415  # most studies build nothing
 
-    parts = list_built_parts(machine)
-    return {"mass_built": parts.mass} | ({} if prices is None else {"cost": cost_of(parts, prices).total})
+    return dict(zip(BUILT_UNITS, built_totals(machine, prices), strict=True))
 
 
 def rules_digest() -> str:
     """Return a digest of the source of all that sizes what is built."""
-    from layflat.solids import assembly  # noqa: PLC0415  # as above
+    from layflat.solids import totals  # noqa: PLC0415  # as above
 
-    return source_digest(Path(assembly.__file__))
+    return source_digest(Path(totals.__file__))
 
 
 def check_built(machine: Machine, prices: Prices | None, metrics: Sequence[str], where: str) -> None:
@@ -75,7 +57,7 @@ def check_built(machine: Machine, prices: Prices | None, metrics: Sequence[str],
     wanted = [name for name in metrics if name in BUILT_UNITS]
     if wanted:
         try:
-            list_built_parts(machine)
+            _built_values(machine, prices)
         except DesignError as error:
             what = f"{wanted[0]!r} needs a machine that can be built: {error.what}"
             raise InputError(what, where=f"{where}: metrics", right=error.right) from None

@@ -1,5 +1,6 @@
 """Sized arms: what their joints give is what moves ask of them, joints after them included."""
 
+import csv
 from math import radians
 from pathlib import Path
 from typing import Any
@@ -12,9 +13,9 @@ from scipy.spatial.transform import Rotation
 from layflat.design import design_joint
 from layflat.design.arm import read_task
 from layflat.design.arm.sizing import SizedArm, size_arm
-from layflat.design.arm.trade_off import SizingTrial, undominated
+from layflat.design.arm.trade_off import SizingTrial, sizes_picture, trade_off, undominated, write_trials
 from layflat.errors import DesignError
-from layflat.machine import load
+from layflat.machine import Machine, load
 from layflat.motion.dynamics import rigid_torques
 from layflat.motion.kinematics import Kinematics, tip_motion, tip_position
 
@@ -211,3 +212,36 @@ def test_a_point_out_of_reach_names_the_nearest() -> None:
 def test_arms_that_are_heavier_and_slower_are_dominated() -> None:
     trials = [SizingTrial(4e5, time, mass, 0.0) for time, mass in ((1.0, 5.0), (1.2, 5.0), (1.5, 4.0), (0.9, np.inf))]
     assert undominated(trials) == [True, False, True, False]
+
+
+def test_a_cheaper_arm_is_not_dominated_by_a_lighter_one() -> None:
+    costs = (10.0, 8.0, 10.0, np.inf)
+    trials = [SizingTrial(4e5, 1.0, 5.0, 0.0, built_mass=mass, cost=cost)
+              for mass, cost in zip((5.0, 6.0, 7.0, np.inf), costs, strict=True)]  # fmt: skip
+    assert undominated(trials) == [True, True, False, False]
+
+
+def total_of(machine: Machine) -> tuple[float, float]:
+    """Stand for mass and cost as built: none for arms of more than a kilogram."""
+    mass = sum(joint.body.mass for joint in machine.joints.values())
+    if mass > 1.0:
+        raise DesignError("too heavy", where="arm", right="more pressure")
+    return 2 * mass, 100 * mass
+
+
+def test_arms_are_compared_as_they_would_be_built(tmp_path: Path) -> None:
+    arm = sized(**LIFT)
+    trials = trade_off(arm, [2e5, 6e5], [1.0, 2.0], totals=total_of)
+    built = [one for one in trials if not one.refused]
+    assert built
+    for one in trials:
+        same = size_arm(read_task(None, **LIFT | {"supply": f"{one.supply!r} Pa", "time": f"{one.time!r} s"}))
+        assert one.mass == pytest.approx(same.mass, abs=1e-12)
+        mass = sum(joint.body.mass for joint in same.machine.joints.values())
+        assert (one.built_mass, one.cost) == (pytest.approx((2 * mass, 100 * mass)) if mass <= 1.0 else (np.inf,) * 2)
+        assert one.refused == ("" if mass <= 1.0 else "can't be built: arm: too heavy; more pressure")
+    with write_trials(trials, tmp_path / "trials.csv").open(encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert [row["cost"] for row in rows] == [f"{one.cost:.6g}" if not one.refused else "" for one in trials]
+    axes = sizes_picture(arm, trials, (1.0, 50.0)).axes
+    assert [one.get_ylabel() for one in axes] == ["Mass of the arm as built (kg)", "Cost of the arm"]
