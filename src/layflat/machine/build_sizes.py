@@ -11,7 +11,7 @@ from layflat.description import units as u
 class Build(Part):
     """Sizes of a joint's parts that its laws do not need; what is left out follows from a rule."""
 
-    clearance: u.Thickness = Field(default=0.002, description="least distance between parts that move past each other")
+    clearance: u.Clearance = Field(default=0.002, description="least distance between parts that move past each other")
     hose_wall: u.Thickness | None = Field(
         default=None, description="thickness of one layer of hose; default: areal_mass over 1150 kg/m^3, of rubber"
     )

@@ -186,7 +186,7 @@ class JointSizes:
     def screw(self) -> Thread:
         """Size of the frame's screws."""
         if self.build.screw is not None:
-            return thread(self.build.screw)
+            return thread(self.build.screw, f"{self.label}.screw")
         return THREADS[next(name for limit, name in SCREW_SIZES if 2 * self.radius <= limit)]
 
     @cached_property
@@ -305,12 +305,17 @@ class JointSizes:
         """Bush in the end plates: the smallest whose shaft bears half of a strap's greatest pull beside it."""
         given = self.build.shaft_diameter
         if given is not None:
-            return bush(given)
+            return bush(given, f"{self.label}.shaft_diameter")
         lever = (self.top - self.end_plate / 2 - self.arm_z[1]) / MM
         bends = cbrt(32 * self.pull / 2 * lever / (pi * SHAFT_YIELD / SHAFT_SAFETY))
         for one in BUSHES:
             if one.bore >= bends and one.allowed_load(self.end_plate / MM) >= self.pull / 2:
                 return one
+        if BUSHES[-1].bore >= bends:
+            bears = max(LEAST_PLATE, self.pull / 2 / next(one for one in BUSHES if one.bore >= bends).allowed_load(1.0))
+            what = f"bushes in end plates of {self.end_plate:g} mm do not bear a pull of {self.pull:.0f} N"
+            right = f"give build.end_plate_thickness of {next_thickness(bears) * MM:g} mm"
+            raise DesignError(what, where=self.label, right=right)
         what = f"no shaft of up to {BUSHES[-1].bore * MM:g} mm bears a pull of {self.pull:.0f} N"
         raise DesignError(what, where=self.label, right="a lower supply pressure pulls less")
 

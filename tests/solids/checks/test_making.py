@@ -7,7 +7,7 @@ import pytest
 from layflat import extras
 from layflat.solids.checks.making import MAX_STRAP_MISS, edge_distance, making_findings, strap_finding
 from layflat.solids.component import Component
-from layflat.solids.loops import rectangle
+from layflat.solids.loops import Loop, rectangle
 from layflat.solids.section import CrossSection
 from layflat.solids.shapes import Hole, Prism, place
 from tests.solids.checks.builds import built
@@ -15,8 +15,11 @@ from tests.solids.checks.builds import built
 pytestmark = pytest.mark.skipif(not extras.available("cad"), reason="no build123d; pip install layflat[cad]")
 
 
-def findings(*holes: Hole, making: str = "laser cutting", thickness: float = 2.0) -> list[tuple[str, str]]:
-    part = Component("plate", "body", Prism(rectangle(40.0, 20.0), thickness, holes), "aluminium", making,  # type: ignore[arg-type]
+def findings(
+    *holes: Hole, making: str = "laser cutting", thickness: float = 2.0, openings: tuple[Loop, ...] = ()
+) -> list[tuple[str, str]]:
+    shape = Prism(rectangle(40.0, 20.0), thickness, holes, openings)
+    part = Component("plate", "body", shape, "aluminium", making,  # type: ignore[arg-type]
                      (place(),), joint="small")  # fmt: skip
     found = making_findings(replace(built(), components=(part,)))
     return [(one.severity, one.what) for one in found if "plate" in one.where]
@@ -39,6 +42,12 @@ def test_threaded_holes_count_as_drilled() -> None:
     assert findings(Hole((0.0, 0.0), 4.2, "M5"), thickness=8.0) == []
     assert [severity for severity, _ in findings(Hole((0.0, 0.0), 4.2), thickness=8.0)] == ["note"]
     assert findings(Hole((0.0, 0.0), 0.5), making="milling")[0] == ("error", "a hole of 0.5 mm")
+
+
+def test_walls_around_openings_and_thin_plates_are_refused() -> None:
+    assert findings(making="milling", openings=(rectangle(37.0, 17.0),)) == []
+    assert findings(making="milling", openings=(rectangle(39.4, 10.0),)) == [("error", "a wall of 0.3 mm")]
+    assert findings(making="milling", thickness=0.4) == [("error", "a wall of 0.4 mm")]
 
 
 def test_distances_to_edges_go_to_sides_and_corners() -> None:

@@ -68,8 +68,10 @@ def _flat_findings(component: Component, shape: Prism, where: str) -> list[Findi
     for holes, wall in _walls(shape):
         if sheet and check_wall(name, wall / MM, where, thickness):
             drilled |= {hole for hole in holes if not hole.thread}
-        near = " and ".join(_hole_text(hole) for hole in holes)
-        found.append(check_wall(tool, wall / MM, f"{where}, wall at the hole at {near}"))
+        near = " at the hole at " + " and ".join(_hole_text(hole) for hole in holes) if holes else ""
+        found.append(check_wall(tool, wall / MM, f"{where}, wall{near}"))
+    if not sheet:
+        found.append(check_wall(name, thickness, f"{where}, thickness"))
     if drilled:
         what = f"holes smaller, or nearer to an edge, than {name} makes them in {shape.height:g} mm: {len(drilled)}"
         found.append(Finding("note", "hole", where, what, "drill them after the cut"))
@@ -77,8 +79,11 @@ def _flat_findings(component: Component, shape: Prism, where: str) -> list[Findi
 
 
 def _walls(shape: Prism) -> Iterator[tuple[tuple[Hole, ...], float]]:
-    """Yield the holes and the thickness (mm) of each wall between a hole and an edge, or between two holes."""
-    edges = [shape.outline.points(), *(loop.points() for loop in shape.openings)]
+    """Yield the holes beside it and the thickness (mm) of each wall: between holes, an edge, and openings."""
+    outline = shape.outline.points()
+    for loop in shape.openings:
+        yield (), min(edge_distance(outline, point) for point in loop.points())
+    edges = [outline, *(loop.points() for loop in shape.openings)]
     for hole in shape.holes:
         yield (hole,), min(edge_distance(edge, hole.centre) for edge in edges) - hole.diameter / 2
     for one, other in combinations(shape.holes, 2):

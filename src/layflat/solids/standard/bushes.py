@@ -50,14 +50,14 @@ BUSHES = tuple(Bush(*(size * 1e-3 for size in row)) for row in _SIZE_ROWS)
 """Known bushes by bore, ascending."""
 
 
-def bush(bore: float) -> Bush:
+def bush(bore: float, where: str = "bush") -> Bush:
     """Return the bush of a bore (m).
 
     Raises:
-        DesignError: there is none; the message lists the known bores.
+        DesignError: there is none; the message begins with `where`, and lists the known bores.
     """
     for one in BUSHES:
         if abs(one.bore - bore) <= SIZE_TOLERANCE:
             return one
     known = ", ".join(f"{one.bore * 1e3:g}" for one in BUSHES)
-    raise DesignError(f"no bush has a bore of {bore * 1e3:.4g} mm", where="bush", right=f"bores are {known} mm")
+    raise DesignError(f"no bush has a bore of {bore * 1e3:.4g} mm", where=where, right=f"bores are {known} mm")

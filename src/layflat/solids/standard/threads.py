@@ -65,12 +65,12 @@ THREADS = {f"M{row[0]}": Thread(f"M{row[0]}", *(round(size * 1e-3, 8) for size i
 """Known threads by name."""
 
 
-def thread(name: str) -> Thread:
+def thread(name: str, where: str = "screw") -> Thread:
     """Return a known thread, such as M5.
 
     Raises:
-        DesignError: the thread is unknown; the message lists the known ones.
+        DesignError: the thread is unknown; the message begins with `where`, and lists the known ones.
     """
     if name not in THREADS:
-        raise DesignError(f"unknown size {name!r}", where="screw", right=f"known sizes are {', '.join(THREADS)}")
+        raise DesignError(f"unknown size {name!r}", where=where, right=f"known sizes are {', '.join(THREADS)}")
     return THREADS[name]
