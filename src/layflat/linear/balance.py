@@ -52,28 +52,43 @@ def check_strength(names: list[str], plant: PlantLaws, angles: Array, velocities
             )
 
 
-def check_balance(names: list[str], plant: PlantLaws, states: tuple[MovingJoint, ...], change: Array) -> None:
+def missing_torques(plant: PlantLaws, states: tuple[MovingJoint, ...], accelerations: Array) -> Array:
+    """Return the torques that joints lack: to slide steadily, or to be held without friction, N m, (joints,).
+
+    Args:
+        plant: the plant.
+        states: the joints' states.
+        accelerations: of the joints, rad/s2, (joints,).
+    """
+    angles = np.array([state.angle for state in states])
+    mass, pulls = parameters.mass_and_pull(plant.arm, plant.around.payload, angles)
+    missing: Array = -mass @ np.where(plant.held, 0.0, accelerations)
+    for j, (joint, state) in enumerate(zip(plant.joints, states, strict=True)):
+        if plant.held[j]:
+            gauge = np.array([state.air_a.pressure, state.air_b.pressure]) - plant.around.ambient_pressure
+            missing[j] = -(pulls[j] + spring_torque(joint.spring, state.angle) + hose_slopes(joint, state.angle) @ gauge)
+    return missing
+
+
+def check_balance(names: list[str], plant: PlantLaws, states: tuple[MovingJoint, ...], missing: Array) -> None:
     """Check that given pressures carry the load of joints that slide, and with friction that of held ones.
 
     Args:
         names: of the joints.
         plant: the plant.
         states: the joints' states.
-        change: rates of their numbers (see `rates`), which are accelerations in column 1.
+        missing: torques that they lack (see `missing_torques`), N m, (joints,).
 
     Raises:
         InputError: naming the joint, the torque that is missing, and the difference of pressures that carries the load.
     """
-    around, angles = plant.around, np.array([state.angle for state in states])
-    mass, pulls = parameters.mass_and_pull(plant.arm, around.payload, angles)
-    missing = -mass @ np.where(plant.held, 0.0, change[:, 1])
+    around = plant.around
     for j, (name, joint, state) in enumerate(zip(names, plant.joints, states, strict=True)):
         slopes = hose_slopes(joint, state.angle)
         p = np.array([state.air_a.pressure, state.air_b.pressure])
         gauge = p - around.ambient_pressure
         tolerance = PRESSURE_TOLERANCE * (around.supply_pressure - around.ambient_pressure) * slopes[0]
         if plant.held[j]:
-            missing[j] = -(pulls[j] + spring_torque(joint.spring, state.angle) + slopes @ gauge)
             pull = float(np.abs(slopes) @ gauge)
             tolerance += float(slip_torques(joint.friction, joint.brake_torque, 0.0, 0.0, pull)[1])
         if abs(missing[j]) > tolerance:

@@ -18,7 +18,7 @@ from layflat.description import units as u
 from layflat.description.wrong import did_you_mean
 from layflat.errors import InputError
 from layflat.lanes import leaves, read_numbers
-from layflat.linear.balance import check_balance, check_strength
+from layflat.linear.balance import check_balance, check_strength, missing_torques
 from layflat.linear.losses import LinearLosses, Ripple, linearize_losses, steady_losses
 from layflat.linear.rates import AirState, MovingJoint, PlantLaws, air_columns, linearize_rates, rates
 from layflat.linear.ripple import compute_ripples, no_ripple
@@ -53,7 +53,9 @@ class OperatingPoint:
         inputs: numbers of each joint's `AirInputs`, (joints, 3), in SI units.
         valves: small-signal model of each joint's valve.
         losses: those of the losses of each joint's hoses; none of a joint that is held.
-        steady: False where the valve can't hold the given pressures, which then drift.
+        loads: external torques that sliding joints lack at given pressures, N m, (joints,): little, see `check_balance`.
+        drift: rates of the numbers of air, (joints, numbers of a `MovingJoint`), in SI units per second: where the valve
+            can't hold given pressures.
     """
 
     machine: Machine
@@ -62,7 +64,8 @@ class OperatingPoint:
     inputs: Array
     valves: tuple[LinearValve, ...]
     losses: tuple[tuple[LinearLosses, ...], ...]
-    steady: bool
+    loads: Array
+    drift: Array
 
     @property
     def voltages(self) -> Array:
@@ -233,21 +236,23 @@ class _PointSearch:
         """Return the operating point of the unknowns."""
         states, inputs = self.states(x), self.inputs(x)
         change = rates(self.plant, states, inputs)
-        check_balance(list(self.machine.joints), self.plant, states, change)
+        missing = missing_torques(self.plant, states, change[:, 1])
+        check_balance(list(self.machine.joints), self.plant, states, missing)
+        loads = np.where(self.plant.held, 0.0, missing)
+        inputs[:, 2] += loads
         openings = [float(numbers[0]) for numbers in self.apart(x)]
         pairs = zip(self.plant.joints, openings, strict=True)
         valves = tuple(linearize_valve(joint.valve, opening, self.plant.h) for joint, opening in pairs)
         for name, valve in zip(self.machine.joints, valves, strict=True):
             check_response(name, valve)
-        steady = all(
-            abs(row[columns] / np.array(list(leaves(state)))[columns]).max() < 1e3 * RATE_TOLERANCE
-            for row, columns, state in zip(change, self.columns, states, strict=True)
-        )
+        drift = np.zeros_like(change)
+        for j, columns in enumerate(self.columns):
+            drift[j, columns] = change[j, columns]
         losses = tuple(
             tuple(linearize_losses(*hose) for hose in self.sliding_hoses(j, s.air_a.pressure, s.air_b.pressure))
             for j, s in enumerate(states)
         )
-        return OperatingPoint(self.machine, self.plant, states, inputs, valves, losses, steady)
+        return OperatingPoint(self.machine, self.plant, states, inputs, valves, losses, loads, drift)
 
     def guesses(self) -> list[Array]:
         """Return unknowns to begin with, for a slow motion and for faster ones."""

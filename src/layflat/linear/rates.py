@@ -114,28 +114,24 @@ def joint_state(joint: JointParameters, moving: MovingJoint, valve: Any, losses:
     return JointState(JointMotion(moving.angle, moving.velocity, 0.0), valve, a, b, AirLedger(0.0))
 
 
-def set_back(joint: JointParameters, state: JointState, rotation: float, p_a: float) -> JointState:
-    """Return the state of a joint at a smaller angle: pressures, temperatures and losses stay, volumes and air do not.
+def set_back(joint: JointParameters, state: JointState, like: MovingJoint, change: Array, p_a: float) -> JointState:
+    """Return the state of a joint less a change of its motion and air; valve and losses stay.
 
     Args:
         joint: parameters.
         state: present state.
-        rotation: by which the angle is smaller, rad.
+        like: any state of its motion and air.
+        change: of the numbers of a `MovingJoint`, in SI units.
         p_a: ambient pressure, Pa.
     """
-    q = state.motion.angle - rotation
-    a = _refilled(joint.hose_a, state.hose_a, joint.hose_a.neutral + q, p_a)
-    b = _refilled(joint.hose_b, state.hose_b, joint.hose_b.neutral - q, p_a)
-    return state._replace(motion=state.motion._replace(angle=q), hose_a=a, hose_b=b)
-
-
-def _refilled(hose: HoseParameters, state: HoseState, travel: float, p_a: float) -> HoseState:
-    """Return the state of a hose at another travel (rad), its air at the same pressure and temperature."""
-    volume = hose.chamber.dead_volume + swept_volume(hose.stroke, travel)
-    p = pressure(hose.chamber, state.energy, state.volume, p_a)
-    T = temperature(hose.chamber, p, state.mass, state.volume, p_a)
-    contents = {"energy": energy(hose.chamber, p, volume, p_a), "mass": air_mass(hose.chamber, p, T, volume, p_a)}
-    return state._replace(volume=volume, **contents)
+    numbers = np.array(list(leaves(_read_joint(joint, state, like, p_a)))) - change
+    moving, hoses = read_numbers(like, numbers.tolist()), (state.hose_a, state.hose_b)
+    moved = joint_state(joint, moving, state.valve, [hose.loss for hose in hoses], p_a)
+    # What the plant extrapolates from its last step stays.
+    kept = [{name: getattr(hose, name) for name in ("pressure", "pressure_change", "mass_change")} for hose in hoses]
+    motion = moved.motion._replace(velocity_change=state.motion.velocity_change)
+    a, b = (hose._replace(**last) for hose, last in zip((moved.hose_a, moved.hose_b), kept, strict=True))
+    return moved._replace(motion=motion, hose_a=a, hose_b=b, ledger=state.ledger)
 
 
 def rates(plant: PlantLaws, states: tuple[MovingJoint, ...], inputs: Array) -> Array:

@@ -88,7 +88,7 @@ def _measure_input(model: "StateSpace", name: str, w: Array) -> Array:
     sines = (size * np.sqrt(2.0 / len(w)) / gains) @ np.sin(np.outer(w, t) + phases[:, np.newaxis])
     signal = np.zeros((2, len(t), len(speeds)))  # voltages and loads
     signal[0 if quantity == "voltage" else 1, :, j] = sines
-    forward, back = (simulate(point, sign * signal) for sign in (1.0, -1.0))
+    forward, back = simulate(point, signal, -signal)
     evaluated = t >= SETTLING_TIME
     for name_j, speed, velocities in zip(point.machine.joints, speeds, (forward + back)[:, 1].T, strict=True):
         if speed and (velocities[evaluated] * speed <= 0.0).any():
@@ -102,16 +102,33 @@ def _measure_input(model: "StateSpace", name: str, w: Array) -> Array:
     return np.asarray(gains.T)
 
 
-def simulate(point: OperatingPoint, signal: Array) -> Array:
-    """Return the motion of a plant from the operating point, at the start of each control cycle.
+def simulate(point: OperatingPoint, *signals: Array) -> Array:
+    """Return the motions of a plant from the operating point, at the start of each control cycle.
 
     Args:
         point: operating point.
-        signal: what is added to the voltages (V) and loads (N m), (2, cycles, joints).
+        signals: of each run, what is added to the voltages (V) and loads (N m), (2, cycles, joints).
 
     Returns:
-        Angles, velocities (rad, rad/s), absolute pressures of hoses A and B (Pa), (cycles, 4, joints).
+        Angles, velocities (rad, rad/s), absolute pressures of hoses A and B (Pa), (runs, cycles, 4, joints).
     """
+    plants = [_place_plant(point) for _ in signals]
+    rows, cycle, drift = [], point.machine.cycle, point.machine.cycle * point.drift
+    start = np.array([state.angle for state in point.states])
+    for k, inputs in enumerate(np.stack(signals, axis=2).swapaxes(0, 1)):
+        rows.append([[plant.angles, plant.velocities, *plant.pressures.T] for plant in plants])
+        for plant, voltages, loads in zip(plants, *inputs, strict=True):
+            plant.load[:] = point.loads + loads
+            plant.drive(point.voltages + voltages)
+            plant.advance((k + 1) * cycle)
+        drift[:, 0] = np.mean([plant.angles for plant in plants], axis=0) - start
+        for plant in plants:
+            _set_back_plant(point, plant, drift)
+    return np.array(rows).swapaxes(0, 1)
+
+
+def _place_plant(point: OperatingPoint) -> SteppedPlant:
+    """Return a plant at the operating point."""
     plant = SteppedPlant(point.machine, noise=False)
     around, joints = point.plant.around, []
     for j, (joint, state) in enumerate(zip(point.plant.joints, point.states, strict=True)):
@@ -122,15 +139,13 @@ def simulate(point: OperatingPoint, signal: Array) -> Array:
     plant.place(joints, [valve.opening for valve in point.valves])
     for j, held in enumerate(point.plant.held):
         plant.grip(j, GRIP_TORQUE if held else 0.0)
-    rows, cycle = [], point.machine.cycle
-    for k, (voltages, loads) in enumerate(zip(*signal, strict=True)):
-        rows.append([plant.angles, plant.velocities, *plant.pressures.T])
-        plant.load[:] = loads
-        plant.drive(point.voltages + voltages)
-        plant.advance((k + 1) * cycle)
-        now = zip(point.plant.joints, plant.states, point.states, strict=True)
-        plant.place([set_back(joint, state, cycle * at.velocity, around.ambient_pressure) for joint, state, at in now])
-    return np.array(rows)
+    return plant
+
+
+def _set_back_plant(point: OperatingPoint, plant: SteppedPlant, change: Array) -> None:
+    """Take a change from motion and air of a plant's joints, (joints, numbers of a `MovingJoint`), in SI units."""
+    p_a, rows = point.plant.around.ambient_pressure, zip(point.plant.joints, plant.states, point.states, change, strict=True)
+    plant.place([set_back(joint, state, like, row, p_a) for joint, state, like, row in rows])
 
 
 def _outputs(model: "StateSpace", motion: Array) -> Array:
