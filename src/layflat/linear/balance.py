@@ -66,7 +66,9 @@ def missing_torques(plant: PlantLaws, states: tuple[MovingJoint, ...], accelerat
     for j, (joint, state) in enumerate(zip(plant.joints, states, strict=True)):
         if plant.held[j]:
             gauge = np.array([state.air_a.pressure, state.air_b.pressure]) - plant.around.ambient_pressure
-            missing[j] = -(pulls[j] + spring_torque(joint.spring, state.angle) + hose_slopes(joint, state.angle) @ gauge)
+            missing[j] = -(
+                pulls[j] + spring_torque(joint.spring, state.angle) + hose_slopes(joint, state.angle) @ gauge
+            )
     return missing
 
 

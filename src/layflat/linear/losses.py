@@ -37,7 +37,7 @@ class Ripple(NamedTuple):
     """Deviations of velocity and pressure from their means over a period of the valve's wave, in each step."""
 
     step: float  # s
-    velocity: Array  # (steps,), rad/s
+    velocity: Array  # at the start of each step, whose rotation the losses follow in it, (steps,), rad/s
     pressure: Array  # (steps,), Pa
 
 
@@ -52,25 +52,28 @@ class LinearLosses(NamedTuple):
     D: Array  # (2,)
 
 
-def steady_losses(loss: Any, p_g: float, speed: float, ripple: Ripple) -> tuple[Any, float]:
-    """Return the state of losses in steady sliding, at the start of a period of the ripple, and their mean torque, N m.
+def steady_losses(loss: Any, p_g: float, speed: float, ripple: Ripple) -> tuple[Any, Array]:
+    """Return the state of losses in steady sliding, at the start of a period of the ripple, and their torques in it.
 
     Args:
         loss: parameters of the losses.
         p_g: mean gauge pressure, Pa.
         speed: mean velocity, with a sign, rad/s.
         ripple: deviations from both over a period.
+
+    Returns:
+        The state, and the torque in each step, N m, (steps,).
     """
     state, turn = at_rest(loss), np.copysign(SLID_ROTATION / SLID_TURNS, speed)
     for _ in range(SLID_TURNS):
         state = turned(loss, state, float(turn), p_g, float(turn / speed))
     for _ in range(SETTLING_PERIODS):
-        state, torque = slide_a_period(loss, state, p_g, speed, ripple)
-    return state, torque
+        state, torques_in_steps = slide_a_period(loss, state, p_g, speed, ripple)
+    return state, torques_in_steps
 
 
-def slide_a_period(loss: Any, state: Any, p_g: float, speed: float, ripple: Ripple) -> tuple[Any, float]:
-    """Return the state of losses after a period of a ripple, and their mean torque in it, N m.
+def slide_a_period(loss: Any, state: Any, p_g: float, speed: float, ripple: Ripple) -> tuple[Any, Array]:
+    """Return the state of losses after a period of a ripple, and their torques in its steps, N m, (steps,).
 
     Args:
         loss: parameters of the losses.
@@ -79,11 +82,11 @@ def slide_a_period(loss: Any, state: Any, p_g: float, speed: float, ripple: Ripp
         speed: mean velocity, rad/s.
         ripple: deviations from both over the period.
     """
-    torque = 0.0
+    torques_in_steps = []
     for v, p in zip((speed + ripple.velocity).tolist(), (p_g + ripple.pressure).tolist(), strict=True):
         state = turned(loss, state, v * ripple.step, p, ripple.step)
-        torque += sum(torques(loss, state))
-    return state, torque / len(ripple.velocity)
+        torques_in_steps.append(sum(torques(loss, state)))
+    return state, np.array(torques_in_steps)
 
 
 def linearize_losses(loss: Any, p_g: float, speed: float, ripple: Ripple) -> LinearLosses:
@@ -95,7 +98,7 @@ def linearize_losses(loss: Any, p_g: float, speed: float, ripple: Ripple) -> Lin
         speed: mean velocity, with a sign, rad/s.
         ripple: deviations from both over a period.
     """
-    state, mean = steady_losses(loss, p_g, speed, ripple)
+    state, torques_in_steps = steady_losses(loss, p_g, speed, ripple)
     A, B, C, D = _linearize_steps(loss, state, p_g, speed, ripple)
     forgets = (np.diagonal(A, axis1=1, axis2=2) < FORGOTTEN_FRACTION).any(axis=0)
     slow, fast = np.flatnonzero(~forgets), np.flatnonzero(forgets)
@@ -111,7 +114,7 @@ def linearize_losses(loss: Any, p_g: float, speed: float, ripple: Ripple) -> Lin
     output = (C_x @ x - C_s @ driven).mean(axis=0)[0]
     change[:, :n] += (2.0 / h) * (np.eye(n) - 2.0 * inverse.mean(axis=0))
     output += np.concatenate([2.0 * C_s.mean(axis=0)[0], D.mean(axis=0)])
-    model = LinearLosses(state, mean, change[:, :n], change[:, n:], output[:n], output[n:])
+    model = LinearLosses(state, float(torques_in_steps.mean()), change[:, :n], change[:, n:], output[:n], output[n:])
     return _with_lag(model, *((C_x @ part).mean(axis=0)[0, n] for part in (x, late)))
 
 

@@ -18,7 +18,7 @@ from layflat.description import units as u
 from layflat.description.wrong import did_you_mean
 from layflat.errors import InputError
 from layflat.lanes import leaves, read_numbers
-from layflat.linear.balance import check_balance, check_strength, missing_torques
+from layflat.linear.balance import check_balance, check_strength, hose_slopes, missing_torques
 from layflat.linear.losses import LinearLosses, Ripple, linearize_losses, steady_losses
 from layflat.linear.rates import AirState, MovingJoint, PlantLaws, air_columns, linearize_rates, rates
 from layflat.linear.ripple import compute_ripples, no_ripple
@@ -29,6 +29,7 @@ from layflat.motion.signal_values import Angles, Pair, SignalKind, Value, check_
 from layflat.physics.joint import has_second, pressures_at_rest
 from layflat.physics.line import LineParameters, NoAir
 from layflat.physics.step import STEP
+from layflat.physics.stops_and_springs import spring_torque
 from layflat.sim.run import make_timing
 from layflat.sim.signals import start_pressures
 
@@ -36,6 +37,7 @@ HELD_STATE, SLIDING_STATE = "held", "sliding"
 MIN_SLIDING_SPEED = "0.3 deg/s"  # default, slow enough to stay near a configuration
 RIPPLE_MARGIN = 2.0  # the default is this many times the peak of the ripple, where that is more
 MIN_SPEED, MAX_SPEED = 1e-4, 1.0  # of sliding, rad/s
+RIPPLE_ROUNDS = 4  # in which the ripple and the torques of losses that follow it agree
 RATE_TOLERANCE = 1e-6  # of the scaled rates at the operating point, 1/s
 FIRST_OPENINGS = np.array([0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.3, 0.5])  # with which a search begins
 MIN_OPENED = 0.01  # difference of both paths' conductances by which a valve is open, fraction of the full one
@@ -161,13 +163,7 @@ class _PointSearch:
         self.machine, self.plant, self.angles, self.pairs = machine, plant, angles, pairs
         self.speed = speed
         around = plant.around
-        _, pulls = parameters.mass_and_pull(plant.arm, around.payload, angles)
-        self.targets = np.array(
-            [
-                pressures_at_rest(joint, float(q), float(pull), around)
-                for joint, q, pull in zip(plant.joints, angles, pulls, strict=True)
-            ]
-        )
+        _, self.pulls = parameters.mass_and_pull(plant.arm, around.payload, angles)
         self.columns = [[i for hose in air_columns(joint) for i in hose] for joint in plant.joints]
         self.hoses = [1 + int(has_second(joint.second)) for joint in plant.joints]
         self.valves = [cache(partial(mean_paths, joint.valve, h=plant.h)) for joint in plant.joints]
@@ -180,10 +176,14 @@ class _PointSearch:
 
     def follow_ripples(self, x: Array) -> Array:
         """Set the ripples at unknowns; return the peaks of their velocities, rad/s, (joints,)."""
-        h, pairs = self.plant.h, zip(self.plant.joints, self.apart(x), strict=True)
-        waves = [settle_valve(joint.valve, float(row[0]), h)[1] for joint, row in pairs]
-        model = linearize_rates(self.plant, self.states(x), self.inputs(x))
-        self.set_ripples(compute_ripples(model, waves, h))
+        h, states, waves = self.plant.h, self.states(x), []
+        model = linearize_rates(self.plant, states, self.inputs(x))
+        paths = [
+            settle_valve(j.valve, float(row[0]), h)[1] for j, row in zip(self.plant.joints, self.apart(x), strict=True)
+        ]
+        for _ in range(RIPPLE_ROUNDS):
+            waves = [np.column_stack([wave, self._loads(j, states[j], len(wave))]) for j, wave in enumerate(paths)]
+            self.set_ripples(compute_ripples(model, waves, h))
         return np.array([np.abs(a.velocity).max() for a, _ in self.ripples])
 
     def set_ripples(self, ripples: list[tuple[Ripple, Ripple]]) -> None:
@@ -204,8 +204,13 @@ class _PointSearch:
         for hose, p, ripple in hoses if self.velocities[j] else ():
             yield hose.loss, p - ambient, float(self.velocities[j]), ripple
 
+    def _loads(self, j: int, state: MovingJoint, steps: int) -> Array:
+        """Return the torques of a joint's losses, as a load, in the steps of a period, N m, (steps,)."""
+        hoses = self.sliding_hoses(j, state.air_a.pressure, state.air_b.pressure)
+        return -sum((np.resize(steady_losses(*hose)[1], steps) for hose in hoses), np.zeros(steps))
+
     def _loss_torque(self, j: int, p_a: float, p_b: float) -> float:
-        return sum(steady_losses(*hose)[1] for hose in self.sliding_hoses(j, p_a, p_b))
+        return sum(float(steady_losses(*hose)[1].mean()) for hose in self.sliding_hoses(j, p_a, p_b))
 
     def solve(self, *guesses: Array) -> Array:
         """Return the unknowns at the operating point, from the first guess that leads there.
@@ -263,9 +268,9 @@ class _PointSearch:
     def _guess(self, openings: Array) -> Array:
         """Return unknowns with these openings: pressures that are given or carry the load, ambient temperature."""
         T, parts = self.plant.around.ambient_temperature, []
-        rows = zip(self.plant.joints, self.targets, self.pairs, self.hoses, openings, strict=True)
-        for joint, target, pair, count, opening in rows:
-            p = np.where(np.isnan(pair), target, pair)
+        rows = zip(self.plant.joints, self.angles, self.pulls, self.pairs, self.hoses, openings, strict=True)
+        for joint, q, pull, pair, count, opening in rows:
+            p = np.where(np.isnan(pair), pressures_at_rest(joint, float(q), float(pull), self.plant.around), pair)
             spots = 1 + isinstance(joint.hose_a.line, LineParameters)
             parts += [opening, *[number for value in p[:count].tolist() for number in (value, T) * spots]]
         return np.array(parts)
@@ -318,7 +323,14 @@ class _PointSearch:
             air, pair = row[columns] / numbers[columns], self.pairs[j]
             p = np.array([state.air_a.pressure, state.air_b.pressure])
             hoses = [0, len(columns) // 2][: self.hoses[j]]
-            balance = row[1] if not self.plant.held[j] else (p[0] - p[1] + np.diff(self.targets[j])[0]) / p_s
+            balance = row[1]
+            if self.plant.held[j]:
+                joint, q = self.plant.joints[j], state.angle
+                slopes = hose_slopes(joint, q)
+                torque = (
+                    self.pulls[j] + spring_torque(joint.spring, q) + slopes @ (p - self.plant.around.ambient_pressure)
+                )
+                balance = torque / (p_s * np.abs(slopes).sum())
             if not np.isnan(pair).any():
                 balance = air[hoses[0]] - (air[hoses[1]] if len(hoses) > 1 else 0.0)
                 air[hoses] = (p - pair)[: len(hoses)] / p_s

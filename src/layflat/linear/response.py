@@ -144,7 +144,10 @@ def _place_plant(point: OperatingPoint) -> SteppedPlant:
 
 def _set_back_plant(point: OperatingPoint, plant: SteppedPlant, change: Array) -> None:
     """Take a change from motion and air of a plant's joints, (joints, numbers of a `MovingJoint`), in SI units."""
-    p_a, rows = point.plant.around.ambient_pressure, zip(point.plant.joints, plant.states, point.states, change, strict=True)
+    p_a, rows = (
+        point.plant.around.ambient_pressure,
+        zip(point.plant.joints, plant.states, point.states, change, strict=True),
+    )
     plant.place([set_back(joint, state, like, row, p_a) for joint, state, like, row in rows])
 
 
@@ -169,7 +172,7 @@ def _modes(model: "StateSpace", t: Array) -> Array:
 
 
 def fit_sines(w: Array, t: Array, modes: Array, signals: Array) -> Array:
-    """Return the complex amplitudes of signals.
+    """Return the complex amplitudes of signals, fitted under a Hann window: sidebands of dither hardly leak.
 
     Args:
         w: angular frequencies of the sines, rad/s, (frequencies,).
@@ -181,5 +184,7 @@ def fit_sines(w: Array, t: Array, modes: Array, signals: Array) -> Array:
         Amplitudes, (frequencies, signals).
     """
     angles = np.outer(t, w)
-    fit, *_ = np.linalg.lstsq(np.column_stack([np.cos(angles), np.sin(angles), modes]), signals, rcond=None)
+    window = np.hanning(len(t))[:, np.newaxis]
+    base = np.column_stack([np.cos(angles), np.sin(angles), modes])
+    fit, *_ = np.linalg.lstsq(window * base, window * signals, rcond=None)
     return np.asarray(fit[: len(w)] - 1j * fit[len(w) : 2 * len(w)])

@@ -1,7 +1,8 @@
 """Ripple of pressures and velocities that the waves of the valves' drivers leave.
 
-The conductances of a valve over a period of its wave are known (valve.py). Each harmonic of them passes through the
-model of air and motion (rates.py): X = (j w - A)^-1 B C.
+The conductances of a valve over a period of its wave are known (valve.py), and the torques of the losses, which follow
+the ripple, from one before (losses.py). Each harmonic of them passes through the model of air and motion (rates.py):
+X = (j w - A)^-1 B U. Held for a step, they act as in its middle, where x is; its rotation is that of its start.
 """
 
 from collections.abc import Sequence
@@ -25,7 +26,7 @@ def compute_ripples(model: LinearRates, waves: Sequence[Array], step: float) -> 
 
     Args:
         model: air and motion.
-        waves: conductances of each joint's paths over a period, (steps, 2), m3/(s Pa).
+        waves: numbers of each joint's `AirInputs` over a period, (steps, 3), in SI units.
         step: step of the waves, s.
     """
     ripples = []
@@ -33,13 +34,16 @@ def compute_ripples(model: LinearRates, waves: Sequence[Array], step: float) -> 
         steps = len(wave)
         alike = [i for i, other in enumerate(waves) if len(other) == steps]  # others are no part of this period
         inputs = np.fft.fft(np.concatenate([waves[i] - waves[i].mean(axis=0) for i in alike], axis=1), axis=0)
-        B = model.B[:, [3 * i + path for i in alike for path in (0, 1)]]
+        B = model.B[:, [3 * i + path for i in alike for path in range(3)]]
         s = 2j * np.pi * np.fft.fftfreq(steps, step)
         pairs = zip(s[1:], inputs[1:], strict=True)
         harmonics = [np.linalg.solve(s_n * np.eye(len(B)) - model.A, B @ u) for s_n, u in pairs]
         x = np.fft.ifft([np.zeros(len(B)), *harmonics], axis=0).real
         columns = {column: k for k, (i, column) in enumerate(model.places) if i == j}
-        velocity = x[:, columns[VELOCITY_COLUMN]] if VELOCITY_COLUMN in columns else np.zeros(steps)
+        velocity = np.zeros(steps)
+        if VELOCITY_COLUMN in columns:
+            at_start = np.fft.fft(x[:, columns[VELOCITY_COLUMN]]) * np.exp(-0.5 * step * s)
+            velocity = np.fft.ifft(at_start).real
         air = [columns[column] for column in sorted(columns) if column >= PRESSURE_A_COLUMN]
         a, b = (Ripple(step, velocity, x[:, k]) for k in (air[0], air[len(air) // 2]))
         ripples.append((a, b))
