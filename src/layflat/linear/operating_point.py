@@ -55,9 +55,9 @@ class OperatingPoint:
         inputs: numbers of each joint's `AirInputs`, (joints, 3), in SI units.
         valves: small-signal model of each joint's valve.
         losses: those of the losses of each joint's hoses; none of a joint that is held.
-        loads: external torques that sliding joints lack at given pressures, N m, (joints,): little, see `check_balance`.
-        drift: rates of the numbers of air, (joints, numbers of a `MovingJoint`), in SI units per second: where the valve
-            can't hold given pressures.
+        loads: external torques that carry what sliding joints lack at given pressures, N m, (joints,).
+        drift: rates of the numbers of air, (joints, numbers of a `MovingJoint`), in SI units per second: not zero where
+            the valves can't hold given pressures.
     """
 
     machine: Machine

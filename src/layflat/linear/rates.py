@@ -124,14 +124,17 @@ def set_back(joint: JointParameters, state: JointState, like: MovingJoint, chang
         change: of the numbers of a `MovingJoint`, in SI units.
         p_a: ambient pressure, Pa.
     """
-    numbers = np.array(list(leaves(_read_joint(joint, state, like, p_a)))) - change
-    moving, hoses = read_numbers(like, numbers.tolist()), (state.hose_a, state.hose_b)
-    moved = joint_state(joint, moving, state.valve, [hose.loss for hose in hoses], p_a)
-    # What the plant extrapolates from its last step stays.
-    kept = [{name: getattr(hose, name) for name in ("pressure", "pressure_change", "mass_change")} for hose in hoses]
-    motion = moved.motion._replace(velocity_change=state.motion.velocity_change)
-    a, b = (hose._replace(**last) for hose, last in zip((moved.hose_a, moved.hose_b), kept, strict=True))
-    return moved._replace(motion=motion, hose_a=a, hose_b=b, ledger=state.ledger)
+    before, old = _read_joint(joint, state, like, p_a), (state.hose_a, state.hose_b)
+    moving = read_numbers(like, (np.array(list(leaves(before))) - change).tolist())
+    after = joint_state(joint, moving, state.valve, [hose.loss for hose in old], p_a)
+    # The plant extrapolates from its last step.
+    shifts = moving.air_a.pressure - before.air_a.pressure, moving.air_b.pressure - before.air_b.pressure
+    a, b = (
+        new._replace(pressure=last.pressure + shift, pressure_change=last.pressure_change, mass_change=last.mass_change)
+        for new, last, shift in zip((after.hose_a, after.hose_b), old, shifts, strict=True)
+    )
+    motion = after.motion._replace(velocity_change=state.motion.velocity_change)
+    return after._replace(motion=motion, hose_a=a, hose_b=b, ledger=state.ledger)
 
 
 def rates(plant: PlantLaws, states: tuple[MovingJoint, ...], inputs: Array) -> Array:

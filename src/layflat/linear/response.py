@@ -1,10 +1,12 @@
 """Small-signal response of the simulated plant, against which a linear model is compared.
 
-The plant starts at the operating point and moves with the voltages that hold it there. After each control cycle joints
-that slide are set back by what they slide in it, their air at the same pressures and temperatures: a linear model is
-that of one configuration, and on the way torques, inertia and volumes would change. Two runs, with a sum of sines added
-to a voltage or a load and subtracted from it, differ by twice their response: what both have in common, as the dither,
-cancels. Transients are fitted as decaying motions of the model's slow modes.
+Two plants start at the operating point and move with the voltages that hold them there, with a sum of sines added to a
+voltage or a load of the one and subtracted from the other's. They differ by twice their response: what both have in
+common, as the dither, cancels. Transients are fitted as decaying motions of the model's slow modes.
+
+A linear model is that of one configuration and its pressures. So after each control cycle both plants are set back by
+the mean of their rotations, and by what given pressures drift: no load falls over, and inertia and volumes stay. In
+their difference nothing is taken back.
 
 All sines have equal parts in the velocity of the joint, or, where it is held, in its pressure. The plant, driven once
 per control cycle, holds its voltage: the response is to that stepped voltage.
