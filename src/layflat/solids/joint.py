@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 from layflat.design import design_joint
 from layflat.design.summary import refuse_errors
+from layflat.errors import DesignError
 from layflat.solids.brake import brake_components
 from layflat.solids.frame import frame_components
 from layflat.solids.hoses import hose_components
@@ -16,6 +18,8 @@ from layflat.solids.sizes import JointSizes
 from layflat.solids.sweep import check_sweep
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from layflat.machine import Machine
     from layflat.solids.component import Component
 
@@ -37,13 +41,25 @@ def joint_components(sizes: JointSizes, angle: float = 0.0) -> list[Component]:
     Raises:
         DesignError: no size keeps a rule; the message says which value would mend it.
     """
-    check_sweep(sizes)
-    section = CrossSection(sizes)
-    return [
-        *frame_components(sizes, section),
-        *standoff_components(sizes),
-        *output_components(sizes, angle),
-        *hose_components(sizes, section, angle),
-        *brake_components(sizes, angle),
-        *sensor_components(sizes, angle),
-    ]
+    with _locate_errors(sizes.design.label):
+        check_sweep(sizes)
+        section = CrossSection(sizes)
+        return [
+            *frame_components(sizes, section),
+            *standoff_components(sizes),
+            *output_components(sizes, angle),
+            *hose_components(sizes, section, angle),
+            *brake_components(sizes, angle),
+            *sensor_components(sizes, angle),
+        ]
+
+
+@contextmanager
+def _locate_errors(label: str) -> Iterator[None]:
+    """Put a label, of file and joint, before design errors from tables of standard parts, which do not know it."""
+    try:
+        yield
+    except DesignError as error:
+        if label in error.where:
+            raise
+        raise DesignError(error.what, where=f"{label}: {error.where}", right=error.right) from None
