@@ -34,6 +34,7 @@ class Argument:
     views: tuple[str, ...] = ("real",)  # types of the numbers as which the function is handed the struct
     struct: str = ""  # name of the struct without prefix; empty: that of the argument
     split: bool = False  # whether the function is handed each field of the struct on its own
+    updated: bool = False  # whether the law of an entry reads the struct, too, before the function writes it
 
     @property
     def struct_name(self) -> str:
@@ -57,6 +58,8 @@ class Entry:
     function: Callable[..., Any]  # of pointers (one a view) and numbers
     result: str = ""  # description of the integer that it returns; empty: it returns nothing
     lanes: bool = True  # whether its laws take lanes, which have a form in single precision
+    law: Any = None  # law on tuples: of the arguments that it reads, and `constants`; it returns those that are written
+    constants: tuple[float, ...] = ()
 
 
 class PlantState(NamedTuple):
@@ -156,6 +159,7 @@ class ControlEntries:
             "Initialise the memory of the control law at these readings.",
             (settings, sensed, Argument("memory", "memory, which is filled", self.memory, output=True)),
             woken,
+            law=wake,
         )
         yield Entry(
             "control_step",
@@ -173,6 +177,7 @@ class ControlEntries:
                 Argument("report", "report of the law, which is filled", self.report, output=True),
             ),
             stepped,
+            law=step,
         )
 
 

@@ -12,6 +12,7 @@ import pytest
 from layflat.arrays import Array
 from layflat.export.entries import ControlEntries
 from layflat.export.fmu import libraries
+from layflat.export.fmu.law_source import law_source
 from layflat.export.fmu.model import FmuModel
 from layflat.export.fmu.plant import PlantFunctions
 from layflat.export.fmu.writer import LawCode
@@ -58,17 +59,15 @@ def test_no_wrong_access_and_no_undefined_behaviour(compiler: str, tmp_path: Pat
     )
     if tried.returncode:
         pytest.skip(f"{compiler} has no sanitizers here")
-    model, code, system = model_of_paper_arm(), LawCode(), libraries.host_system()
+    model, system = model_of_paper_arm(), libraries.host_system()
     assert system is not None
-    objects = []
-    for entry in model.entries:
-        objects.append(tmp_path / f"{entry.name}.o")
-        objects[-1].write_bytes(code.object_file(entry, system))
+    law = tmp_path / "law.c"
+    law.write_text(law_source(model), encoding="utf-8")
     (tmp_path / "model.h").write_text(model.header("{token}"), encoding="utf-8")
     sources, folders = sorted(libraries.SOURCE_FOLDER.glob("*.c")), [f"-I{tmp_path}", f"-I{libraries.SOURCE_FOLDER}"]
     library, driver = tmp_path / "library.so", tmp_path / "driver"
     shared = [compiler, *checked, "-ffp-contract=off", "-fPIC", "-shared", *folders]
-    subprocess.run([*map(str, [*shared, *sources, *objects, "-lm", "-o", library])], check=True)
+    subprocess.run([*map(str, [*shared, *sources, law, "-lm", "-o", library])], check=True)
     subprocess.run([*map(str, [compiler, *checked, DRIVER, "-ldl", "-o", driver])], check=True)
     run = run_of(True, 0)
     references = {variable.name: reference for reference, variable in model.variables}
@@ -81,14 +80,12 @@ def test_the_library_of_windows_repeats_the_run(tmp_path: Path) -> None:
     wine = shutil.which("wine") or shutil.which("wine64") or ("" if sys.platform == "win32" else None)
     if wine is None or find_spec("ziglang") is None:
         pytest.skip("needs wine and ziglang")
-    model, code = model_of_paper_arm(), LawCode()
+    model = model_of_paper_arm()
     windows = next(system for system in libraries.LINKED_SYSTEMS if system.suffix == ".dll")
     zig = libraries.find_linker()
     linker = libraries.Linker(zig.title, zig.command, (windows,), cross=True)
 
-    def objects(system: libraries.System) -> dict[str, bytes]:
-        return {entry.name: code.object_file(entry, system) for entry in model.entries}
-
+    objects = LawCode(model, linker).by_system
     library = tmp_path / "arm.dll"
     library.write_bytes(
         libraries.link_libraries(linker, "2.0", model.header("{token}"), objects, tmp_path / "linked")[windows]

@@ -35,21 +35,14 @@ def outside_machine(folder: Path, names: list[str]) -> Machine:
     return load(folder / "outside.toml")
 
 
-@pytest.mark.parametrize("name", MACHINES)
-def test_a_run_of_any_machine_is_repeated(
-    name: str, compiler: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    if not os.environ.get("LAYFLAT_EXPORT_CHECK"):
-        pytest.skip("compiles for minutes: set LAYFLAT_EXPORT_CHECK=1")
-    monkeypatch.setattr(libraries, "find_spec", lambda _: None)
+def check_run(machine: Machine, folder: Path) -> None:
+    """Check that the FMU of a machine repeats a run of 2 s with noise."""
     system = libraries.host_system()
     assert system is not None
-    with own_sources():
-        machine = outside_machine(tmp_path, COMPILED) if name == OUTSIDE else load(name)
-        run = lf.rollout(machine, [("0.1 s", "5 deg")], seed=3, duration="2 s")
-        files = writer.write_fmus(machine, tmp_path / "fmus", target="fmu", precision="double")
-        first = next(iter(files))
-    instance = Instance(Fmu(first, tmp_path / "unpacked", (system.folder_2, system.folder)))
+    run = lf.rollout(machine, [("0.1 s", "5 deg")], seed=3, duration="2 s")
+    files = writer.write_fmus(machine, folder / "fmus", target="fmu", precision="double")
+    first = next(iter(files))
+    instance = Instance(Fmu(first, folder / "unpacked", (system.folder_2, system.folder)))
     instance.set_noise(3, True)
     instance.begin()
     signals, joints = [one for one in JointRecord._fields if one != "voltage"], list(machine.joints)
@@ -60,6 +53,31 @@ def test_a_run_of_any_machine_is_repeated(
         assert instance.step(k * machine.cycle, machine.cycle) == OK, instance.messages
         rows = np.reshape(instance.get(outputs), (len(signals), len(joints)))
         assert np.array_equal(rows, [run[one].values[k + 1] for one in signals])
+
+
+@pytest.mark.parametrize("name", MACHINES)
+def test_a_run_of_any_machine_is_repeated(
+    name: str, compiler: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    if not os.environ.get("LAYFLAT_EXPORT_CHECK"):
+        pytest.skip("compiles for minutes: set LAYFLAT_EXPORT_CHECK=1")
+    monkeypatch.setattr(libraries, "find_spec", lambda _: None)
+    with own_sources():
+        check_run(outside_machine(tmp_path, COMPILED) if name == OUTSIDE else load(name), tmp_path)
+
+
+def test_laws_without_a_counterpart_in_c_are_compiled_by_numba(
+    compiler: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    if not os.environ.get("LAYFLAT_EXPORT_CHECK"):
+        pytest.skip("compiles for a minute: set LAYFLAT_EXPORT_CHECK=1")
+
+    def refuse(_: object) -> str:
+        raise KindError("a construct")
+
+    monkeypatch.setattr(libraries, "find_spec", lambda _: None)
+    monkeypatch.setattr(writer, "law_source", refuse)
+    check_run(load("paper-arm"), tmp_path)
 
 
 @pytest.mark.parametrize("name", ["paper-arm", "paper-arm-tracking"])

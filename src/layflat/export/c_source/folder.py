@@ -5,18 +5,12 @@ from pathlib import Path
 from typing import Any
 
 from layflat._version import __version__
-from layflat.control import CONTROL_LAWS, step, wake
 from layflat.export.c_folder import recorded_values
 from layflat.export.c_interface import CInterface
-from layflat.export.c_source.c_types import REAL_TYPE, type_of_tuple
-from layflat.export.c_source.function import Body
-from layflat.export.c_source.lines import read_names, render, without_unread
+from layflat.export.c_source.c_types import type_of_tuple
+from layflat.export.c_source.entry import entry_lines
 from layflat.export.c_source.program import Program
-from layflat.export.c_source.storage import Into
 from layflat.export.c_source.text import program_text
-from layflat.export.c_source.values import Computed, Stored, Value, field_of, items_of
-from layflat.export.c_source.variables import Facts
-from layflat.export.entries import Entry
 from layflat.export.numbers import c_number
 from layflat.export.recording import DURATION, MOVE_TIME, cycles_of, move_target
 from layflat.export.templates import fill_template
@@ -83,47 +77,7 @@ def law_text(interface: CInterface) -> str:
             if argument.like is not None:
                 program.share(type_of_tuple(argument.like), interface.api.struct(argument))
     functions = {
-        entry.name: entry_lines(interface, program, entry, law)
-        for entry, law in zip(entries, (wake, step), strict=True)
+        entry.name: entry_lines(program, entry, interface.api.prototype(entry).split("\n")) for entry in entries
     }
     head = fill_template("source/head.c", title=interface.machine.name, version=__version__, prefix=interface.prefix)
     return "\n".join([head.rstrip("\n"), *program_text(program, functions), ""])
-
-
-def entry_lines(interface: CInterface, program: Program, entry: Entry, law: Any) -> list[str]:
-    """Return the lines of an entry's function, which calls a law and stores its results.
-
-    Args:
-        interface: the interface.
-        program: the program, to which the law is added.
-        entry: the entry.
-        law: the choice of the law.
-    """
-    kind = CONTROL_LAWS.kind_of(interface.control.settings)
-    chosen = kind.wake if law is wake else kind.step
-    body = Body(program, getattr(chosen, "py_func", chosen), Facts())
-    given: list[Value] = []
-    places: list[Stored] = []
-    for argument in entry.arguments:
-        body.names.taken.add(argument.name)
-        if argument.like is None:
-            given.append(body.number(Computed(argument.name, REAL_TYPE), body.literal))
-        elif argument.output:
-            places.append(Stored(argument.name, type_of_tuple(argument.like), pointer=True, constant=False))
-        else:
-            given.append(Stored(argument.name, type_of_tuple(argument.like), pointer=True))
-    if law is wake:
-        body.store(places[0], body.call_law(law, given, {}, (Into("", places[0]),)))
-    else:
-        after, command, report = places
-        reports = field_of(report, "joints")
-        assert isinstance(reports, Stored)
-        # The memory may be updated in place, so that it is written last.
-        into = (Into("memory_after"), Into("command", command), Into("reports", reports))
-        results = body.call_law(law, given, {}, into)
-        for place, value in zip((command, reports, after), (*items_of(results)[1:], items_of(results)[0]), strict=True):
-            body.store(place, value)
-    read = {word for line in body.lines for word in read_names(line.text)}
-    unread = [f"    (void){one.name};" for one in entry.arguments if one.name not in read]
-    lines = [*interface.api.prototype(entry).split("\n"), "{", *unread, *render(without_unread(body.lines)), "}"]
-    return [f"/* {entry.comment} */", *lines]

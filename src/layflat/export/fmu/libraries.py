@@ -4,7 +4,7 @@ import os
 import platform
 import subprocess
 import sys
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from importlib.util import find_spec
@@ -24,6 +24,10 @@ NO_UNWINDING = ("-fno-unwind-tables", "-fno-asynchronous-unwind-tables")  # no e
 WINDOWS_C_LIBRARY = tuple(f"-lapi-ms-win-crt-{part}-l1-1-0" for part in ("heap", "math", "stdio", "string"))
 WINDOWS_LINKED = ("-nostdlib", "-rtlib=none", "-Wl,--entry,DllMainCRTStartup", *WINDOWS_C_LIBRARY)
 """Options by which zig links a library of Windows with the system's C library alone; see source/windows/runtime.c."""
+
+LAW_FLAGS = ("-w", "-fno-math-errno")  # roots are instructions
+
+PROCESSOR_FLAGS = {"x86_64": ("-mcpu=x86_64_v2",)}  # of zig; as in `targets.EXPORT_TARGETS`
 
 C_COMPILERS = ("cc", "gcc", "clang")
 
@@ -63,6 +67,11 @@ class Linker:
     systems: tuple[System, ...]
     cross: bool  # whether the command has to be told the system
 
+    def compiler(self, system: System) -> list[str]:
+        """Return the start of a command that compiles and links for a system."""
+        processor = PROCESSOR_FLAGS.get(system.triple.split("-")[0], ())
+        return [*self.command, *(("-target", system.triple, *processor) if self.cross else ())]
+
 
 def host_system() -> System | None:
     """Return the system of this computer; None: FMUs don't run on it."""
@@ -86,7 +95,7 @@ def find_linker() -> Linker:
 
 
 def link_libraries(
-    linker: Linker, version: str, header: str, objects: Callable[[System], Mapping[str, bytes]], folder: Path
+    linker: Linker, version: str, header: str, objects: Mapping[System, Mapping[str, bytes]], folder: Path
 ) -> dict[System, bytes]:
     """Return the libraries of an FMU, for the systems that its version of FMI has.
 
@@ -94,7 +103,7 @@ def link_libraries(
         linker: compiler and systems.
         version: a key of `FMI_SOURCES`.
         header: content of model.h.
-        objects: function that returns the object files of the laws for a system, by name.
+        objects: object files of the laws for each system, by name.
         folder: for files on the way, which stay.
 
     Raises:
@@ -103,10 +112,41 @@ def link_libraries(
     systems = [system for system in linker.systems if system.folder_of(version)]
     of_others = [name for other, names in FMI_SOURCES.items() if other != version for name in names]
     sources = [path for path in sorted(SOURCE_FOLDER.glob("*.c")) if path.stem not in of_others]
-    written = [(system, objects(system)) for system in systems]
     with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
-        linked = pool.map(lambda item: _link(linker, item[0], sources, header, item[1], folder), written)
+        linked = pool.map(lambda system: _link(linker, system, sources, header, objects[system], folder), systems)
     return dict(zip(systems, linked, strict=True))
+
+
+def compile_laws(linker: Linker, text: str, folder: Path) -> dict[System, bytes]:
+    """Return the object files of laws in C for all systems.
+
+    Args:
+        linker: compiler and systems.
+        text: file of C.
+        folder: for files on the way, which stay.
+
+    Raises:
+        CompilerError: the compiler fails.
+    """
+    (folder / "law.c").write_text(text, encoding="utf-8")
+
+    def compiled(system: System) -> bytes:
+        code = folder / f"law-{system.folder}.o"
+        unwinding = () if system.suffix == ".dll" else NO_UNWINDING
+        words = [*linker.compiler(system), *C_FLAGS, *unwinding, *LAW_FLAGS, "-c", folder / "law.c", "-o", code]
+        _run(words, folder, f"{linker.title} can't compile the FMU's laws for {system.title}")
+        return code.read_bytes()
+
+    with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
+        return dict(zip(linker.systems, pool.map(compiled, linker.systems), strict=True))
+
+
+def _run(words: Iterable[str | Path], folder: Path, failed: str) -> None:
+    """Run a compiler in a folder; raise CompilerError with its first error after the words `failed`."""
+    done = subprocess.run([*map(str, words)], cwd=folder, capture_output=True, text=True, check=False)
+    if done.returncode:
+        lines = [line for line in done.stderr.splitlines() if "error" in line] or done.stderr.splitlines()
+        raise CompilerError(f"{failed} ({lines[0].strip() if lines else f'status {done.returncode}'})")
 
 
 def _link(
@@ -118,23 +158,16 @@ def _link(
     for name, code in objects.items():
         (folder / f"{name}.o").write_bytes(code)
     library, laws = folder / f"library{system.suffix}", [f"{name}.o" for name in objects]
-    command = [*linker.command, *(("-target", system.triple) if linker.cross else ())]
+    command, failed = linker.compiler(system), f"{linker.title} can't link the FMU's library for {system.title}"
     compiled = [*command, *C_FLAGS, f"-I{folder}", f"-I{SOURCE_FOLDER}"]
-
-    def run(words: Iterable[str | Path]) -> None:
-        done = subprocess.run([*map(str, words)], cwd=folder, capture_output=True, text=True, check=False)
-        if done.returncode:
-            lines = [line for line in done.stderr.splitlines() if "error" in line] or done.stderr.splitlines()
-            reason = lines[0].strip() if lines else f"status {done.returncode}"
-            raise CompilerError(f"{linker.title} can't link the FMU's library for {system.title} ({reason})")
 
     if linker.cross and system.suffix == ".dll":
         sources = [*sources, SOURCE_FOLDER / "windows" / "runtime.c"]
         for source in sources:
-            run([*compiled, "-c", source, "-o", f"source-{source.stem}.o"])
-        run([*command, "-shared", "-s", *laws, *(f"source-{source.stem}.o" for source in sources), *WINDOWS_LINKED,
-             "-o", library])  # fmt: skip
+            _run([*compiled, "-c", source, "-o", f"source-{source.stem}.o"], folder, failed)
+        _run([*command, "-shared", "-s", *laws, *(f"source-{source.stem}.o" for source in sources), *WINDOWS_LINKED,
+              "-o", library], folder, failed)  # fmt: skip
     else:
         end = ("-lm",) if system.suffix == ".so" else ()
-        run([*compiled, *NO_UNWINDING, "-shared", "-s", *sources, *laws, *end, "-o", library])
+        _run([*compiled, *NO_UNWINDING, "-shared", "-s", *sources, *laws, *end, "-o", library], folder, failed)
     return library.read_bytes()

@@ -170,7 +170,7 @@ class FmuModel:
         starts = [number for section in self.sections for number in section.start_values]
         lines += _table("double model_start", [c_number(float(number), "double") for number in starts])
         lines += _table("unsigned char model_access", [str(use) for use in uses])
-        lines += [_prototype(entry) for entry in self.entries]
+        lines += [f"{prototype(entry)};" for entry in self.entries]
         return "\n".join([*lines, *(table_definitions() if self.has_plant else ()), ""])
 
 
@@ -178,13 +178,13 @@ def _table(declared: str, numbers: list[str]) -> list[str]:
     return [f"static const {declared}[{len(numbers)}] = {{{', '.join(numbers)}}};"]
 
 
-def _prototype(entry: Entry) -> str:
-    """Return the declaration of a law's function, of rows of numbers."""
-    taken = ", ".join(f"{_c_type(argument)}{argument.name}" for argument in entry.arguments)
-    return f"{'int32_t' if entry.result else 'void'} {LAW_PREFIX}_{entry.name}({taken});"
+def prototype(entry: Entry, end: str = "") -> str:
+    """Return the declaration of a law's function, of addresses of rows of numbers, whose names have this end."""
+    taken = ", ".join(f"{_c_type(one)}{one.name}{'' if one.like is None else end}" for one in entry.arguments)
+    return f"{'int32_t' if entry.result else 'void'} {LAW_PREFIX}_{entry.name}({taken})"
 
 
 def _c_type(argument: Argument) -> str:
     if argument.like is None:
         return "double " if argument.number == "real" else f"{argument.number} "
-    return f"{'' if argument.output else 'const '}double *"
+    return f"{'' if argument.output else 'const '}void *"

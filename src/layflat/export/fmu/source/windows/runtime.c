@@ -19,17 +19,17 @@ int vsnprintf(char *restrict text, size_t size, const char *restrict format, va_
     return __stdio_common_vsprintf(UCRT_STANDARD_SNPRINTF, text, size, format, NULL, arguments);
 }
 
-/* Places are volatile, else the compiler makes these loops calls of the functions that they define. */
+/* In assembler, else the compiler makes loops calls of the functions that they define. */
 
 void *memcpy(void *restrict to, const void *restrict from, size_t size) {
-    volatile char *place = to;
-    for (size_t i = 0; i < size; i++) place[i] = ((const char *)from)[i];
+    void *place = to;
+    __asm__ volatile("rep movsb" : "+D"(place), "+S"(from), "+c"(size) : : "memory");
     return to;
 }
 
 void *memset(void *to, int value, size_t size) {
-    volatile char *place = to;
-    for (size_t i = 0; i < size; i++) place[i] = (char)value;
+    void *place = to;
+    __asm__ volatile("rep stosb" : "+D"(place), "+c"(size) : "a"(value) : "memory");
     return to;
 }
 
