@@ -18,8 +18,9 @@ def show_cache(
 ) -> None:
     """Show where machine code is kept, and how much.
 
-    What was compiled on this computer is kept for other runs; what came with layflat for usual processors is used
-    first, the fastest that this computer can run. Where neither fits, kernels are compiled.
+    What was compiled on this computer is kept for other runs, as are the solids that the panel draws; what came with
+    layflat for usual processors is used first, the fastest that this computer can run. Where neither fits, kernels are
+    compiled.
     """
     from layflat.jit.cache import cache_root, cached_folders  # noqa: PLC0415
 

@@ -12,6 +12,7 @@ from layflat.lazy import numpy as np
 from layflat.physics.arms.bodies import rotation_about_axis
 from layflat.solids import cad
 from layflat.solids.assembly import assemble
+from layflat.solids.coarse import coarse_triangles
 from layflat.solids.colours import MATERIAL_COLOURS
 from layflat.solids.gltf import frame_of, moving_frames
 from layflat.solids.meshes import solid_mesh
@@ -22,7 +23,6 @@ if TYPE_CHECKING:
 
     from layflat.arrays import Array
     from layflat.machine import Machine
-    from layflat.solids.component import Component
     from layflat.solids.gltf import Frame
     from layflat.solids.shapes import Shape
 
@@ -70,10 +70,13 @@ class MovingSolids:
         return axes @ own, origin + axes @ shift
 
 
-def moving_solids(machine: Machine) -> list[MovingSolids]:
+def moving_solids(machine: Machine, budget: int | None = None) -> list[MovingSolids]:
     """Return the solids of an arm; none where a joint has no solids, or a link has a mesh of its own.
 
-    Triangles of shapes are kept for later calls.
+    Args:
+        machine: machine of the arm.
+        budget: most triangles of all solids, which then have no holes; default: no bound, and triangles of shapes are
+            kept for later calls.
 
     Raises:
         MissingExtraError: the extra `cad` is not installed.
@@ -90,14 +93,17 @@ def moving_solids(machine: Machine) -> list[MovingSolids]:
     names = list(machine.joints)
     carriers = [(np.eye(3), np.zeros(3)), *arm.poses([0.0] * len(names))]
     found: dict[tuple[int, str], dict[str, list[Array]]] = {}
-    for one in assembly.components:
-        if one.group.startswith("hose") or one.name.startswith(SMALL_PARTS):
+    drawn = [one for one in assembly.components if not one.group.startswith("hose")]
+    drawn = [one for one in drawn if not one.name.startswith(SMALL_PARTS)]
+    coarse = None if budget is None else coarse_triangles(drawn, budget)
+    for one in drawn:
+        if coarse is not None and one.shape not in coarse:
             continue
         home = frame_of(one, frames)
         number = names.index(one.joint) + (one.group == "output")
         axes, origin = carriers[number]
         parts = found.setdefault((number, home if "shell" in home else ""), {})
-        own = _shape_triangles(one)
+        own = _shape_triangles(one.shape) if coarse is None else coarse[one.shape]
         for at in one.places:
             corners = ((own @ at.axes.T + at.origin) / MM - origin) @ axes
             parts.setdefault(MATERIAL_COLOURS[one.material], []).append(corners.astype("<f4"))
@@ -118,9 +124,8 @@ def _hinge(joint: int, frame: Frame, axes: Array, origin: Array) -> Hinge:
     return Hinge(joint, axes.T @ (frame.place.origin / MM - origin), axes.T @ frame.place.axes[:, 2], angles, turns)
 
 
-def _shape_triangles(component: Component) -> Array:
+def _shape_triangles(shape: Shape) -> Array:
     """Return the corners of a shape's triangles in its own frame, mm, (n, 3, 3); kept ones where there are."""
-    shape = component.shape
     if shape not in _triangles:
         mesh = solid_mesh(cad.solid(shape), SCENE_CHORD_ERROR, SCENE_CHORD_ANGLE)
         _triangles[shape] = mesh.points[mesh.triangles]
