@@ -1,7 +1,7 @@
 """Scene of an arm in three dimensions: present and target configuration, path of the tip, reachable surface."""
 
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from hashlib import sha256
 from pathlib import Path
@@ -111,14 +111,22 @@ class ArmScene:
 
     def show_solids(self, solids: Sequence[MovingSolids]) -> None:
         """Draw the arm by solids in place of its rods, and the floor below them; by its rods where there are none."""
+        for _ in self.build_solids(solids):
+            pass
+
+    def build_solids(self, solids: Sequence[MovingSolids]) -> Iterator[None]:
+        """Do the work of `show_solids` in steps, of which the last one makes them visible."""
+        built = [(one, self._add_group()) for one in solids]
+        for one, group in built:
+            for colour, triangles in one.triangles.items():
+                with self.scene, group:
+                    self.scene.stl(_served_stl(binary_stl(triangles, normals=True))).material(colour)
+                yield
         for _, group in self._solids:
             group.delete()
-        self._solids = []
-        for one in solids:
-            with self.scene, self.scene.group() as group:
-                for colour, triangles in one.triangles.items():
-                    self.scene.stl(_served_stl(binary_stl(triangles, normals=True))).material(colour)
-            self._solids.append((one, group))
+        self._solids = built
+        for _, group in built:
+            group.visible()
         low = min((_lowest(one, self._shown.level) for one in solids if one.frame == 0), default=self._shown.floor)
         for group in self._arm[1:-1]:
             group.visible(not solids)
@@ -180,6 +188,12 @@ class ArmScene:
                         _draw_piece(self.scene, piece, ghost)
             groups.append(group)
         return groups
+
+    def _add_group(self) -> Object3D:
+        """Return a new group that is not visible."""
+        with self.scene, self.scene.group() as group:
+            group.visible(False)
+        return group
 
     def _place_solids(self) -> None:
         """Move the solids to where the arm is."""
