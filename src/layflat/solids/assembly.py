@@ -48,6 +48,10 @@ class Assembly:
     def _solids(self) -> dict[Shape, Any]:
         return {}
 
+    @cached_property
+    def _volumes(self) -> dict[Shape, float]:
+        return {}
+
     def solid(self, component: Component) -> Any:
         """Return the solid of a component in its own frame, mm."""
         return self.shape_solid(component.shape)
@@ -62,7 +66,13 @@ class Assembly:
         """Return the mass of one part of a component, kg: as bought, or of its solid."""
         if component.bought_mass is not None:
             return component.bought_mass
-        return float(self.solid(component).volume) / MM**3 * component.density
+        return self.volume(component.shape) / MM**3 * component.density
+
+    def volume(self, shape: Shape) -> float:
+        """Return the volume of a shape's solid, mm3, computed once."""
+        if shape not in self._volumes:
+            self._volumes[shape] = float(self.shape_solid(shape).volume)
+        return self._volumes[shape]
 
     def bodies(self) -> Iterator[tuple[Component, int, Any]]:
         """Yield each part as its component, its number among the component's parts, and its solid at its place."""

@@ -9,7 +9,7 @@ from layflat.solids.loops import ArcSide, CurveSide, StraightSide
 from layflat.solids.shapes import Drilled, Joined, Lofted, PartPlace, Prism, Shape, Turned
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Sequence
 
     from layflat.solids.loops import Loop
 
@@ -32,12 +32,12 @@ def solid(shape: Shape) -> Any:
             return _drill(_lofted(shape), shape.drilled)
         case Joined():
             first, *others = [placed(solid(piece), at) for piece, at in shape.placed()]
-            return max(first.fuse(*others).solids(), key=lambda one: one.volume) if others else first
+            return _largest(first.fuse(*others).solids()) if others else first
 
 
 def placed(body: Any, at: PartPlace) -> Any:
     """Return a copy of a solid at a place; it shares its geometry with the original."""
-    return body.moved(location(at))
+    return type(body)(body.wrapped.Moved(location(at).wrapped))  # the kernel's own `moved` copies the geometry first
 
 
 def location(at: PartPlace) -> Any:
@@ -99,5 +99,9 @@ def _drill(body: Any, holes: Iterable[Drilled], others: Iterable[Any] = ()) -> A
     if not tools:
         return body
     cut = body.cut(*tools)
-    found = cut.solids() if hasattr(cut, "solids") else [cut]
-    return max(found, key=lambda one: one.volume)
+    return _largest(cut.solids() if hasattr(cut, "solids") else [cut])
+
+
+def _largest(found: Sequence[Any]) -> Any:
+    """Return the solid with the most volume."""
+    return found[0] if len(found) == 1 else max(found, key=lambda one: one.volume)

@@ -36,9 +36,10 @@ def write_assembly_step(assembly: Assembly, label: Callable[[Component], str], p
     """
     b = cad.kernel()
     groups: dict[str, list[Any]] = {}
+    colours = {name: b.Color(MATERIAL_COLOURS[name]) for name in {one.material for one in assembly.components}}
     for component, _, body in assembly.bodies():
         body.label = label(component)
-        body.color = b.Color(MATERIAL_COLOURS[component.material])
+        body.color = colours[component.material]
         groups.setdefault(component.joint, []).append(body)
     children = [b.Compound(label=joint or "arm", children=bodies) for joint, bodies in groups.items()]
     return _write_step(b.Compound(label=assembly.machine.name, children=children), path)
@@ -56,7 +57,7 @@ def write_part_files(solid: Any, name: str, path: Path) -> list[Path]:
         OutputError: a file can't be written.
     """
     b = cad.kernel()
-    part = b.Compound(label=name, children=[solid.moved(b.Location())])
+    part = b.Compound(label=name, children=[type(solid)(solid.wrapped)])
     stl = path.with_suffix(".stl")
     triangulate(solid, STL_DEVIATION, STL_ANGLE)
     (writing,) = kernel_modules("StlAPI")

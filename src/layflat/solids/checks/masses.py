@@ -149,7 +149,7 @@ def _bodies(assembly: Assembly, components: Iterable[Component]) -> list[Body]:
     found: list[Body] = []
     for one in components:
         solid, mass = assembly.solid(one), assembly.mass_of(one)
-        volume, centre = float(solid.volume), np.array([*solid.center()])
+        volume, centre = assembly.volume(one.shape), np.array([*solid.center()])
         inertia = np.array(solid.matrix_of_inertia) * mass / volume / MM**2
         found += [(mass, (at.axes @ centre + at.origin) / MM, at.axes @ inertia @ at.axes.T) for at in one.places]
     return found

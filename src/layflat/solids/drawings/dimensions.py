@@ -79,7 +79,7 @@ class Labels:
     """Labels of a sheet, each placed where it covers as little as possible."""
 
     paper: Paper
-    points: list[Array] = field(default_factory=list)  # of lines that labels should not cover, (n, 2) each
+    points: Array = field(default_factory=lambda: np.empty((2, 0)))  # of lines that labels should not cover, (2, n)
     boxes: list[tuple[float, float, float, float]] = field(default_factory=list)  # of other labels
 
     def avoid(self, points: Any) -> None:
@@ -88,7 +88,7 @@ class Labels:
         steps = np.diff(line, axis=0)
         counts = np.maximum(np.hypot(*steps.T).astype(int), 1)
         spots = [start + step * np.arange(n)[:, None] / n for start, step, n in zip(line, steps, counts, strict=False)]
-        self.points.append(np.vstack((*spots, line[-1:])))
+        self.points = np.hstack((self.points, *(spot.T for spot in spots), line[-1:].T))
 
     def line(self, points: Any) -> None:
         """Draw a thin line (n, 2) that labels avoid."""
@@ -98,10 +98,8 @@ class Labels:
     def cost(self, box: tuple[float, float, float, float]) -> float:
         """Return how much a box (left, low, right, high) covers: points of lines, and much more for other labels."""
         left, low, right, high = box
-        covered = 0
-        for points in self.points:
-            x, y = points.T
-            covered += int(((x > left) & (x < right) & (y > low) & (y < high)).sum())
+        x, y = self.points
+        covered = np.count_nonzero((x > left) & (x < right) & (y > low) & (y < high))
         overlaps = sum(left < r and right > x and low < h and high > y for x, y, r, h in self.boxes)
         return covered + 50.0 * overlaps
 

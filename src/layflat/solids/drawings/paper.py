@@ -137,6 +137,8 @@ def _draw(figure: Any, paper: Paper) -> None:
     from matplotlib.path import Path as Outline  # noqa: PLC0415
     from matplotlib.transforms import Affine2D  # noqa: PLC0415
 
+    from layflat.solids.drawings.text_line import TextLine, font_of  # noqa: PLC0415  # imports matplotlib
+
     on_paper = Affine2D().scale(1 / INCH_LENGTH) + figure.dpi_scale_trans
     order = 0
     for group in _groups(paper.elements):
@@ -144,8 +146,10 @@ def _draw(figure: Any, paper: Paper) -> None:
         first = group[0]
         if isinstance(first, Text):
             size = first.height / CAPITAL_HEIGHT / INCH_LENGTH * 72
-            figure.text(*first.at, first.text, transform=on_paper, fontsize=size, ha=first.anchor, va="baseline",
-                        rotation=first.rotation, rotation_mode="anchor", parse_math=False, zorder=order)  # fmt: skip
+            figure.add_artist(
+                TextLine(*first.at, first.text, transform=on_paper, fontproperties=font_of(size), ha=first.anchor,
+                         rotation=first.rotation, rotation_mode="anchor", zorder=order)
+            )  # fmt: skip
             continue
         lines = [(line, one.closed) for one in group if isinstance(one, Path) for line in one.lines]
         outline = Outline.make_compound_path(
