@@ -10,6 +10,7 @@ from layflat.solids.checks.meshes import (
     MeshStore,
     PartMesh,
     box_gaps,
+    enclosing_triangles,
     least_distance,
     segment_distances,
 )
@@ -17,7 +18,7 @@ from layflat.solids.checks.meshes import triangle_distances as distances
 from layflat.solids.component import Component, axes_towards
 from layflat.solids.hardware import rod, sleeve
 from layflat.solids.loops import rectangle
-from layflat.solids.shapes import PartPlace, Prism, Shape
+from layflat.solids.shapes import Drilled, Lofted, PartPlace, Prism, Shape
 
 FLAT = np.array([[[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0]]])
 
@@ -63,5 +64,72 @@ def test_distances_are_those_of_the_kernel_within_the_tolerance_of_the_triangles
 
 def test_gaps_of_boxes_are_the_largest_over_the_axes() -> None:
     part = Component("part", "body", rod(1.0, 1.0), "steel", "turning", ())
-    first, second = PartMesh(part, FLAT), PartMesh(part, FLAT + np.array([7.0, 1.0, 2.0]))
+    first, second = PartMesh(part, lambda: FLAT), PartMesh(part, lambda: FLAT + np.array([7.0, 1.0, 2.0]))
     assert box_gaps([first], [second]) == pytest.approx(np.array([[3.0]]))
+
+
+def bent_band(random: np.random.Generator) -> Lofted:
+    """Return a band through twisted sections with a hole in it."""
+    sections = []
+    for k in range(5):
+        turn, lean = 0.3 * k + random.uniform(0.0, 0.2), random.uniform(-0.3, 0.3)
+        flat = [(-6.0, -1.0), (6.0, -1.0), (7.0, 0.0), (6.0, 1.0), (-6.0, 1.0)]
+        radius = [30.0 + z * np.cos(lean) + x * np.sin(lean) for x, z in flat]
+        sections.append(tuple(
+            (float(r * np.cos(turn)), float(r * np.sin(turn)), x) for (x, _), r in zip(flat, radius, strict=True)
+        ))  # fmt: skip
+    return Lofted(tuple(sections), (Drilled((40.0, 12.0, 0.0), (-1.0, 0.0, 0.0), 3.0, 30.0),))
+
+
+@pytest.mark.skipif(not extras.available("cad"), reason="no build123d; pip install layflat[cad]")
+def test_what_encloses_a_band_drops_no_part_that_is_near_it() -> None:
+    random, store = np.random.default_rng(8), MeshStore()
+    near = dropped = 0
+    for _ in range(6):
+        band = Component("band", "body", bent_band(random), "hose", "cutting", (
+            PartPlace(axes_towards(*random.normal(size=3)), random.uniform(-5.0, 5.0, 3)),))  # fmt: skip
+        mesh = store.parts([band])[0]
+        assert mesh.outer is not None
+        low, high = mesh.box
+        assert (mesh.triangles >= low).all()
+        assert (mesh.triangles <= high).all()
+        for _ in range(25):
+            at = PartPlace(axes_towards(*random.normal(size=3)), random.uniform(low, high))
+            ball = store.parts([Component("rod", "body", rod(3.0, 9.0), "steel", "turning", (at,))])[0]
+            alone = PartMesh(band, lambda mesh=mesh: mesh.triangles)  # type: ignore[misc]
+            true, reach = least_distance(alone, ball, 30.0), random.uniform(0.1, 4.0)
+            found = least_distance(mesh, ball, reach)
+            assert found == (true if true <= reach else np.inf)
+            around = least_distance(mesh.outer, ball, 30.0)
+            assert around <= true + 1e-3
+            near += true <= reach
+            dropped += around > reach
+    assert near > 20
+    assert dropped > 20
+
+
+def test_what_encloses_a_band_is_closed_and_takes_no_kernel(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(extras, "_is_installed", lambda module: module != "build123d")
+    band = bent_band(np.random.default_rng(2))
+    sections = np.array(band.sections)
+    corners = {tuple(point) for point in enclosing_triangles(band).reshape(-1, 3)}
+    assert corners == {tuple(point) for point in sections.reshape(-1, 3)}
+
+
+@pytest.mark.skipif(not extras.available("cad"), reason="no build123d; pip install layflat[cad]")
+def test_solids_of_bands_are_made_only_where_something_is_near() -> None:
+    made: list[Shape] = []
+
+    def solid(shape: Shape) -> object:
+        made.append(shape)
+        return cad.solid(shape)
+
+    store, band = MeshStore(solid), bent_band(np.random.default_rng(4))
+    place = PartPlace(np.eye(3), np.zeros(3))
+    hose = store.parts([Component("band", "body", band, "hose", "cutting", (place,))])[0]
+    for origin, expected in ((60.0, 0), (30.0, 1)):
+        pin = PartPlace(np.eye(3), np.array([origin, 3.0, 0.0]))
+        part = store.parts([Component("rod", "body", rod(3.0, 9.0), "steel", "turning", (pin,))])[0]
+        distance = least_distance(hose, part, 2.0)
+        assert (distance == np.inf) is (expected == 0)
+        assert sum(isinstance(shape, Lofted) for shape in made) == expected

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, partial
+from itertools import combinations
 from typing import TYPE_CHECKING, Any
 
 from layflat.lazy import numpy as np
 from layflat.solids import cad
 from layflat.solids.meshes import solid_mesh
+from layflat.solids.shapes import Lofted
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
@@ -19,6 +21,7 @@ if TYPE_CHECKING:
 
 CHORD_TOLERANCE = 0.05  # most that triangles lie inside a curved face, mm
 CHORD_ANGLE = 0.4  # most between two triangles of a curved face, rad
+ENCLOSING_MARGIN = 1e-3  # most that the kernel lays a solid beside its sections, mm
 PAIRS_AT_ONCE = 20_000  # pairs of triangles whose distances are computed together
 TRIANGLE_EDGES = ((0, 1), (1, 2), (2, 0))
 LEAST_SQUARE = 1e-18  # that stands for the squared length of an edge of no length, mm2
@@ -26,10 +29,16 @@ LEAST_SQUARE = 1e-18  # that stands for the squared length of an edge of no leng
 
 @dataclass(frozen=True, eq=False)
 class PartMesh:
-    """Surface of one placed part as triangles."""
+    """Surface of one placed part as triangles, which are made when they are asked for."""
 
     component: Component
-    triangles: Array  # corners, (n, 3, 3)
+    make: Callable[[], Array]  # function that returns the corners of the triangles, (n, 3, 3)
+    outer: PartMesh | None = None  # surface that encloses the part and takes no CAD kernel, if there is one
+
+    @cached_property
+    def triangles(self) -> Array:
+        """Corners of the triangles, (n, 3, 3)."""
+        return self.make()
 
     @cached_property
     def boxes(self) -> tuple[Array, Array]:
@@ -37,14 +46,23 @@ class PartMesh:
         return self.triangles.min(axis=1), self.triangles.max(axis=1)
 
     @cached_property
-    def box(self) -> tuple[Array, Array]:
-        """Lower and upper corner of the bounding box, (3,) each."""
+    def span(self) -> tuple[Array, Array]:
+        """Lower and upper corner of the triangles' common bounding box, (3,) each."""
         low, high = self.boxes
         return low.min(axis=0), high.max(axis=0)
 
+    @property
+    def box(self) -> tuple[Array, Array]:
+        """Lower and upper corner of a box that holds the part, (3,) each; of parts with an outer surface, its box."""
+        if self.outer is None:
+            return self.span
+        low, high = self.outer.span
+        return low - ENCLOSING_MARGIN, high + ENCLOSING_MARGIN
+
     def moved(self, at: PartPlace) -> PartMesh:
         """Return the part where its frame has a place in another frame."""
-        return PartMesh(self.component, self.triangles @ at.axes.T + at.origin)
+        outer = self.outer.moved(at) if self.outer else None
+        return PartMesh(self.component, lambda: self.triangles @ at.axes.T + at.origin, outer)
 
 
 @dataclass(frozen=True)
@@ -56,7 +74,7 @@ class MeshStore:
 
     def parts(self, components: Iterable[Component]) -> list[PartMesh]:
         """Return all parts of components as meshes, each at its place."""
-        meshes = [PartMesh(one, self.triangles(one.shape)) for one in components]
+        meshes = [PartMesh(one, partial(self.triangles, one.shape), _outer_mesh(one)) for one in components]
         return [mesh.moved(place) for mesh in meshes for place in mesh.component.places]
 
     def triangles(self, shape: Shape) -> Array:
@@ -67,6 +85,22 @@ class MeshStore:
         return self._triangles[shape]
 
 
+def _outer_mesh(component: Component) -> PartMesh | None:
+    """Return a surface around a shape that is laid through sections; None for other shapes."""
+    shape = component.shape
+    return PartMesh(component, partial(enclosing_triangles, shape)) if isinstance(shape, Lofted) else None
+
+
+def enclosing_triangles(shape: Lofted) -> Array:
+    """Return triangles that enclose a shape, (n, 3, 3): its faces lie in the tetrahedra of their corners."""
+    sections = np.array(shape.sections)
+    edges = np.stack((sections, np.roll(sections, -1, axis=1)), axis=2)
+    corners = np.concatenate((edges[:-1], edges[1:]), axis=2).reshape(-1, 4, 3)  # of each face between two sections
+    faces = [corners[:, chosen] for chosen in combinations(range(4), 3)]
+    ends = [np.stack((np.broadcast_to(end[0], end[2:].shape), end[1:-1], end[2:]), axis=1) for end in sections[[0, -1]]]
+    return np.concatenate((*faces, *ends))
+
+
 def least_distance(first: PartMesh, second: PartMesh, reach: float) -> float:
     """Return the least distance of two parts' surfaces, 0 where they cross, infinity beyond a reach.
 
@@ -75,6 +109,15 @@ def least_distance(first: PartMesh, second: PartMesh, reach: float) -> float:
         second: the other part.
         reach: distance up to which it matters, mm.
     """
+    if first.outer or second.outer:  # far from what encloses a part is far from the part
+        around = _surface_distance(first.outer or first, second.outer or second, reach + ENCLOSING_MARGIN)
+        if around == float("inf"):
+            return around
+    return _surface_distance(first, second, reach)
+
+
+def _surface_distance(first: PartMesh, second: PartMesh, reach: float) -> float:
+    """Return the least distance of two parts' triangles, 0 where they cross, infinity beyond a reach, mm."""
     one, other = _near(first, second, reach), _near(second, first, reach)
     if not one.size or not other.size:
         return float("inf")
@@ -96,7 +139,7 @@ def least_distance(first: PartMesh, second: PartMesh, reach: float) -> float:
 
 def _near(part: PartMesh, other: PartMesh, reach: float) -> Any:
     """Return the numbers of the triangles of a part whose boxes are within a reach (mm) of another part's box."""
-    (low, high), (other_low, other_high) = part.boxes, other.box
+    (low, high), (other_low, other_high) = part.boxes, other.span
     return np.nonzero(((low <= other_high + reach) & (high >= other_low - reach)).all(axis=1))[0]
 
 
@@ -196,4 +239,4 @@ def segment_mesh(component: Component, start: Array, end: Array) -> PartMesh:
         start: mm, (3,).
         end: mm, (3,).
     """
-    return PartMesh(component, np.array([[start, end, end]], float))
+    return PartMesh(component, lambda: np.array([[start, end, end]], float))
