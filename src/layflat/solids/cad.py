@@ -102,6 +102,6 @@ def _drill(body: Any, holes: Iterable[Drilled], others: Iterable[Any] = ()) -> A
     return _largest(cut.solids() if hasattr(cut, "solids") else [cut])
 
 
-def _largest(found: Sequence[Any]) -> Any:
+def _largest(bodies: Sequence[Any]) -> Any:
     """Return the solid with the most volume."""
-    return found[0] if len(found) == 1 else max(found, key=lambda one: one.volume)
+    return bodies[0] if len(bodies) == 1 else max(bodies, key=lambda one: one.volume)
