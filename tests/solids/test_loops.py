@@ -57,3 +57,20 @@ def test_turning_and_mirroring_keep_the_area() -> None:
     loop = polygon([(0, 0), (4, 0), (1, 3)])
     assert loop.turned(1.0, (2.0, 5.0)).area == pytest.approx(loop.area)
     assert loop.mirrored().points()[:, 0] == pytest.approx(-loop.points()[:, 0])
+
+
+def test_distances_go_to_sides_corners_and_arcs() -> None:
+    plate = rectangle(4.0, 2.0)
+    assert plate.distance((0.0, 0.0)) == pytest.approx(1.0)
+    assert plate.distance((5.0, 5.0)) == pytest.approx(5.0)
+    ring = circle(1.0, 2.0, 30.0)
+    assert ring.distance((1.0 + 29.0 * cos(0.7), 2.0 + 29.0 * sin(0.7))) == pytest.approx(1.0, abs=1e-12)
+
+
+@given(st.floats(-40.0, 40.0), st.floats(-40.0, 40.0), st.floats(0.0, 6.0))
+def test_distances_are_those_of_many_points_on_the_outline(x: float, y: float, turn: float) -> None:
+    figure = sector(10.0, 20.0, 0.2, 3.0).turned(turn, (1.0, 2.0))
+    for one in (figure, figure.mirrored()):
+        many = one.points(step=1e-3)
+        dense = np.vstack([many + share * (np.roll(many, -1, axis=0) - many) for share in np.linspace(0.0, 1.0, 60)])
+        assert one.distance((x, y)) == pytest.approx(float(np.hypot(*(dense - (x, y)).T).min()), abs=0.1)

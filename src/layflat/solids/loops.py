@@ -89,6 +89,20 @@ class Loop:
         points = self.points()
         return float(np.hypot(*(points - np.roll(points, 1, axis=0)).T).sum())
 
+    def distance(self, point: Point) -> float:
+        """Return the distance of a point from the outline, mm; curves count by their points."""
+        found, before = [], self.start
+        for side in self.sides:
+            match side:
+                case ArcSide(via, to):
+                    found.append(_arc_distance(before, via, to, point))
+                case StraightSide(to):
+                    found.append(_path_distance((before, to), point))
+                case CurveSide(through):
+                    found.append(_path_distance((before, *through), point))
+            before = side.end
+        return min(found)
+
     def mirrored(self) -> Loop:
         """Return the mirror image about the y-axis."""
         sides = [_mirrored_side(side) for side in self.sides]
@@ -227,13 +241,36 @@ def _arc_points(start: Point, via: Point, to: Point, step: float) -> list[Point]
     """Return points of an arc from after its start to its end."""
     x, y = arc_centre(start, via, to)
     radius = hypot(start[0] - x, start[1] - y)
-    first, middle, last = (atan2(p[1] - y, p[0] - x) for p in (start, via, to))
-    turn = (last - first) % (2 * pi)
-    if (middle - first) % (2 * pi) > turn:
-        turn -= 2 * pi
+    first, turn = _arc_angles((x, y), start, via, to)
     count = max(2, int(abs(turn) / step) + 1)
     inner = [first + turn * k / count for k in range(1, count)]
     return [*((x + radius * cos(a), y + radius * sin(a)) for a in inner), to]
+
+
+def _arc_angles(centre: Point, start: Point, via: Point, to: Point) -> tuple[float, float]:
+    """Return the angle at which an arc starts, and by which it turns, anticlockwise, rad."""
+    first, middle, last = (atan2(p[1] - centre[1], p[0] - centre[0]) for p in (start, via, to))
+    turn = (last - first) % (2 * pi)
+    return first, turn - 2 * pi if (middle - first) % (2 * pi) > turn else turn
+
+
+def _arc_distance(start: Point, via: Point, to: Point, point: Point) -> float:
+    """Return the distance of a point from an arc."""
+    x, y = arc_centre(start, via, to)
+    first, turn = _arc_angles((x, y), start, via, to)
+    beyond = (atan2(point[1] - y, point[0] - x) - first) * (1 if turn > 0 else -1) % (2 * pi)
+    if beyond <= abs(turn):
+        return abs(hypot(point[0] - x, point[1] - y) - hypot(start[0] - x, start[1] - y))
+    return min(hypot(point[0] - end[0], point[1] - end[1]) for end in (start, to))
+
+
+def _path_distance(path: Sequence[Point], point: Point) -> float:
+    """Return the distance of a point from a path of straight lines."""
+    corners = np.array(path)
+    start, along = corners[:-1], np.diff(corners, axis=0)
+    square = np.maximum((along**2).sum(axis=1), SHORTEST_SIDE**2)
+    share = np.clip(((np.array(point) - start) * along).sum(axis=1) / square, 0.0, 1.0)
+    return float(np.hypot(*(start + share[:, None] * along - point).T).min())
 
 
 def arc_centre(start: Point, via: Point, to: Point) -> Point:

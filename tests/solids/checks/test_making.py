@@ -5,9 +5,9 @@ from dataclasses import replace
 import pytest
 
 from layflat import extras
-from layflat.solids.checks.making import MAX_STRAP_MISS, edge_distance, making_findings, strap_finding
+from layflat.solids.checks.making import MAX_STRAP_MISS, making_findings, strap_finding
 from layflat.solids.component import Component
-from layflat.solids.loops import Loop, rectangle
+from layflat.solids.loops import Loop, circle, rectangle
 from layflat.solids.section import CrossSection
 from layflat.solids.shapes import Hole, Prism, place
 from tests.solids.checks.builds import built
@@ -38,6 +38,11 @@ def test_thin_walls_are_drilled_and_thinner_ones_refused() -> None:
     assert ("error", "a wall of 0.5 mm") in findings(Hole((0.0, 0.0), 4.0), Hole((4.5, 0.0), 4.0), making="milling")
 
 
+@pytest.mark.parametrize("name", ["paper-arm", "picking-arm", "single-joint-lift"])
+def test_shipped_machines_can_be_made(name: str) -> None:
+    assert not [one for one in making_findings(built(name)) if one.severity == "error"]
+
+
 def test_threaded_holes_count_as_drilled() -> None:
     assert findings(Hole((0.0, 0.0), 4.2, "M5"), thickness=8.0) == []
     assert [severity for severity, _ in findings(Hole((0.0, 0.0), 4.2), thickness=8.0)] == ["note"]
@@ -50,10 +55,12 @@ def test_walls_around_openings_and_thin_plates_are_refused() -> None:
     assert findings(making="milling", thickness=0.4) == [("error", "a wall of 0.4 mm")]
 
 
-def test_distances_to_edges_go_to_sides_and_corners() -> None:
-    corners = rectangle(4.0, 2.0).points()
-    assert edge_distance(corners, (0.0, 0.0)) == pytest.approx(1.0)
-    assert edge_distance(corners, (5.0, 5.0)) == pytest.approx(5.0)
+def test_a_wall_between_arcs_is_as_thick_as_the_difference_of_their_radii() -> None:
+    for outer in (25.0, 30.0, 43.7):
+        shape = Prism(circle(0.0, 0.0, outer), 50.0, openings=(circle(0.0, 0.0, outer - 1.0).turned(0.3),))
+        part = Component("tube", "body", shape, "aluminium-tube", "milling", (place(),), joint="small")
+        found = making_findings(replace(built(), components=(part,)))
+        assert not [one for one in found if "tube" in one.where]
 
 
 def test_the_straps_path_is_within_a_tenth_of_a_millimetre() -> None:

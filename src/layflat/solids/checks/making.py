@@ -15,7 +15,6 @@ from layflat.solids.standard.processes import PROCESSES, check_bend, check_hole,
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from layflat.arrays import Array
     from layflat.solids.assembly import Assembly
     from layflat.solids.component import Component
     from layflat.solids.shapes import Hole
@@ -80,12 +79,11 @@ def _flat_findings(component: Component, shape: Prism, where: str) -> list[Findi
 
 def _walls(shape: Prism) -> Iterator[tuple[tuple[Hole, ...], float]]:
     """Yield the holes beside it and the thickness (mm) of each wall: between holes, an edge, and openings."""
-    outline = shape.outline.points()
     for loop in shape.openings:
-        yield (), min(edge_distance(outline, point) for point in loop.points())
-    edges = [outline, *(loop.points() for loop in shape.openings)]
+        yield (), min(shape.outline.distance(point) for point in loop.points())
     for hole in shape.holes:
-        yield (hole,), min(edge_distance(edge, hole.centre) for edge in edges) - hole.diameter / 2
+        edge = min(loop.distance(hole.centre) for loop in (shape.outline, *shape.openings))
+        yield (hole,), edge - hole.diameter / 2
     for one, other in combinations(shape.holes, 2):
         apart = float(np.hypot(one.centre[0] - other.centre[0], one.centre[1] - other.centre[1]))
         yield (one, other), apart - (one.diameter + other.diameter) / 2
@@ -94,15 +92,6 @@ def _walls(shape: Prism) -> Iterator[tuple[tuple[Hole, ...], float]]:
 def _hole_text(hole: Hole) -> str:
     """Return the place of a hole for messages."""
     return f"({hole.centre[0]:.3g}, {hole.centre[1]:.3g}) mm"
-
-
-def edge_distance(corners: Array, point: tuple[float, float]) -> float:
-    """Return the distance of a point from the sides of a closed polygon, (n, 2), in the unit of both."""
-    start, end = corners, np.roll(corners, -1, axis=0)
-    along = end - start
-    square = np.maximum((along**2).sum(axis=1), 1e-18)
-    share = np.clip(((np.array(point) - start) * along).sum(axis=1) / square, 0.0, 1.0)
-    return float(np.hypot(*(start + share[:, None] * along - point).T).min())
 
 
 def _bend_findings(sizes: JointSizes, name: str) -> list[Finding | None]:
