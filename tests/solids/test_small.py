@@ -1,11 +1,11 @@
-"""The smallest joints: inlets in the shells."""
+"""The smallest joints: inlets in the shells, flanges of bushes in the ends of the cylinder."""
 
 import pytest
 
 from layflat import extras
 from layflat.design import SizingRequest, size_joint
 from layflat.solids.joint import joint_components
-from layflat.solids.sizes import JointSizes
+from layflat.solids.sizes import MM, JointSizes
 from tests.solids.test_joint import overlaps
 
 pytestmark = pytest.mark.skipif(not extras.available("cad"), reason="no build123d; pip install layflat[cad]")
@@ -16,3 +16,9 @@ def test_a_joint_of_three_newton_metres_is_built() -> None:
     found = joint_components(sizes, 0.5)
     assert {"outer inlet of hose A", "outer inlet of hose B"} <= {part.name for part in found}
     assert overlaps(found) == []
+
+
+def test_flanges_of_bushes_lie_in_pockets_of_a_narrow_cylinder() -> None:
+    sizes = JointSizes(size_joint(SizingRequest(torque="11 N m", stroke="128 deg", supply="5.6 bar")).design)
+    assert sizes.axis + sizes.bush.flange * MM / 2 > sizes.inner_radius
+    assert overlaps([part for part in joint_components(sizes) if part.name in {"cylinder", "bush"}]) == []

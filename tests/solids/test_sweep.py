@@ -1,14 +1,19 @@
 """Outputs that would sweep into their frame are refused in one line, with a value that mends it."""
 
 import re
+from itertools import pairwise
 
+import numpy as np
 import pytest
 
 from layflat.design import JointDesign, SizingRequest, design_joint, size_joint
 from layflat.errors import DesignError
 from layflat.machine.build_sizes import Build
 from layflat.solids.joint import joint_components
-from layflat.solids.sizes import JointSizes
+from layflat.solids.output import link_holes
+from layflat.solids.places import bar_place
+from layflat.solids.section import CrossSection
+from layflat.solids.sizes import MM, JointSizes
 from layflat.solids.sweep import check_sweep
 
 
@@ -16,7 +21,7 @@ def sized(torque: str, stroke: str, supply: str) -> JointDesign:
     return size_joint(SizingRequest(torque=torque, stroke=stroke, supply=supply)).design
 
 
-def with_key(design: JointDesign, table: str, key: str, value: float) -> JointDesign:
+def with_key(design: JointDesign, table: str, key: str, value: float | str) -> JointDesign:
     """A design with one key of the joint changed."""
     joint = design.joint
     part = getattr(joint, table)
@@ -33,9 +38,39 @@ def test_a_cam_that_meets_the_cylinder_is_refused_and_the_advice_mends_it() -> N
     check_sweep(JointSizes(with_key(design, "output", "shaft_offset", 1e-3 * offset)))
 
 
-def test_cylinders_too_small_for_a_clamp_are_refused_in_one_line() -> None:
-    with pytest.raises(DesignError, match=r"no wall around its screws .*; give cylinder\.diameter of 4\d mm or more"):
-        joint_components(JointSizes(sized("2.2 N m", "113 deg", "4.2 bar")))
+def test_holes_for_a_link_lie_beyond_straps_that_cross_the_arm() -> None:
+    """The cam of a short stroke is long: its strap passes where the link would be screwed on."""
+    long = JointSizes(with_key(sized("25.35 N m", "60.17 deg", "5.64 bar"), "output", "shaft_offset", 0.022))
+    section, holes = CrossSection(long), np.array([[0.0, at] for at in link_holes(long)])
+    for angle in np.linspace(-long.swing, long.swing, 41):
+        c, s = np.cos(angle), np.sin(angle)
+        points = holes @ np.array([[c, s], [-s, c]]) + [0.0, long.axis]
+        path = section.strap_path(long.stroke / 2 + float(angle))
+        fine = np.vstack([np.linspace(a, b, 50) for a, b in pairwise(path)])
+        nearest = np.hypot(*(fine[:, None] - points).T).min(axis=1)
+        assert (nearest > np.array([1.0, 1.1, 1.0]) * long.screw.nut_flats * MM / 2).all()
+
+
+def test_cylinders_too_small_for_a_clamp_are_refused_in_one_line_and_the_advice_mends_it() -> None:
+    design = sized("1.9 N m", "116 deg", "5.9 bar")
+    with pytest.raises(DesignError, match=r"no wall around its screws .*; give cylinder\.diameter of 4\d mm") as error:
+        joint_components(JointSizes(design))
+    diameter = float(re.search(r"diameter of (\d+) mm", str(error.value))[1])  # type: ignore[index]
+    bar_place(JointSizes(with_key(design, "cylinder", "diameter", 1e-3 * diameter)))
+    with pytest.raises(DesignError):
+        bar_place(JointSizes(with_key(design, "cylinder", "diameter", 1e-3 * (diameter - 1))))
+
+
+def test_small_cylinders_have_small_screws() -> None:
+    small, large = (JointSizes(sized(torque, "70 deg", "3.8 bar")) for torque in ("2.5 N m", "5 N m"))
+    assert (small.screw.name, small.rod.name, large.screw.name) == ("M2.5", "M2.5", "M3")
+    assert any("M2.5" in part.designation for part in joint_components(small))
+
+
+def test_tables_of_standard_parts_name_the_joint() -> None:
+    wide = with_build(design_joint("paper-small-joint"), Build(shaft_diameter="9 mm"))
+    with pytest.raises(DesignError, match=r"joint\.small\.build: bush: no bush has a bore of 9 mm; bores are 4, 5"):
+        joint_components(JointSizes(wide))
 
 
 def test_small_cylinders_have_small_inlets() -> None:

@@ -33,10 +33,12 @@ from layflat.solids.sizes import MM
 from layflat.solids.standard.screws import nut_engagement, screw_for
 
 if TYPE_CHECKING:
+    from layflat.solids.loops import Loop
     from layflat.solids.section import CrossSection
     from layflat.solids.shapes import PartPlace
     from layflat.solids.sizes import JointSizes
 
+FLANGE_GAP = 0.2  # between a bush's flange and a pocket for it, mm
 ACCESS_ROOM = 1e-3  # of a hole for a key around the head of its screw, m
 
 
@@ -64,11 +66,22 @@ def _cylinder(sizes: JointSizes, section: CrossSection) -> Component:
         pockets=(
             (window_loop(sizes, section), middle - sizes.window, middle + sizes.window),
             (slot, middle - sizes.hose_width / 2 - 1.0, middle + sizes.hose_width / 2 + 1.0),
+            *_bush_pockets(sizes),
         ),
     )
     stock = f"tube {2 * R:.4g} x {R - sizes.inner_radius:.3g}"
     return Component("cylinder", "body", shape, "aluminium-tube", "milling", (place(z=-middle),), stock,
                      size=f"{length:.1f} mm long")  # fmt: skip
+
+
+def _bush_pockets(sizes: JointSizes) -> tuple[tuple[Loop, float, float], ...]:
+    """Return the pockets in both ends of the cylinder for the flanges of bushes that reach over its wall."""
+    radius, length = sizes.bush.flange * MM / 2 + FLANGE_GAP, 2 * sizes.half_length
+    depth = sizes.bush.flange_thickness * MM + FLANGE_GAP
+    if sizes.axis + radius <= sizes.inner_radius:
+        return ()
+    loop = circle(0.0, sizes.axis, radius)
+    return (loop, 0.0, depth), (loop, length - depth, length)
 
 
 def _access_holes(sizes: JointSizes) -> tuple[Drilled, ...]:

@@ -14,7 +14,7 @@ from layflat.lazy import numpy as np
 from layflat.solids.component import Component, axes_towards
 from layflat.solids.hardware import hexagon_nut, sleeve, socket_screw, stud
 from layflat.solids.loops import circle, rectangle
-from layflat.solids.output import link_holes
+from layflat.solids.output import link_holes, tie_radius
 from layflat.solids.shapes import Hole, Joined, PartPlace, Prism, Turned, joined, place
 from layflat.solids.sizes import MM
 from layflat.solids.standard.materials import MATERIALS
@@ -102,7 +102,7 @@ def arm_tie(sizes: JointSizes, *, linked: bool) -> list[Component]:
     outside = sizes.arm_z[1] + (2 * STRUT_WALL * MM + 0.04 if linked else 0.0)
     size, half = sizes.screw, sizes.arm_z[0] - 0.01
     y = link_holes(sizes)[1]
-    outer = 2.2 * size.diameter * MM
+    outer = 2 * tie_radius(sizes)
     bore = size.clearance_hole * MM
     end = outside + (size.nut_height + size.pitch) * MM
     tube = sleeve(outer, bore, 2 * half)

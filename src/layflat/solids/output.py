@@ -2,26 +2,30 @@
 
 from __future__ import annotations
 
-from math import cos, pi, sin
+from math import cos, pi, sin, sqrt
 from typing import TYPE_CHECKING
 
 from layflat.design.straplines import direction_vector
 from layflat.lazy import numpy as np
-from layflat.solids.cams import CLAMP_SCREW, cam_part, flat, winding
+from layflat.solids.cams import CLAMP_SCREW, cam_loop, cam_part, flat, winding
 from layflat.solids.component import Component, axes_towards
 from layflat.solids.hardware import hexagon_nut, rod, sleeve, socket_screw, stud
 from layflat.solids.loops import HullCircle, hull, rectangle
 from layflat.solids.places import end_plate_loop
-from layflat.solids.section import STRIP_THICKNESS, CrossSection
+from layflat.solids.section import FILM_THICKNESS, STRIP_THICKNESS, CrossSection
 from layflat.solids.sensor import COUPLED_LENGTH
 from layflat.solids.shapes import UPSIDE_DOWN, Hole, PartPlace, Prism, place, turn_about_z
 from layflat.solids.sizes import MM, PAD_THICKNESS, SPACER_THICKNESS
 from layflat.solids.standard.screws import nut, screw_for
 
 if TYPE_CHECKING:
+    from layflat.arrays import Array
     from layflat.solids.sizes import JointSizes
 
 SWING_POINTS = 81  # angles of the arm at which it is looked for its distance from the end plates
+TRACK_COUNT = 15  # angles of the arm at which straps are looked for on the way of the link's holes
+HOLE_STEP = 0.5  # by which the holes for a link are moved out of the way of straps, mm
+TIE_SHARE = 2.2  # diameter of the distance tube between the arm plates over that of its screw
 LINK_PITCH = 2.5  # between the holes for a link over the diameter of the screws
 RING_THICKNESS = 1.0  # of a retaining ring, mm
 RING_SHARE = 1.45  # outer diameter of a retaining ring over the shaft's
@@ -38,11 +42,56 @@ def clamp_places(width: float) -> tuple[float, ...]:
 def link_holes(sizes: JointSizes) -> tuple[float, float, float]:
     """Return the distances of the holes for a link from the output's axis, mm: screw, tie, screw.
 
-    The first screw's head passes beside the end plates at all angles up to the mechanical limit.
+    The first screw's head passes beside the end plates at all angles up to the mechanical limit; straps, cams or
+    rollers pass beside the nuts of the screws and the tube around the tie.
     """
     first = _plate_reach(sizes, sizes.screw.head_diameter * MM / 2 + sizes.clearance)
     step = LINK_PITCH * sizes.screw.diameter * MM
+    nut_corner = sizes.screw.nut_flats * MM / sqrt(3)
+    rooms = (nut_corner, tie_radius(sizes) + sizes.clearance / 2, nut_corner)
+    tracks = _strap_tracks(sizes)
+    while any(_track_distance(tracks, first + k * step) < room for k, room in enumerate(rooms)):
+        first += HOLE_STEP
     return first, first + step, first + 2 * step
+
+
+def tie_radius(sizes: JointSizes) -> float:
+    """Return the radius of the distance tube between the ends of the arm plates, mm."""
+    return TIE_SHARE * sizes.screw.diameter * MM / 2
+
+
+def _strap_tracks(sizes: JointSizes) -> list[Array]:
+    """Return lines along cam or roller, and along the strap at angles over the stroke, mm, (n, 2) each.
+
+    They lie in the frame of the arm: the output's axis is at 0, and y along the arm. Straps count with their thickness.
+    """
+    section, loop = CrossSection(sizes), cam_loop(sizes).points()
+    found = [_turned(np.vstack((loop, loop[:1])), sizes.stroke / 2)]
+    for angle in np.linspace(-sizes.swing, sizes.swing, TRACK_COUNT):
+        path = section.strap_path(sizes.stroke / 2 + float(angle)) - [0.0, sizes.axis]
+        steps = np.diff(path, axis=0, append=2 * path[-1:] - path[-2:-1])
+        outward = np.stack((-steps[:, 1], steps[:, 0]), axis=-1) / np.hypot(*steps.T)[:, None]
+        outer = path + (sizes.strap_thickness + FILM_THICKNESS) * outward
+        found += [_turned(path, -float(angle)), _turned(outer, -float(angle))]
+    return found
+
+
+def _turned(points: Array, angle: float) -> Array:
+    """Return points (n, 2) rotated anticlockwise by an angle, rad."""
+    c, s = cos(angle), sin(angle)
+    turned: Array = points @ np.array([[c, s], [-s, c]])
+    return turned
+
+
+def _track_distance(tracks: list[Array], along: float) -> float:
+    """Return the least distance of lines from a point of the arm, mm; `along` is its distance from the axis."""
+    point, least = np.array([0.0, along]), np.inf
+    for track in tracks:
+        start, side = track[:-1], np.diff(track, axis=0)
+        share = np.sum((point - start) * side, axis=1) / np.maximum(np.sum(side * side, axis=1), 1e-12)
+        apart = start + np.clip(share, 0.0, 1.0)[:, None] * side - point
+        least = min(least, float(np.hypot(*apart.T).min()))
+    return float(least)
 
 
 def _plate_reach(sizes: JointSizes, room: float) -> float:

@@ -10,6 +10,7 @@ from layflat.lazy import numpy as np
 from layflat.solids.loops import HullCircle, hull
 from layflat.solids.section import WEBBING_THICKNESS
 from layflat.solids.sizes import MM, TAIL_SHARE
+from layflat.solids.standard.processes import smallest_wall
 
 if TYPE_CHECKING:
     from layflat.solids.loops import Loop
@@ -20,7 +21,7 @@ SCREW_SHARE, END_SHARE = 0.12, -0.22  # places of the clamp's and the end plates
 TIE_ANGLE = radians(189.0)  # of the tie bar on the side of hose A
 FOOT_ANGLES = tuple(radians(a) for a in (-50.0, -130.0, 165.0, 15.0))  # of the foot's studs
 TONGUE_PITCH = 2.5  # between the holes of a tongue over the diameter of the screws
-LEAST_BAR_WALL = 0.7  # around the screws of a clamp bar, mm
+LEAST_BAR_WALL = 0.7  # around the threads in the ends of a clamp bar, mm
 BUSH_WALL = 4.0  # of an end plate around the flange of the bush, mm
 TIE_SHARE = 2.0  # diameter of a tie bar over that of the screws in it
 STOP_SHARE = 2.0  # distance of a bump stop from the output's axis over half of an arm plate's width
@@ -36,9 +37,9 @@ def bar_place(sizes: JointSizes) -> tuple[float, float, float]:
     low = WEBBING_THICKNESS + sizes.hose_thickness
     high = low + sizes.clamp_bar
     bottom, top = _bar_ends(sizes.inner_radius, high, sizes.tail)
-    if _bar_wall(sizes, top - bottom) < LEAST_BAR_WALL:
+    if _bar_room(sizes, top - bottom) < 0.0:
         radius = sizes.inner_radius
-        while _bar_wall(sizes, -np.subtract(*_bar_ends(radius, high, TAIL_SHARE * radius))) < LEAST_BAR_WALL:
+        while _bar_room(sizes, -np.subtract(*_bar_ends(radius, high, TAIL_SHARE * radius))) < 0.0:
             radius += 0.5
         what = f"the clamp of the hoses leaves no wall around its screws in a bar of {top - bottom:.1f} mm"
         least = 2 * (radius + sizes.joint.cylinder.wall * MM)
@@ -53,10 +54,11 @@ def _bar_ends(inner_radius: float, high: float, tail: float) -> tuple[float, flo
     return -sqrt(inner_radius**2 - high**2) + EDGE_GAP, -inner_radius + tail
 
 
-def _bar_wall(sizes: JointSizes, depth: float) -> float:
-    """Return the least wall around the screws of a clamp bar of a depth, mm."""
+def _bar_room(sizes: JointSizes, depth: float) -> float:
+    """Return how much thicker than needed the least wall around the screws of a clamp bar of a depth is, mm."""
     screws = (0.5 - SCREW_SHARE) * depth - sizes.screw.clearance_hole * MM / 2
-    return min(screws, (0.5 + END_SHARE) * depth - sizes.screw.tapping_hole * MM / 2)
+    ends = (0.5 + END_SHARE) * depth - sizes.screw.tapping_hole * MM / 2
+    return min(screws - smallest_wall("milling") * MM, ends - LEAST_BAR_WALL)
 
 
 def frame_places(sizes: JointSizes) -> list[tuple[float, float]]:

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from math import cbrt, cos, pi, sin, sqrt
+from math import cbrt, ceil, cos, pi, sin, sqrt
 from typing import TYPE_CHECKING
 
 from layflat.design.straplines import ShellLine, direction_vector, joint_strap_line
@@ -29,7 +29,7 @@ from layflat.solids.standard.threads import THREADS, Thread, thread
 if TYPE_CHECKING:
     from layflat.arrays import Array
     from layflat.design import JointDesign
-    from layflat.machine import Joint, Machine
+    from layflat.machine import Joint
 
 MM = 1e3  # mm per metre
 RUBBER_DENSITY = 1150.0  # of a woven hose with its lining, kg/m3
@@ -53,7 +53,7 @@ NUT_GAP = 0.3  # between a rod's nut and the shaft, mm
 NOSE_STRESS_SHARE = 0.55  # share of the strap's yield stress that bending over the shell's nose may take
 DISC_HUB = 5.0  # height of the hub of the brake's disc, mm
 PAD_THICKNESS = 2.0  # thickness of a brake pad, mm
-SCREW_SIZES = ((70.0, "M3"), (85.0, "M4"), (120.0, "M5"), (200.0, "M6"), (float("inf"), "M8"))
+SCREW_SIZES = ((45.0, "M2.5"), (70.0, "M3"), (85.0, "M4"), (120.0, "M5"), (200.0, "M6"), (float("inf"), "M8"))
 """Screws of a frame by cylinder diameter: up to a diameter (mm), a size."""
 
 
@@ -201,12 +201,18 @@ class JointSizes:
 
     @cached_property
     def _rods(self) -> tuple[Thread, tuple[int, ...]]:
+        least = self._least_rod.diameter
         for sides in ROD_SIDES:
             for size in reversed(THREADS.values()):
-                if size.diameter <= self.screw.diameter and self._lug_room(size, sides) >= 0.0:
+                if least <= size.diameter <= self.screw.diameter and self._lug_room(size, sides) >= 0.0:
                     return size, sides
-        what = f"no rod of M3 or more fits beside a shaft of {self.shaft:g} mm inside the cams"
+        what = f"no rod of M{least * MM:g} or more fits beside a shaft of {self.shaft:g} mm inside the cams"
         raise DesignError(what, where=f"{self.design.label}.output", right=self._rod_mend())
+
+    @property
+    def _least_rod(self) -> Thread:
+        """Return the smallest size of a rod: M3, or the frame's screws if they are smaller."""
+        return min(THREADS["M3"], self.screw, key=lambda one: one.diameter)
 
     @property
     def rod_points(self) -> Array:
@@ -227,13 +233,24 @@ class JointSizes:
         return float((cam.lever * MM - across).min()) - lug
 
     def _rod_mend(self) -> str:
-        """Return which shaft leaves room for rods, or what else would."""
+        """Return which shaft, roller or cylinder leaves room for rods, or what else would."""
+        size, side, output = self._least_rod, ROD_SIDES[-1], self.joint.output
         for one in reversed(BUSHES):
             build = self.build.model_copy(update={"shaft_diameter": one.bore})
-            thinner = replace(self, design=replace(self.design, machine=_with_build(self.design, build)))
-            if one.bore * MM < self.shaft and thinner._lug_room(THREADS["M3"], ROD_SIDES[-1]) >= 0.0:
-                return f"give build.shaft_diameter of {one.bore * MM:g} mm, which bends more, or a longer stroke"
-        return "a longer stroke or a lower supply pressure makes wider cams"
+            if one.bore * MM < self.shaft and self._changed(build=build)._lug_room(size, side) >= 0.0:
+                return f"give build.shaft_diameter of {one.bore * MM:g} mm, which bends more, or a shorter stroke"
+        if output.kind == "roller":
+            least = ceil(10 * (self.rod_distance(size) + self.lug_radius(size))) / 10
+            if self.stroke * output.radius * MM / least >= self.joint.stops.working_stroke:
+                return f"give output.radius of {least:g} mm, or a shorter stroke"
+        return "a shorter stroke or a lower supply pressure makes wider cams"
+
+    def _changed(self, **values: object) -> JointSizes:
+        """Return the sizes of the joint with other parts of its description, by the same cam."""
+        machine, name = self.design.machine, self.design.name
+        joint = self.joint.model_copy(update=values)
+        changed = machine.model_copy(update={"joint": {**machine.joint, name: joint}})
+        return replace(self, design=replace(self.design, machine=changed))
 
     def rod_distance(self, size: Thread) -> float:
         """Return the distance of the rods of a size from the output's axis: bore and nut leave room between."""
@@ -356,10 +373,3 @@ class JointSizes:
     def disc_hub(self) -> float:
         """Height of the disc's hub."""
         return DISC_HUB
-
-
-def _with_build(design: JointDesign, build: Build) -> Machine:
-    """Return the machine of a design with another build of its joint."""
-    machine, name = design.machine, design.name
-    joint = machine.joint[name].model_copy(update={"build": build})
-    return machine.model_copy(update={"joint": {**machine.joint, name: joint}})

@@ -11,7 +11,8 @@ from layflat.solids.standard.materials import MATERIALS
 from layflat.solids.standard.threads import Thread, thread
 
 LENGTHS = tuple(
-    length * 1e-3 for length in (5, 6, 8, 10, 12, 16, 20, 25, 30, 35, 40, 45, 50, 55, 60, 65, 70, 80, 90, 100, 110, 120)
+    length * 1e-3
+    for length in (4, 5, 6, 8, 10, 12, 16, 20, 25, 30, 35, 40, 45, 50, 55, 60, 65, 70, 80, 90, 100, 110, 120)
 )
 """Preferred lengths of screws, m (ISO 4762)."""
 TAPPED_DEPTH = 1.5  # engaged thread in aluminium over the diameter, for a screw of class 70 to break first (VDI 2230)
@@ -19,7 +20,9 @@ NUT_OVERHANG = 2.0  # pitches by which a screw stands out of its nut (ISO 4032: 
 LENGTH_TOLERANCE = 1e-6  # within which a length is a preferred one, m
 HEXAGON_AREA = sqrt(3.0) / 2  # of a regular hexagon over its squared width across flats
 ROD_LENGTHS = (1.0, 2.0)  # in which threaded rod is sold, m (DIN 976-1)
-THIN_NUT_HEIGHTS = {"M3": 1.8e-3, "M4": 2.2e-3, "M5": 2.7e-3, "M6": 3.2e-3, "M8": 4e-3, "M10": 5e-3, "M12": 6e-3}
+THIN_NUT_HEIGHTS = {
+    "M2.5": 1.6e-3, "M3": 1.8e-3, "M4": 2.2e-3, "M5": 2.7e-3, "M6": 3.2e-3, "M8": 4e-3, "M10": 5e-3, "M12": 6e-3,
+}  # fmt: skip
 """Heights of thin nuts, m (ISO 4035)."""
 PROPERTY_CLASS = "A2-70"  # of screws, nuts and rods (ISO 3506-1, -2)
 PROOF_STRESS = MATERIALS["screw-steel"].yield_stress

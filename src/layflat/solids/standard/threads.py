@@ -1,4 +1,4 @@
-"""Metric coarse threads M3 to M12, with sizes of heads, nuts, washers and holes."""
+"""Metric coarse threads M2.5 to M12, with sizes of heads, nuts, washers and holes."""
 
 from dataclasses import dataclass
 from math import pi
@@ -52,6 +52,7 @@ class Thread:
 
 _SIZE_ROWS = (
     # d, P, tap, clearance | head: dk, s, t, shortest, longest | nut: s, m | washer: d1, d2, h; mm
+    (2.5, 0.45, 2.05, 2.9, 4.5, 2, 1.1, 4, 25, 5, 2, 2.7, 6, 0.5),
     (3, 0.5, 2.5, 3.4, 5.5, 2.5, 1.3, 5, 30, 5.5, 2.4, 3.2, 7, 0.5),
     (4, 0.7, 3.3, 4.5, 7, 3, 2, 6, 40, 7, 3.2, 4.3, 9, 0.8),
     (5, 0.8, 4.2, 5.5, 8.5, 4, 2.5, 8, 50, 8, 4.7, 5.3, 10, 1),
