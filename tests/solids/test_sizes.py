@@ -25,7 +25,7 @@ def sizes_with(tmp_path: Path) -> Callable[[str, str], JointSizes]:
 @pytest.mark.parametrize(
     ("key", "value", "text"),
     [
-        ("screw", "M7", "joint.small.build.screw: unknown size 'M7'; known sizes are M3, M4"),
+        ("screw", "M7", "joint.small.build.screw: unknown size 'M7'; known sizes are M2.5, M3"),
         ("shaft_diameter", "3 mm", "joint.small.build.shaft_diameter: no bush has a bore of 3 mm; bores are 4, 5"),
         ("end_plate_thickness", "80 mm", "joint.small: screw: no ISO 4762 M5 is 88.5 mm long; the longest is 50 mm"),
         ("end_plate_thickness", "0.3 mm", "joint.small.build: bushes in end plates of 0.3 mm do not bear"),

@@ -11,7 +11,7 @@ from layflat.errors import DesignError
 from layflat.machine.build_sizes import Build
 from layflat.solids.joint import joint_components
 from layflat.solids.output import link_holes
-from layflat.solids.places import bar_place
+from layflat.solids.places import bar_place, stop_places, stop_radius
 from layflat.solids.section import CrossSection
 from layflat.solids.sizes import MM, JointSizes
 from layflat.solids.sweep import check_sweep
@@ -51,6 +51,17 @@ def test_holes_for_a_link_lie_beyond_straps_that_cross_the_arm() -> None:
         assert (nearest > np.array([1.0, 1.1, 1.0]) * long.screw.nut_flats * MM / 2).all()
 
 
+@pytest.mark.parametrize("offset", [0.018, 0.022, 0.026])
+def test_bump_stops_lie_beside_the_cylinder_and_meet_the_arm_at_the_mechanical_limit(offset: float) -> None:
+    sizes = JointSizes(with_key(sized("25.35 N m", "60.17 deg", "5.64 bar"), "output", "shaft_offset", offset))
+    (_, stop), radius = stop_places(sizes), stop_radius(sizes)
+    away = float(np.hypot(*stop))
+    assert away + radius < sizes.inner_radius or away - radius > sizes.radius
+    along = np.array([np.sin(sizes.swing), np.cos(sizes.swing)])
+    x, y = np.array(stop) - [0.0, sizes.axis]
+    assert abs(x * along[1] - y * along[0]) == pytest.approx(sizes.arm_width / 2 + radius)
+
+
 def test_cylinders_too_small_for_a_clamp_are_refused_in_one_line_and_the_advice_mends_it() -> None:
     design = sized("1.9 N m", "116 deg", "5.9 bar")
     with pytest.raises(DesignError, match=r"no wall around its screws .*; give cylinder\.diameter of 4\d mm") as error:
@@ -65,12 +76,6 @@ def test_small_cylinders_have_small_screws() -> None:
     small, large = (JointSizes(sized(torque, "70 deg", "3.8 bar")) for torque in ("2.5 N m", "5 N m"))
     assert (small.screw.name, small.rod.name, large.screw.name) == ("M2.5", "M2.5", "M3")
     assert any("M2.5" in part.designation for part in joint_components(small))
-
-
-def test_tables_of_standard_parts_name_the_joint() -> None:
-    wide = with_build(design_joint("paper-small-joint"), Build(shaft_diameter="9 mm"))
-    with pytest.raises(DesignError, match=r"joint\.small\.build: bush: no bush has a bore of 9 mm; bores are 4, 5"):
-        joint_components(JointSizes(wide))
 
 
 def test_small_cylinders_have_small_inlets() -> None:

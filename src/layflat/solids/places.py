@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import asin, cos, radians, sin, sqrt
+from math import asin, cos, hypot, radians, sin, sqrt
 from typing import TYPE_CHECKING
 
 from layflat.errors import DesignError
@@ -24,7 +24,9 @@ TONGUE_PITCH = 2.5  # between the holes of a tongue over the diameter of the scr
 LEAST_BAR_WALL = 0.7  # around the threads in the ends of a clamp bar, mm
 BUSH_WALL = 4.0  # of an end plate around the flange of the bush, mm
 TIE_SHARE = 2.0  # diameter of a tie bar over that of the screws in it
-STOP_SHARE = 2.0  # distance of a bump stop from the output's axis over half of an arm plate's width
+STOP_SHARES = (2.0, 1.9, 1.8, 1.7, 1.6, 1.5, 2.2, 2.4, 2.6, 2.8)
+"""Distances of a bump stop from the output's axis over half of an arm plate's width, in the order of preference."""
+STOP_GAP = 0.1  # least distance of a bump stop from the cylinder, mm
 STOP_WALL = 0.6  # wall of a bump stop's rubber over the diameter of its screw
 
 
@@ -87,12 +89,27 @@ def tie_places(sizes: JointSizes) -> list[tuple[float, float]]:
 
 
 def stop_places(sizes: JointSizes) -> list[tuple[float, float]]:
-    """Return the places of the bump stops of an end plate, which the arm plates meet at the mechanical limits, mm."""
+    """Return the places of the bump stops of an end plate, which the arm plates meet at the mechanical limits, mm.
+
+    They lie nearer to the output's axis where they would meet the cylinder.
+    """
+    low, high = sizes.inner_radius - STOP_GAP, sizes.radius + STOP_GAP
+    radius = stop_radius(sizes)
+    for share in STOP_SHARES:
+        x, y = _stop_place(sizes, share)
+        if hypot(x, y) + radius <= low or hypot(x, y) - radius >= high:
+            return [(-x, y), (x, y)]
+    what = "the bump stops meet the cylinder"
+    right = "another output.shaft_offset, or a smaller build.screw, moves them away"
+    raise DesignError(what, where=sizes.label, right=right)
+
+
+def _stop_place(sizes: JointSizes, share: float) -> tuple[float, float]:
+    """Return the place of the bump stop on the side of +x; `share` is a distance of `STOP_SHARES`."""
     half = sizes.arm_width / 2
-    distance = STOP_SHARE * half
+    distance = share * half
     angle = sizes.swing + asin(min(1.0, (half + stop_radius(sizes)) / distance))
-    x, y = distance * sin(angle), sizes.axis + distance * cos(angle)
-    return [(-x, y), (x, y)]
+    return distance * sin(angle), sizes.axis + distance * cos(angle)
 
 
 def tongue_holes(sizes: JointSizes) -> list[tuple[float, float]]:
