@@ -48,6 +48,12 @@ def processors() -> int:
         return os.cpu_count() or 1
 
 
+def lower_priority() -> None:
+    """Leave the processors to all other processes that want them; for good, and only where the system knows it."""
+    if hasattr(os, "nice"):
+        os.nice(19)
+
+
 def start_process(
     target: Callable[..., object], arguments: tuple[Any, ...], name: str, *, daemon: bool = False
 ) -> SpawnProcess:

@@ -18,6 +18,7 @@ from layflat.pages.panel.moves import SequenceStep
 from layflat.pages.panel.operators import Operators
 from layflat.pages.panel.pilot import Pilot, RecentSamples
 from layflat.pages.panel.search import prepare_search
+from layflat.pages.panel.solids import ArmSolids
 from layflat.pages.server.worker import ProcessWorker
 from layflat.rig.check import check_in_subprocess
 from layflat.rig.open_loop import CheckResult
@@ -59,6 +60,7 @@ class Desk(AbstractContextManager["Desk"]):
         written: values of the description as its file has them, with their units.
         worker: process for calls that take longer than an event loop may be held up.
         painter: process that draws logs, which may take long.
+        solids: solids of the arm.
         charts: lines of all charts by the charts' names, with the samples that they were made of.
     """
 
@@ -76,6 +78,7 @@ class Desk(AbstractContextManager["Desk"]):
         self.pilot, self.operators = Pilot(self.link, self.lease), Operators(self.lease)
         self.charts: dict[str, tuple[RecentSamples, ChartData]] = {}
         self.rounds = Rounds(self.operators.drives)
+        self.solids = ArmSolids(machine, self.snapshot)
 
     @property
     def machine(self) -> Machine:
@@ -90,6 +93,7 @@ class Desk(AbstractContextManager["Desk"]):
         """End the worker processes and the pilot, stop the rig, vent the air, finish the log; it blocks until then."""
         self.worker.end()
         self.painter.end()
+        self.solids.end()
         self.pilot.close()
         self.link.close()
 

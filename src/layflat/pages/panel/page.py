@@ -65,6 +65,7 @@ class PanelPage:
         await self._show_reach()
         await self.logs.list_logs()
         await self.sequence.list_saved()
+        await self._show_solids(pieces)
 
     async def _build_header(self, pieces: Pieces) -> None:
         """Build the header with stop button and operator; renew lease and header every `REFRESH_PERIOD` from now on."""
@@ -89,6 +90,8 @@ class PanelPage:
             label = "The arm in three dimensions: as it is, and where it is to go"
             self.scene = ArmScene(desk.first, label=label, clicked=self._clicked)
             await pieces.pause()
+            if desk.solids.hint:
+                ui.label(desk.solids.hint).classes("lf-quiet lf-small")
             if desk.inverse.directions > 2:
                 self._add_height()
         self.charts = ChartsView(desk)
@@ -155,6 +158,14 @@ class PanelPage:
         finally:
             self._seeks_reach = False
         self.scene.show_reachable(*surface, on_floor=desk.inverse.directions < 3)
+
+    async def _show_solids(self, pieces: Pieces) -> None:
+        """Draw the arm by its solids once they are made and it rests: the browser is busy as it reads them."""
+        if solids := await self._desk.solids.await_solids():
+            await self._desk.solids.rest()
+            await pieces.turn()
+            for _ in self.scene.build_solids(solids):
+                await pieces.pause()
 
     def _drives_now(self) -> None:
         """Send the page a beat, so that it renews the lease from the moment in which it drives."""
