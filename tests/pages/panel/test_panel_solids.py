@@ -8,7 +8,7 @@ import pytest
 
 from layflat.rig.session import STARTS_WITHIN
 from tests.pages.browsers import PATIENT, PATIENT_ARM, PATIENT_HOST, chromium, served
-from tests.pages.panel.driving import angle, drives, jogged, until, vented
+from tests.pages.panel.driving import angle, drives, jogged, tab, until, vented
 
 SCENE = """() => {
   const canvases = [...document.querySelectorAll("canvas")].map((one) => one.parentElement.id.slice(1));
@@ -71,6 +71,21 @@ def test_solids_are_seen_and_move_with_the_joint(page: Any) -> None:
     still = cosines > np.cos(0.02)
     assert still.any(), "the base stands"
     assert np.isclose(np.arccos(cosines.clip(-1.0, 1.0)), turned, atol=0.03).sum() > 5, "both links turn with the joint"
+
+
+def test_a_click_on_what_can_be_reached_enters_a_target_beside_the_solids(page: Any) -> None:
+    until(lambda: len(places(page)) > 10, 120.0)
+    tab(page, "Target")
+    fields = [page.get_by_label(name) for name in ("large (deg)", "small (deg)", "tip x (mm)", "tip y (mm)")]
+    box = page.locator("canvas").first.bounding_box()
+    before = [field.input_value() for field in fields]
+
+    def entered() -> bool:
+        page.mouse.click(box["x"] + 0.66 * box["width"], box["y"] + 0.78 * box["height"])
+        page.wait_for_timeout(1000)
+        return all(field.input_value() != value for field, value in zip(fields, before, strict=True))
+
+    until(entered, 60.0)  # the surface is searched in another process
 
 
 def test_pictures_leave_two_thirds_of_the_time_to_the_page(page: Any) -> None:

@@ -51,7 +51,8 @@ class ArmScene:
     Args:
         machine: machine whose arm it is.
         label: description of the scene, for a reader of screens.
-        clicked: called with the clicked point of the reachable surface, in the base frame, m, (3,).
+        clicked: called with the clicked point of the reachable surface, in the base frame, m, (3,); a coroutine that it
+            returns is awaited.
     """
 
     def __init__(self, machine: Machine, *, label: str, clicked: Callable[[Array], object] | None = None) -> None:
@@ -164,11 +165,12 @@ class ArmScene:
         with self.scene as scene:
             self._reach = scene.texture(WHITE_PIXEL, grid).material("#2f7a2a", 0.25, "both").with_name("reach")
 
-    def _click(self, event: events.SceneClickEventArguments) -> None:
-        """Call `clicked` with the first point of the reachable surface that was hit, if there is one."""
+    def _click(self, event: events.SceneClickEventArguments) -> object:
+        """Call `clicked` with the first point of the reachable surface that was hit, if any; return what it returns."""
         hits = [hit for hit in event.hits if hit.object_name == "reach"]
         if hits and self._clicked is not None:
-            self._clicked(self._shown.level.T @ np.array([hits[0].x, hits[0].y, hits[0].z]))
+            return self._clicked(self._shown.level.T @ np.array([hits[0].x, hits[0].y, hits[0].z]))
+        return None
 
     def _draw_floor(self) -> None:
         """Draw the floor below the arm as a grid of 2 m by 2 m with lines every 0.1 m."""
