@@ -52,6 +52,7 @@ class OperatingPoint:
         machine: the machine.
         plant: parameters of its laws, and which joints are held.
         states: motion and air of each joint.
+        start: deviations from them when the valves' waves begin anew, (joints, numbers of a `MovingJoint`), SI.
         inputs: numbers of each joint's `AirInputs`, (joints, 3), in SI units.
         valves: small-signal model of each joint's valve.
         losses: those of the losses of each joint's hoses; none of a joint that is held.
@@ -63,6 +64,7 @@ class OperatingPoint:
     machine: Machine
     plant: PlantLaws
     states: tuple[MovingJoint, ...]
+    start: Array
     inputs: Array
     valves: tuple[LinearValve, ...]
     losses: tuple[tuple[LinearLosses, ...], ...]
@@ -167,6 +169,7 @@ class _PointSearch:
         self.columns = [[i for hose in air_columns(joint) for i in hose] for joint in plant.joints]
         self.hoses = [1 + int(has_second(joint.second)) for joint in plant.joints]
         self.valves = [cache(partial(mean_paths, joint.valve, h=plant.h)) for joint in plant.joints]
+        self.starts: tuple[dict[int, float], ...] = ({},) * len(plant.joints)  # deviations when the waves begin anew
         self.set_ripples([no_ripple(plant.h)] * len(plant.joints))
 
     @property
@@ -183,7 +186,8 @@ class _PointSearch:
         ]
         for _ in range(RIPPLE_ROUNDS):
             waves = [np.column_stack([wave, self._loads(j, states[j], len(wave))]) for j, wave in enumerate(paths)]
-            self.set_ripples(compute_ripples(model, waves, h))
+            ripples, self.starts = zip(*compute_ripples(model, waves, h), strict=True)
+            self.set_ripples(list(ripples))
         return np.array([np.abs(a.velocity).max() for a, _ in self.ripples])
 
     def set_ripples(self, ripples: list[tuple[Ripple, Ripple]]) -> None:
@@ -250,14 +254,15 @@ class _PointSearch:
         valves = tuple(linearize_valve(joint.valve, opening, self.plant.h) for joint, opening in pairs)
         for name, valve in zip(self.machine.joints, valves, strict=True):
             check_response(name, valve)
-        drift = np.zeros_like(change)
+        drift, start = np.zeros_like(change), np.zeros_like(change)
         for j, columns in enumerate(self.columns):
             drift[j, columns] = change[j, columns]
+            start[j, list(self.starts[j])] = list(self.starts[j].values())
         losses = tuple(
             tuple(linearize_losses(*hose) for hose in self.sliding_hoses(j, s.air_a.pressure, s.air_b.pressure))
             for j, s in enumerate(states)
         )
-        return OperatingPoint(self.machine, self.plant, states, inputs, valves, losses, loads, drift)
+        return OperatingPoint(self.machine, self.plant, states, start, inputs, valves, losses, loads, drift)
 
     def guesses(self) -> list[Array]:
         """Return unknowns to begin with, for a slow motion and for faster ones."""

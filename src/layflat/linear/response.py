@@ -8,7 +8,7 @@ A linear model is that of one configuration and its pressures. So after each con
 the mean of their rotations, and by what given pressures drift: no load falls over, and inertia and volumes stay. In
 their difference nothing is taken back.
 
-All sines have equal parts in the velocity of the joint, or, where it is held, in its pressure. The plant, driven once
+Sines have equal parts in the velocity of the joint that they move most, or, where theirs is held, in its pressure. The plant, driven once
 per control cycle, holds its voltage: the response is to that stepped voltage.
 """
 
@@ -81,13 +81,17 @@ def _measure_input(model: "StateSpace", name: str, w: Array) -> Array:
     point, cycle = model.operating_point, model.operating_point.machine.cycle
     joint, _, quantity = name.rpartition("_")
     j, speeds = list(point.machine.joints).index(joint), np.array([state.velocity for state in point.states])
-    held = point.plant.held[j]
-    observed = f"{joint}_differential_pressure" if held else f"{joint}_velocity"
-    size = PRESSURE_SIZE if held else min(VELOCITY_FRACTION * abs(speeds[j]), MAX_VELOCITY_SIZE)
-    gains = np.abs([model[observed, name](1j * value) for value in w]).ravel()
+    sizes = {
+        f"{other}_velocity": min(VELOCITY_FRACTION * abs(speed), MAX_VELOCITY_SIZE)
+        for other, speed in zip(point.machine.joints, speeds, strict=True)
+        if speed
+    }
+    if point.plant.held[j]:
+        sizes[f"{joint}_differential_pressure"] = PRESSURE_SIZE
+    gains = np.max([np.abs(model[output, name](1j * w)).ravel() / size for output, size in sizes.items()], axis=0)
     t = cycle * np.arange(round((SETTLING_TIME + WINDOW_TIME) / cycle))
     phases = np.random.default_rng(0).uniform(0.0, 2.0 * np.pi, len(w))
-    sines = (size * np.sqrt(2.0 / len(w)) / gains) @ np.sin(np.outer(w, t) + phases[:, np.newaxis])
+    sines = (np.sqrt(2.0 / len(w)) / gains) @ np.sin(np.outer(w, t) + phases[:, np.newaxis])
     signal = np.zeros((2, len(t), len(speeds)))  # voltages and loads
     signal[0 if quantity == "voltage" else 1, :, j] = sines
     forward, back = simulate(point, signal, -signal)
@@ -139,6 +143,7 @@ def _place_plant(point: OperatingPoint) -> SteppedPlant:
         losses = [*slid, *rested[len(slid) :]]
         joints.append(joint_state(joint, state, point.valves[j].state, losses, around.ambient_pressure))
     plant.place(joints, [valve.opening for valve in point.valves])
+    _set_back_plant(point, plant, -point.start)
     for j, held in enumerate(point.plant.held):
         plant.grip(j, GRIP_TORQUE if held else 0.0)
     return plant

@@ -21,13 +21,18 @@ def no_ripple(step: float) -> tuple[Ripple, Ripple]:
     return (Ripple(step, np.zeros(1), np.zeros(1)),) * 2
 
 
-def compute_ripples(model: LinearRates, waves: Sequence[Array], step: float) -> list[tuple[Ripple, Ripple]]:
-    """Return the ripples of hoses A and B of each joint.
+def compute_ripples(
+    model: LinearRates, waves: Sequence[Array], step: float
+) -> list[tuple[tuple[Ripple, Ripple], dict[int, float]]]:
+    """Return the ripples of hoses A and B of each joint, and the deviations of its states when the wave begins anew.
 
     Args:
         model: air and motion.
         waves: numbers of each joint's `AirInputs` over a period, (steps, 3), in SI units.
         step: step of the waves, s.
+
+    Returns:
+        By joint, two ripples, and deviations (SI) by the column of a `MovingJoint`'s numbers.
     """
     ripples = []
     for j, wave in enumerate(waves):
@@ -38,13 +43,11 @@ def compute_ripples(model: LinearRates, waves: Sequence[Array], step: float) -> 
         s = 2j * np.pi * np.fft.fftfreq(steps, step)
         pairs = zip(s[1:], inputs[1:], strict=True)
         harmonics = [np.linalg.solve(s_n * np.eye(len(B)) - model.A, B @ u) for s_n, u in pairs]
-        x = np.fft.ifft([np.zeros(len(B)), *harmonics], axis=0).real
+        x = np.array([np.zeros(len(B)), *harmonics])
         columns = {column: k for k, (i, column) in enumerate(model.places) if i == j}
-        velocity = np.zeros(steps)
-        if VELOCITY_COLUMN in columns:
-            at_start = np.fft.fft(x[:, columns[VELOCITY_COLUMN]]) * np.exp(-0.5 * step * s)
-            velocity = np.fft.ifft(at_start).real
+        middle, start = (np.fft.ifft(x * shift, axis=0).real for shift in (1.0, np.exp(-0.5 * step * s)[:, np.newaxis]))
+        velocity = start[:, columns[VELOCITY_COLUMN]] if VELOCITY_COLUMN in columns else np.zeros(steps)
         air = [columns[column] for column in sorted(columns) if column >= PRESSURE_A_COLUMN]
-        a, b = (Ripple(step, velocity, x[:, k]) for k in (air[0], air[len(air) // 2]))
-        ripples.append((a, b))
+        a, b = (Ripple(step, velocity, middle[:, k]) for k in (air[0], air[len(air) // 2]))
+        ripples.append(((a, b), {column: float(start[0, k]) for column, k in columns.items()}))
     return ripples

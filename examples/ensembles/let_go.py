@@ -1,0 +1,47 @@
+"""
+A hundred arms, each let go when it has arrived
+===============================================
+
+This example shows a batch of a hundred joints that lift up to 3 kg: between control cycles the program reads all of
+them, and takes away the load of each as soon as it has come to rest.
+"""
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+import layflat as lf
+
+# %%
+# Arrays of a batch are live views of all arms: `angle` is read, `inputs` act from the next cycle on.
+COUNT, CYCLES, GOAL = 100, 600, np.radians(20.0)
+payload = np.linspace(0.0, 3.0, COUNT)
+arms = lf.Batch("single-joint-lift", COUNT, vary={"arm.payload": payload}, start="-20 deg")
+demand, angles = np.full((COUNT, 1), GOAL), np.empty((CYCLES, COUNT))
+calm, release = np.zeros(COUNT), np.full(COUNT, CYCLES)  # cycles at rest so far; cycle at which an arm is let go
+for cycle in range(CYCLES):
+    arms.step(demand)
+    angles[cycle] = arms.angle[:, 0]
+    near = (abs(arms.angle[:, 0] - GOAL) < np.radians(0.3)) & (abs(arms.velocity[:, 0]) < np.radians(0.5))
+    calm = np.where(near, calm + 1, 0)
+    release[(calm == 40) & (release == CYCLES)] = cycle
+    arms.inputs["payload"][release == cycle] = 0.0
+
+# %%
+# The brake holds the joint where friction carries the load that is missing; heavier ones let it rise.
+time, released = arms.cycle * np.arange(1, CYCLES + 1), release < CYCLES
+after = np.arange(CYCLES)[:, np.newaxis] > release
+rise = np.degrees(np.where(after, angles, GOAL).max(axis=0) - GOAL)
+held = released & (rise < 0.3)
+print(f"{released.sum()} of {COUNT} arms were let go, after {time[release[released]].min():.2f} to ", end="")
+print(f"{time[release[released]].max():.2f} s; those with less than {payload[released & ~held].min():.1f} kg stay")
+
+# %%
+figure, (courses, rises) = plt.subplots(1, 2, figsize=(9.0, 4.0), layout="constrained")
+for arm, style in zip((10, 50, 80), ("C0-", "C1--", "C2:"), strict=True):
+    courses.plot(time, np.degrees(angles[:, arm]), style, label=f"{payload[arm]:.1f} kg")
+    courses.plot(time[release[arm]], np.degrees(angles[release[arm], arm]), style[:2] + "o", fillstyle="none")
+courses.set(xlabel="Time (s)", ylabel="Angle (deg)", title="Three of them; circles: let go")
+courses.legend(loc="lower right")
+rises.plot(payload[released], rise[released], "C0.")
+rises.set(xlabel="Payload (kg)", ylabel="Rise after it is gone (deg)", title=f"{released.sum()} that were let go")
+plt.show()
