@@ -8,8 +8,8 @@ A linear model is that of one configuration and its pressures. So after each con
 the mean of their rotations, and by what given pressures drift: no load falls over, and inertia and volumes stay. In
 their difference nothing is taken back.
 
-Sines have equal parts in the velocity of the joint that they move most, or, where theirs is held, in its pressure. The plant, driven once
-per control cycle, holds its voltage: the response is to that stepped voltage.
+Sines have equal parts in the velocity of the joint that they move most, or, where theirs is held, in its pressure. The
+plant, driven once per control cycle, holds its voltage: the response is to that stepped voltage.
 """
 
 from collections.abc import Sequence
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 DEFAULT_FREQUENCIES = (0.5, 0.75, 1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 7.0, 10.0, 14.0, 20.0)  # default, Hz
 VELOCITY_FRACTION, MAX_VELOCITY_SIZE = 0.002, 1e-4  # rms of a sliding joint's response: fraction of the speed, rad/s
 PRESSURE_SIZE = 50.0  # that of a held joint's, Pa
-SETTLING_TIME, WINDOW_TIME = 8.0, 6.0  # before the response is evaluated, and in which it is, s
+SETTLING_TIME, WINDOW_TIME = 3.0, 6.0  # before the response is evaluated, and in which it is, s
 SLOW_MODES = 8.0  # rate of decay below which modes outlast the settling or are excited by the sines' start, 1/s
 MAX_GROWTH = 5.0  # of deviations while a response is measured, as a power of e
 COMMON_MODES = 1e-4  # relative singular value below which two modes are one
