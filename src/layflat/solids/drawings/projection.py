@@ -73,9 +73,11 @@ class Projection:
         for k, name in enumerate(names):
             mask = seen == k
             if mask.sum() >= LEAST_SEEN:
-                inside = distance_transform_edt(np.pad(mask, 1))[1:-1, 1:-1]
+                rows, columns = (np.flatnonzero(mask.any(axis=axis)) for axis in (1, 0))
+                part = mask[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1]
+                inside = distance_transform_edt(np.pad(part, 1))[1:-1, 1:-1]
                 row, column = np.unravel_index(int(inside.argmax()), inside.shape)
-                found[name] = int(mask.sum()), np.array([x[column], y[row]])
+                found[name] = int(mask.sum()), np.array([x[columns[0] + column], y[rows[0] + row]])
         return found
 
 
