@@ -21,7 +21,7 @@ ENDS = st.tuples(st.integers(0, 6), st.integers(0, 6))
 def test_a_path_draws_each_line_once(lines: list[tuple[tuple[int, int], tuple[int, int]]]) -> None:
     exact = [((float(a), float(b)), (float(c), float(d))) for (a, b), (c, d) in lines]
     drawn = []
-    for chain in _path(exact).split("M")[1:]:
+    for chain in _path(np.array(exact).reshape(-1, 2, 2)).split("M")[1:]:
         steps = np.array(re.findall(r"-?\d+", chain), float).reshape(-1, 2)
         values = np.cumsum(steps, axis=0) / 10.0
         drawn += [frozenset(map(tuple, pair)) for pair in zip(values.tolist(), values[1:].tolist(), strict=False)]

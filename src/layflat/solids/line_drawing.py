@@ -94,14 +94,17 @@ def draw(bodies: Sequence[DrawnBody], title: str) -> str:
     height = (high[1] - low[1]) * scale + 2 * EDGE_MARGIN
     shift = (WIDTH - (high[0] - low[0]) * scale) / 2
 
-    def pixel(point: Point) -> Point:
-        return shift + (point[0] - low[0]) * scale, height - EDGE_MARGIN - (point[1] - low[1]) * scale
+    def pixels(points: Array) -> Array:
+        placed: Array = np.array([shift, height - EDGE_MARGIN]) + (points - low) * scale * [1.0, -1.0]
+        return placed
 
-    paths = {
-        faint: _path([(pixel(a), pixel(b)) for body in bodies if body.faint is faint for a, b in body.lines])
+    lines = {
+        faint: np.array([line for body in bodies if body.faint is faint for line in body.lines]).reshape(-1, 2, 2)
         for faint in (True, False)
     }
-    anchors = {number: pixel(point) for number, point in _anchors(bodies).items()}
+    paths = {faint: _path(pixels(ends)) for faint, ends in lines.items()}
+    found = _anchors(bodies)
+    anchors = dict(zip(found, map(tuple, pixels(np.array([*found.values()]).reshape(-1, 2)).tolist()), strict=True))
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH:.0f} {height:.0f}" role="img" fill="none">'
         f"<title>{title}</title>"
@@ -124,10 +127,10 @@ def _anchors(bodies: Sequence[DrawnBody]) -> dict[int, Point]:
     return anchors
 
 
-def _path(lines: Sequence[tuple[Point, Point]]) -> str:
-    """Return lines (px) as the data of a path in tenths of a pixel, joined where one goes on from another."""
-    rounded = [tuple((round(10 * x), round(10 * y)) for x, y in line) for line in lines]
-    rounded = list(dict.fromkeys(line for line in rounded if line[0] != line[1]))
+def _path(lines: Array) -> str:
+    """Return lines (px, (n, 2, 2)) as a path in tenths of a pixel, joined where one goes on from another."""
+    tenths = [((a, b), (x, y)) for (a, b), (x, y) in np.rint(10 * lines).astype(int).tolist()]
+    rounded = list(dict.fromkeys(line for line in tenths if line[0] != line[1]))
     ends: dict[tuple[int, ...], list[int]] = {}
     for k, line in enumerate(rounded):
         for end in line:
