@@ -51,6 +51,14 @@ def test_holes_for_a_link_lie_beyond_straps_that_cross_the_arm() -> None:
         assert (nearest > np.array([1.0, 1.1, 1.0]) * long.screw.nut_flats * MM / 2).all()
 
 
+def test_a_retaining_ring_that_meets_the_cylinder_is_refused_and_the_advice_mends_it() -> None:
+    design = with_key(sized("88.5 N m", "128 deg", "3.5 bar"), "output", "shaft_offset", 0.064)
+    with pytest.raises(DesignError, match=r"retaining ring .* meets the cylinder; give output\.shaft_offset") as error:
+        joint_components(JointSizes(design))
+    offset = float(re.search(r"shaft_offset of (\d+) mm", str(error.value))[1])  # type: ignore[index]
+    joint_components(JointSizes(with_key(design, "output", "shaft_offset", 1e-3 * offset)))
+
+
 @pytest.mark.parametrize("offset", [0.018, 0.022, 0.026])
 def test_bump_stops_lie_beside_the_cylinder_and_meet_the_arm_at_the_mechanical_limit(offset: float) -> None:
     sizes = JointSizes(with_key(sized("25.35 N m", "60.17 deg", "5.64 bar"), "output", "shaft_offset", offset))

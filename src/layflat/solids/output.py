@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from math import cos, pi, sin, sqrt
+from math import cos, floor, pi, sin, sqrt
 from typing import TYPE_CHECKING
 
 from layflat.design.straplines import direction_vector
+from layflat.errors import DesignError
 from layflat.lazy import numpy as np
 from layflat.solids.cams import CLAMP_SCREW, cam_loop, cam_part, flat, winding
 from layflat.solids.component import Component, axes_towards
@@ -28,6 +29,7 @@ HOLE_STEP = 0.5  # by which the holes for a link are moved out of the way of str
 TIE_SHARE = 2.2  # diameter of the distance tube between the arm plates over that of its screw
 LINK_PITCH = 2.5  # between the holes for a link over the diameter of the screws
 RING_THICKNESS = 1.0  # of a retaining ring, mm
+RING_GAP = 0.5  # between a retaining ring and the cylinder, mm
 RING_SHARE = 1.45  # outer diameter of a retaining ring over the shaft's
 SCREW_PITCH = 25.0  # between screws of a strap's clamp, mm
 MIRROR_AXES = np.diag([-1.0, 1.0, -1.0])  # the cam of hose B, laid upside down, is the mirror image of that of hose A
@@ -210,12 +212,23 @@ def _arm(sizes: JointSizes) -> list[Component]:
     ]  # fmt: skip
 
 
+def _ring_diameter(sizes: JointSizes) -> float:
+    """Return the outer diameter of a retaining ring, mm; raise DesignError where it would meet the cylinder."""
+    diameter = RING_SHARE * sizes.shaft + 2.0
+    room = sizes.inner_radius - diameter / 2
+    if sizes.axis > room:
+        what = f"the retaining ring of a shaft of {sizes.shaft:g} mm meets the cylinder"
+        right = f"give output.shaft_offset of {floor(room - RING_GAP):g} mm"
+        raise DesignError(what, where=f"{sizes.design.label}.output", right=right)
+    return diameter
+
+
 def _shaft(sizes: JointSizes) -> list[Component]:
     """Return the shaft, from the brake's disc to the coupling of the angle sensor, and its retaining rings."""
     top = sizes.top + COUPLED_LENGTH
     low = -(sizes.top + PAD_THICKNESS + sizes.disc + sizes.disc_hub)
     flange = sizes.half_length - sizes.bush.flange_thickness * MM
-    ring = sleeve(RING_SHARE * sizes.shaft + 2.0, sizes.shaft + 0.02, RING_THICKNESS)
+    ring = sleeve(_ring_diameter(sizes), sizes.shaft + 0.02, RING_THICKNESS)
     places = (place(z=flange - RING_THICKNESS - 0.05), place(z=-flange + 0.05))
     return [
         Component("shaft", "output", rod(sizes.shaft, top - low), "shaft-steel", "turning", (place(z=low),),
