@@ -80,7 +80,7 @@ def test_laws_without_a_counterpart_in_c_are_compiled_by_numba(
     check_run(load("paper-arm"), tmp_path)
 
 
-@pytest.mark.parametrize("name", ["paper-arm", "paper-arm-tracking"])
+@pytest.mark.parametrize("name", ["paper-arm", "paper-arm-tracking", "picking-arm"])
 def test_fmus_of_three_systems_are_small(name: str, tmp_path: Path) -> None:
     if name != "paper-arm" and not os.environ.get("LAYFLAT_EXPORT_CHECK"):
         pytest.skip("compiles for a minute: set LAYFLAT_EXPORT_CHECK=1")

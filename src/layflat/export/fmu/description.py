@@ -62,7 +62,7 @@ def _attributes(reference: int, variable: Variable) -> dict[str, str]:
     """Return the attributes of a variable that both versions of FMI share."""
     attributes = {"name": variable.name, "valueReference": str(reference)}
     if variable.use in ("tunable", "fixed"):
-        attributes |= {"causality": "parameter", "variability": variable.use, "initial": "exact"}
+        attributes |= {"causality": "parameter", "variability": variable.use}
     elif variable.use == "input":
         attributes["causality"] = "input"
     else:

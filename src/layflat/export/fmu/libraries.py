@@ -25,7 +25,11 @@ WINDOWS_C_LIBRARY = tuple(f"-lapi-ms-win-crt-{part}-l1-1-0" for part in ("heap",
 WINDOWS_LINKED = ("-nostdlib", "-rtlib=none", "-Wl,--entry,DllMainCRTStartup", *WINDOWS_C_LIBRARY)
 """Options by which zig links a library of Windows with the system's C library alone; see source/windows/runtime.c."""
 
-LAW_FLAGS = ("-w", "-fno-math-errno")  # roots are instructions
+LAW_FLAGS = ("-fno-math-errno",)  # roots are instructions
+
+INLINE_THRESHOLD = ("-mllvm", "-inline-threshold=40")
+"""Options of zig by which short laws alone are inlined: with its limit for the smallest code, 5, none is, and a cycle
+of the picking arm takes half as long again."""
 
 PROCESSOR_FLAGS = {"x86_64": ("-mcpu=x86_64_v2",)}  # of zig; as in `targets.EXPORT_TARGETS`
 
@@ -133,7 +137,17 @@ def compile_laws(linker: Linker, text: str, folder: Path) -> dict[System, bytes]
     def compiled(system: System) -> bytes:
         code = folder / f"law-{system.folder}.o"
         unwinding = () if system.suffix == ".dll" else NO_UNWINDING
-        words = [*linker.compiler(system), *C_FLAGS, *unwinding, *LAW_FLAGS, "-c", folder / "law.c", "-o", code]
+        words = [
+            *linker.compiler(system),
+            *C_FLAGS,
+            *unwinding,
+            *LAW_FLAGS,
+            *(INLINE_THRESHOLD if linker.cross else ()),
+            "-c",
+            folder / "law.c",
+            "-o",
+            code,
+        ]
         _run(words, folder, f"{linker.title} can't compile the FMU's laws for {system.title}")
         return code.read_bytes()
 
@@ -168,6 +182,6 @@ def _link(
         _run([*command, "-shared", "-s", *laws, *(f"source-{source.stem}.o" for source in sources), *WINDOWS_LINKED,
               "-o", library], folder, failed)  # fmt: skip
     else:
-        end = ("-lm",) if system.suffix == ".so" else ()
+        end = ("-lm",) if system.suffix == ".so" else ("-Wl,-x",)  # on macOS zig's -s leaves names of functions
         _run([*compiled, *NO_UNWINDING, "-shared", "-s", *sources, *laws, *end, "-o", library], folder, failed)
     return library.read_bytes()

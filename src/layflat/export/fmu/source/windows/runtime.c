@@ -27,6 +27,13 @@ void *memcpy(void *restrict to, const void *restrict from, size_t size) {
     return to;
 }
 
+/* Copy from the last byte on where the first would overwrite others that are still to be copied. */
+void *memmove(void *to, const void *from, size_t size) {
+    if ((uintptr_t)to - (uintptr_t)from >= size) return memcpy(to, from, size);
+    for (size_t i = size; i > 0; i--) ((volatile char *)to)[i - 1] = ((const char *)from)[i - 1];
+    return to;
+}
+
 void *memset(void *to, int value, size_t size) {
     void *place = to;
     __asm__ volatile("rep stosb" : "+D"(place), "+c"(size) : "a"(value) : "memory");
