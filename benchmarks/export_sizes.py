@@ -28,7 +28,7 @@ PAGE = Path(__file__).parents[1] / "docs" / "export.md"
 MACHINES = ("paper-arm", "paper-arm-tracking", "picking-arm")
 STEPS: tuple[tuple[str, str], ...] = (
     ("linux-x86-64", "double"), ("linux-aarch64", "double"), ("cortex-m7", "double"), ("cortex-m7", "single"),
-    ("cortex-m4f", "single"), ("cortex-m33", "single"), ("riscv32", "double"),
+    ("cortex-m4f", "double"), ("cortex-m4f", "single"), ("cortex-m33", "single"), ("riscv32", "double"),
 )  # fmt: skip
 """Targets and precisions whose step of the control law is measured."""
 
