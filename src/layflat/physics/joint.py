@@ -181,8 +181,9 @@ def joint_at_rest(joint, q, p_1, p_2, around):
 def pressures_at_rest(joint, q, pull, around):
     """Return the absolute pressures in hoses A and B (Pa) that balance an external torque `pull` (N m) at q (rad).
 
-    They are limited to ambient and supply pressure. The mean of two hoses is `REST_PRESSURE_RATIO` of the supply; a
-    missing hose B is at ambient pressure.
+    They are limited to ambient and supply pressure. The mean of two hoses is `REST_PRESSURE_RATIO` of the supply, which
+    is taken to balance itself: exact on a cam, and in mid-stroke of a round roller. A missing hose B is at ambient
+    pressure.
     """
     p_s, p_a, second = around.supply_pressure, around.ambient_pressure, has_second(joint.second)
     K = torque_per_pressure(joint.hose_a.stroke, joint.hose_a.neutral + q)
