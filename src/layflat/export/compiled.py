@@ -22,14 +22,13 @@ class CompiledEntry(NamedTuple):
     stack: int  # upper bound, without functions of the compiler's library, bytes
 
 
-def portable_entry(entry: Entry, prefix: str, precision: str, *, small: bool = False) -> str:
+def portable_entry(entry: Entry, prefix: str, precision: str) -> str:
     """Return LLVM's portable text of an entry as the C function `prefix_name`.
 
     Args:
         entry: the entry.
         prefix: prefix of all names in C.
         precision: "double" or "single".
-        small: whether long laws that are called in several places stay functions; not for targets of 32 bits.
     """
     from numba import types  # noqa: PLC0415  # only where something is exported
 
@@ -39,7 +38,6 @@ def portable_entry(entry: Entry, prefix: str, precision: str, *, small: bool = F
     number_kinds: dict[str, tuple[Any, str]] = {
         "real": (real, LLVM_NUMBERS[precision]), "int32_t": (types.int32, "i32"), "int64_t": (types.int64, "i64")
     }  # fmt: skip
-    constants = _constants(entry) if small else ()
     kinds, taken, passed, addresses = [], [], [], []
     for argument in entry.arguments:
         if argument.like is None:
@@ -48,7 +46,7 @@ def portable_entry(entry: Entry, prefix: str, precision: str, *, small: bool = F
             taken.append(f"{llvm} %{argument.name}")
             passed.append(taken[-1])
         else:
-            taken.append(f"ptr {'noalias readonly ' if argument.name in constants else ''}%{argument.name}")
+            taken.append(f"ptr %{argument.name}")
             for place in argument.places:
                 part = f"%{argument.name}" if place == 0 else f"%{argument.name}.{place}"
                 if place:
@@ -59,17 +57,10 @@ def portable_entry(entry: Entry, prefix: str, precision: str, *, small: bool = F
                     passed.append(f"ptr {part}")
     name, integer = f"{prefix}_{entry.name}", bool(entry.result)
     words = ", ".join(taken), ", ".join(passed)
-    text = c_function(name, entry.function, tuple(kinds), *words, addresses=addresses, integer=integer, small=small)
+    text = c_function(name, entry.function, tuple(kinds), *words, addresses=addresses, integer=integer)
     if precision == "single" and not entry.lanes:
         return in_single_precision(in_registers(text, (name,)))
     return text
-
-
-def _constants(entry: Entry) -> set[str]:
-    """Return the names of an entry's structs that nobody writes during a call."""
-    written = {argument.struct_name for argument in entry.arguments if argument.output}
-    structs = [argument for argument in entry.arguments if argument.like is not None]
-    return {argument.name for argument in structs if argument.struct_name not in written}
 
 
 def object_file(entry: Entry, text: str, prefix: str, target: Target) -> bytes:

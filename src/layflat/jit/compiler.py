@@ -66,9 +66,9 @@ INLINE_OPTIONS: dict[str, Any] = {
 """Options of laws: without an entry point for Python, which would take a third of the time to compile."""
 
 
-def compile_law(function: Callable[..., Any], *, inlined: bool = True) -> Any:
-    """Return numba's dispatcher of a law, which is compiled when a kernel that inlines or calls it is."""
-    return numba.njit(pipeline_class=LawCompiler, **(INLINE_OPTIONS | {"forceinline": inlined}))(function)
+def compile_law(function: Callable[..., Any]) -> Any:
+    """Return numba's dispatcher of a law, which is compiled when a kernel that inlines it is."""
+    return numba.njit(pipeline_class=LawCompiler, **INLINE_OPTIONS)(function)
 
 
 def compile_cached(function: Callable[..., Any], folder: Path | None) -> Any:

@@ -11,7 +11,6 @@ from typing import Any
 from layflat.errors import CompilerError
 from layflat.jit import stored
 from layflat.jit.cache import cache_folder, included_sources
-from layflat.jit.inlining import LAWS_INLINED
 from layflat.jit.outside import blame_outside
 from layflat.jit.signatures import signature_text, words
 from layflat.lanes import lane_by_lane
@@ -33,15 +32,11 @@ class Law:
     def __init__(self, function: Callable[..., Any], called: Callable[..., Any]) -> None:
         update_wrapper(self, function)
         self.py_func, self._called = function, called
-        self._dispatchers: dict[bool, Any] = {}
 
-    @property
+    @cached_property
     def dispatcher(self) -> Any:
-        """Numba's dispatcher of the law, another within `laws_as_functions`; the first access loads the compiler."""
-        inlined = LAWS_INLINED.get()
-        if inlined not in self._dispatchers:
-            self._dispatchers[inlined] = _compiler().compile_law(self.py_func, inlined=inlined)
-        return self._dispatchers[inlined]
+        """Numba's dispatcher of the law; the first access loads the compiler."""
+        return _compiler().compile_law(self.py_func)
 
     @property
     def _numba_type_(self) -> Any:

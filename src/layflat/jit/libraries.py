@@ -4,9 +4,9 @@ Laws are only ever inlined: they are compiled as far as inlining needs, without 
 of every law, fully optimised and callable from Python. A kernel is optimised as a whole in any case, so that this took
 a sixth of its compile time.
 
-Laws get named tuples as whole arguments (see arguments.py), and tuples without references are passed on without
-inspection. Numba would pass each of their numbers, often hundreds, as an argument of its own, and inspect each for
-references to count. Both together took a seventh of the compile time of four joints in space with the tracking law.
+Laws get named tuples as whole arguments, and tuples without references are passed on without inspection. Numba would
+pass each of their numbers, often hundreds, as an argument of its own, and inspect each for references to count. Both
+together took a seventh of the compile time of four joints in space with the tracking law.
 
 A kernel's instructions are reordered at the end (see ordering.py).
 """
@@ -21,12 +21,44 @@ from typing import Any, cast
 from weakref import WeakKeyDictionary
 
 from llvmlite import binding, ir
+from numba import types
 from numba.core.cgutils import normalize_ir_text
 
-from layflat.jit.arguments import argument_packer
 from layflat.jit.compile_session import LlvmWork
-from layflat.jit.internals import Compiler, CPUCodeLibrary, CPUContext, JITCodeLibrary, NRTContext, user_function
+from layflat.jit.internals import (
+    ArgPacker,
+    Compiler,
+    CPUCodeLibrary,
+    CPUContext,
+    JITCodeLibrary,
+    NRTContext,
+    user_function,
+)
 from layflat.jit.ordering import order_instructions
+
+
+class _WholeTuple:
+    """Argument model of a named tuple that is not flattened."""
+
+    def __init__(self, model: Any) -> None:
+        self.get_argument_type = model.get_value_type
+
+    def as_argument(self, builder: Any, value: Any) -> Any:  # noqa: ARG002
+        return value
+
+    from_argument = as_argument
+
+
+class _ArgumentModels:
+    """Data models of a law's arguments, by their types."""
+
+    def __init__(self, models: Any) -> None:
+        self._models = models
+
+    def lookup(self, kind: Any) -> Any:
+        model = self._models.lookup(kind)
+        return _WholeTuple(model) if isinstance(kind, types.BaseNamedTuple) else model
+
 
 _holds_references: WeakKeyDictionary[Any, bool] = WeakKeyDictionary()
 
@@ -49,7 +81,7 @@ class _LawContext(CPUContext):
         return _References(self, self.enable_nrt)
 
     def get_arg_packer(self, kinds: Any) -> Any:
-        return argument_packer(self.data_model_manager, kinds)
+        return ArgPacker(_ArgumentModels(self.data_model_manager), kinds)
 
     def get_function(self, *called: Any) -> Any:
         return _copy_as(CPUContext, self).get_function(*called)

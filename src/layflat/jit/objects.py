@@ -147,18 +147,6 @@ def in_registers(text: str, names: tuple[str, ...]) -> str:
     return without_target(str(module))
 
 
-def simplified(text: str, names: tuple[str, ...]) -> str:
-    """Return a module whose functions are inlined where they may be, and simplified for no processor in particular.
-
-    Args:
-        text: LLVM's portable text (see `portable`).
-        names: functions that are seen from outside.
-    """
-    module = _parsed(text, names)
-    _simplify(module)
-    return without_target(str(module))
-
-
 def without_target(text: str) -> str:
     """Return LLVM's text without the lines that name a target."""
     return "\n".join(line for line in text.split("\n") if not line.startswith(("target triple", "target datalayout")))

@@ -9,18 +9,14 @@ nothing of Python: `objects` makes machine code of it for any processor, which i
 
 import re
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import nullcontext
 from itertools import count
 from typing import Any
 
 import numpy as np
-from llvmlite import binding
 from numba import carray, njit, types  # type: ignore[attr-defined]
 from numba.extending import intrinsic
 
 from layflat.jit.compiler import INLINE_OPTIONS
-from layflat.jit.forwarding import forward_constants
-from layflat.jit.inlining import laws_as_functions
 from layflat.jit.internals import Compiler, JITCodeLibrary
 from layflat.jit.libraries import NoEnvironments
 from layflat.jit.objects import without_target
@@ -28,9 +24,6 @@ from layflat.lanes import Like
 
 C_ROOTS = {"sqrt": ("double", "f64"), "sqrtf": ("float", "f32")}
 """Roots that numba calls of the C library; as instructions they are the same bits everywhere, and set no errno."""
-
-MAX_REPEATED_LINES = 25
-"""Lines of LLVM's text of a law that small code still repeats wherever it is called."""
 
 COUNTS_OF_REFERENCES = (
     "NRT_incref",
@@ -123,7 +116,7 @@ def _expression(arg: Any, words: Iterator[int], names: dict[str, Any]) -> str:
 
 def c_function(
     name: str, function: Callable[..., Any], kinds: tuple[Any, ...], taken: str, passed: str, *,
-    addresses: Iterable[str] = (), integer: bool = False, small: bool = False,
+    addresses: Iterable[str] = (), integer: bool = False,
 ) -> str:  # fmt: skip
     """Return LLVM's text of a function with C's calling convention around a function of pointers and numbers.
 
@@ -135,16 +128,14 @@ def c_function(
         passed: arguments of the function likewise.
         addresses: instructions that compute some of these.
         integer: whether it returns an integer, which the C function returns; else that returns nothing.
-        small: whether long laws that are called in several places stay functions.
     """
     dispatcher = njit(pipeline_class=_PortableCompiler, **INLINE_OPTIONS)(function)
-    with laws_as_functions() if small else nullcontext():
-        dispatcher.compile(kinds)
+    dispatcher.compile(kinds)
     (compiled,) = dispatcher.overloads.values()
     inner = compiled.fndesc.llvm_func_name
     quoted = inner if re.fullmatch(r"[\w.$-]+", inner) else f'"{inner}"'
     short = "%long = load i64, ptr %ret\n  %short = trunc i64 %long to i32\n  ret i32 %short"
-    text = f"""{_self_contained(without_target(str(compiled.library._final_module)))}
+    return f"""{_self_contained(without_target(str(compiled.library._final_module)))}
 define {"i32" if integer else "void"} @{name}({taken}) nounwind {{
 entry:
   %ret = alloca i64, align 16
@@ -153,19 +144,6 @@ entry:
   {short if integer else "ret void"}
 }}
 """
-    return forward_constants(_keep_calls(text, name), name) if small else text
-
-
-def _keep_calls(text: str, name: str) -> str:
-    """Return code in which laws are inlined that are short or called in one place, and all others stay functions."""
-    module = binding.parse_assembly(text)
-    for function in module.functions:
-        if function.is_declaration or function.name == name:
-            continue
-        calls = len(re.findall(rf'@"?{re.escape(function.name)}"?\(', text)) - 1
-        is_kept = calls > 1 and str(function).count("\n") > MAX_REPEATED_LINES
-        function.add_function_attribute("noinline" if is_kept else "alwaysinline")
-    return without_target(str(module))
 
 
 def _self_contained(text: str) -> str:

@@ -11,7 +11,6 @@ from typing import Any
 from llvmlite import ir
 from numba.extending import NativeValue, box, unbox
 
-import layflat.jit.lanes.each
 import layflat.jit.lanes.lowering
 import layflat.jit.lanes.memory
 import layflat.jit.lanes.tuples  # noqa: F401

@@ -2,7 +2,7 @@
 
 Slots are lists of fixed length on the stack, so that every thread of a CUDA device can have some. `slots(items)` holds
 the items of a tuple, all of one type; `slots(items, value)` holds `value` as many times. Without the compiler they are
-lists. `gather` builds tuples from slots or arrays; each.py maps a law over their items.
+lists. `gather` builds tuples from slots or arrays, and `each` maps a law over their items.
 """
 
 # mypy: disable-error-code="attr-defined,import-untyped,no-untyped-call,untyped-decorator"
@@ -19,7 +19,7 @@ from numba.extending import lower_builtin, models, register_model
 
 from layflat.jit.internals import register_typing
 from layflat.jit.lanes.typing import first_leaf
-from layflat.lanes import gather, slots, total, zero_if_finite
+from layflat.lanes import each, gather, slots, total, zero_if_finite
 
 
 class SlotsType(types.Type):
@@ -149,3 +149,46 @@ def _leaves(builder: Any, kind: Any, value: Any) -> list[Any]:
         return [value]
     items = zip(kind.types, cgutils.unpack_tuple(builder, value), strict=True)
     return [leaf for item, inner in items for leaf in _leaves(builder, item, inner)]
+
+
+def _is_plain_tuple(kind: Any) -> bool:
+    return isinstance(kind, types.BaseTuple) and not isinstance(kind, types.BaseNamedTuple)
+
+
+def _call_signature(law: Any, args: Any, context: Any) -> Any:
+    """Return the signature of a law for the first items of plain tuples, which represent all, and other arguments."""
+    return law.get_call_type(context, tuple(arg.types[0] if _is_plain_tuple(arg) else arg for arg in args), {})
+
+
+def _each_type(context: Any, law: Any, *args: Any) -> Any:
+    """Return the type of `each`: a tuple of the law's results, or for a law with several results a tuple of each."""
+    result = _call_signature(law, args, context).return_type
+    count = next(len(arg) for arg in args if _is_plain_tuple(arg))
+    if _is_plain_tuple(result):
+        return types.Tuple([types.UniTuple(item, count) for item in result.types])
+    return types.UniTuple(result, count)
+
+
+register_typing([each], _each_type, in_context=True)
+
+
+@lower_builtin(each, types.Any, types.VarArg(types.Any))
+def _each(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    """Emit `each`: calls of a law with the items of all tuples at each index; other arguments are the same in all."""
+    law, *others = sig.args
+    called = _call_signature(law, others, context.typing_context)
+    run = context.get_function(law, called)
+    context.add_linking_libs(getattr(run, "libs", ()))
+    several, count = _is_plain_tuple(called.return_type), 0
+    columns = []
+    for kind, value in zip(others, args[1:], strict=True):
+        columns.append(cgutils.unpack_tuple(builder, value) if _is_plain_tuple(kind) else value)
+        count = len(kind) if _is_plain_tuple(kind) else count
+    results = [
+        run(builder, [column[i] if isinstance(column, list) else column for column in columns]) for i in range(count)
+    ]
+    if several:
+        parts = zip(*(cgutils.unpack_tuple(builder, value) for value in results), strict=True)
+        tuples = [context.make_tuple(builder, kind, part) for kind, part in zip(sig.return_type, parts, strict=True)]
+        return context.make_tuple(builder, sig.return_type, tuples)
+    return context.make_tuple(builder, sig.return_type, results)
