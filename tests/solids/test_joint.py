@@ -5,8 +5,10 @@ from itertools import combinations
 
 import numpy as np
 import pytest
+from matplotlib.path import Path
 
 from layflat import extras
+from layflat.design import SizingRequest, size_joint
 from layflat.errors import DesignError
 from layflat.machine import load
 from layflat.machine.build_sizes import Build
@@ -101,6 +103,18 @@ def test_the_shell_opens_as_far_as_the_hose_travels() -> None:
     cam = sizes.design.with_cam()
     assert opening(sizes, 0.0) == 0.0
     assert opening(sizes, cam.stroke) * sizes.line.chord == pytest.approx(cam.travel[-1])
+
+
+@pytest.mark.parametrize("machine", ["paper-small-joint", "paper-large-joint", ""])
+def test_the_hinge_goes_round_the_shells_edge_without_a_cut(machine: str) -> None:
+    strong = SizingRequest(torque="88 N m", stroke="128 deg", supply="3.5 bar")
+    sizes = sizes_of(machine, machine.split("-")[1]) if machine else JointSizes(size_joint(strong).design)
+    section, hinge = CrossSection(sizes), np.array(sizes.line.hinge) * MM
+    for turn in np.linspace(0.0, sizes.stroke, 9):
+        angle = opening(sizes, float(turn))
+        back = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
+        shell = hinge + (section.shell().points() - hinge) @ back
+        assert not Path(section.webbing(float(turn)).points()).contains_points(shell).any()
 
 
 def test_a_hose_gains_about_the_volume_that_its_law_sweeps() -> None:

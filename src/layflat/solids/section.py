@@ -174,8 +174,9 @@ class CrossSection:
         sizes = self.sizes
         outer = sizes.radius + sizes.hose_thickness + sizes.shell
         first = -pi / 2 - asin(HINGE_GAP / outer)
+        bend = first + WEBBING_THICKNESS / outer  # beyond the shell's edge, round which it does not go, then
         lap = self._moved(
-            (outer + CONTACT_GAP + WEBBING_THICKNESS / 2) * _directions(first, first - LAP_LENGTH / outer), turn
+            (outer + CONTACT_GAP + WEBBING_THICKNESS / 2) * _directions(bend, first - LAP_LENGTH / outer), turn
         )
         x = -WEBBING_THICKNESS / 2
         path = np.vstack(([x, -sizes.inner_radius + sizes.tail], [x, -sizes.radius - sizes.hose_thickness - 0.5], lap))
