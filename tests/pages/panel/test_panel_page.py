@@ -68,6 +68,7 @@ def page(panel: Served, browser: Any) -> Iterator[Any]:
             context.close()
 
 
+@pytest.mark.realtime
 def test_from_start_to_a_jog_that_ends_when_it_is_released_and_a_stop_in_motion(page: Any) -> None:
     ready(page)
     before = angle(page)
