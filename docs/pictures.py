@@ -18,10 +18,15 @@ from tests.pages.browsers import chromium, served
 
 FOLDER = Path(__file__).parent
 SIZE = (1280, 900)
+SOLIDS_TIME = 30_000  # within which the solids of an arm at rest are made and drawn, ms
 
 
 def panel(page: Any) -> None:
-    """Send an arm to two targets on the operator's panel, and wait until it is on its way to a third."""
+    """Send an arm to two targets on the operator's panel, and wait until it is on its way to a third.
+
+    It rests before, until its solids are drawn.
+    """
+    page.wait_for_timeout(SOLIDS_TIME)
     for angles, seconds in (((35, 25, -40, 20), 8.0), ((-30, -10, 30, -15), 7.0), ((40, 30, -20, 25), 1.2)):
         page.get_by_role("tab", name="Target", exact=True).click()
         for joint, angle in zip(("base", "shoulder", "elbow", "wrist"), angles, strict=True):
