@@ -30,12 +30,17 @@ def with_key(design: JointDesign, table: str, key: str, value: float | str) -> J
     return design_joint(machine.model_copy(update={"joint": {**machine.joint, design.name: changed}}), design.name)
 
 
+def advised(design: JointDesign, match: str, key: str) -> float:
+    """The value, m, that the refusal of a joint gives in mm after a key."""
+    with pytest.raises(DesignError, match=match) as error:
+        joint_components(JointSizes(design))
+    return 1e-3 * float(re.search(key + r" of (\d+) mm", str(error.value))[1])  # type: ignore[index]
+
+
 def test_a_cam_that_meets_the_cylinder_is_refused_and_the_advice_mends_it() -> None:
     design = sized("50 N m", "89 deg", "4.2 bar")
-    with pytest.raises(DesignError, match=r"the cam sweeps .* give output\.shaft_offset") as error:
-        joint_components(JointSizes(design))
-    offset = float(re.search(r"shaft_offset of (\d+) mm", str(error.value))[1])  # type: ignore[index]
-    check_sweep(JointSizes(with_key(design, "output", "shaft_offset", 1e-3 * offset)))
+    offset = advised(design, r"the cam sweeps .* give output\.shaft_offset", "shaft_offset")
+    check_sweep(JointSizes(with_key(design, "output", "shaft_offset", offset)))
 
 
 def test_holes_for_a_link_lie_beyond_straps_that_cross_the_arm() -> None:
@@ -53,10 +58,8 @@ def test_holes_for_a_link_lie_beyond_straps_that_cross_the_arm() -> None:
 
 def test_a_retaining_ring_that_meets_the_cylinder_is_refused_and_the_advice_mends_it() -> None:
     design = with_key(sized("88.5 N m", "128 deg", "3.5 bar"), "output", "shaft_offset", 0.064)
-    with pytest.raises(DesignError, match=r"retaining ring .* meets the cylinder; give output\.shaft_offset") as error:
-        joint_components(JointSizes(design))
-    offset = float(re.search(r"shaft_offset of (\d+) mm", str(error.value))[1])  # type: ignore[index]
-    joint_components(JointSizes(with_key(design, "output", "shaft_offset", 1e-3 * offset)))
+    offset = advised(design, r"retaining ring .* meets the cylinder; give output\.shaft_offset", "shaft_offset")
+    joint_components(JointSizes(with_key(design, "output", "shaft_offset", offset)))
 
 
 @pytest.mark.parametrize("offset", [0.018, 0.022, 0.026])
@@ -72,12 +75,10 @@ def test_bump_stops_lie_beside_the_cylinder_and_meet_the_arm_at_the_mechanical_l
 
 def test_cylinders_too_small_for_a_clamp_are_refused_in_one_line_and_the_advice_mends_it() -> None:
     design = sized("1.9 N m", "116 deg", "5.9 bar")
-    with pytest.raises(DesignError, match=r"no wall around its screws .*; give cylinder\.diameter of 4\d mm") as error:
-        joint_components(JointSizes(design))
-    diameter = float(re.search(r"diameter of (\d+) mm", str(error.value))[1])  # type: ignore[index]
-    bar_place(JointSizes(with_key(design, "cylinder", "diameter", 1e-3 * diameter)))
+    diameter = advised(design, r"no wall around its screws .*; give cylinder\.diameter of 4\d mm", "diameter")
+    bar_place(JointSizes(with_key(design, "cylinder", "diameter", diameter)))
     with pytest.raises(DesignError):
-        bar_place(JointSizes(with_key(design, "cylinder", "diameter", 1e-3 * (diameter - 1))))
+        bar_place(JointSizes(with_key(design, "cylinder", "diameter", diameter - 1e-3)))
 
 
 def test_small_cylinders_have_small_screws() -> None:
