@@ -21,6 +21,19 @@ def hose_slopes(joint: JointParameters, angle: float) -> Array:
     return np.array([torque_per_pressure(a.stroke, a.neutral + angle), -slope_b])
 
 
+def static_torque(joint: JointParameters, state: MovingJoint, pull: float, ambient: float) -> float:
+    """Return the torque of hoses, spring and gravity on a joint, which its friction holds, N m.
+
+    Args:
+        joint: parameters.
+        state: its state.
+        pull: torque of gravity, N m.
+        ambient: absolute ambient pressure, Pa.
+    """
+    gauge = np.array([state.air_a.pressure, state.air_b.pressure]) - ambient
+    return float(pull + spring_torque(joint.spring, state.angle) + hose_slopes(joint, state.angle) @ gauge)
+
+
 def check_strength(names: list[str], plant: PlantLaws, angles: Array, velocities: Array) -> None:
     """Check that hoses at supply pressure carry gravity and springs, and friction where joints slide.
 
@@ -65,10 +78,7 @@ def missing_torques(plant: PlantLaws, states: tuple[MovingJoint, ...], accelerat
     missing: Array = -mass @ np.where(plant.held, 0.0, accelerations)
     for j, (joint, state) in enumerate(zip(plant.joints, states, strict=True)):
         if plant.held[j]:
-            gauge = np.array([state.air_a.pressure, state.air_b.pressure]) - plant.around.ambient_pressure
-            missing[j] = -(
-                pulls[j] + spring_torque(joint.spring, state.angle) + hose_slopes(joint, state.angle) @ gauge
-            )
+            missing[j] = -static_torque(joint, state, pulls[j], plant.around.ambient_pressure)
     return missing
 
 

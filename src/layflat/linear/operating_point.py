@@ -18,7 +18,7 @@ from layflat.description import units as u
 from layflat.description.wrong import did_you_mean
 from layflat.errors import InputError
 from layflat.lanes import leaves, read_numbers
-from layflat.linear.balance import check_balance, check_strength, hose_slopes, missing_torques
+from layflat.linear.balance import check_balance, check_strength, hose_slopes, missing_torques, static_torque
 from layflat.linear.losses import LinearLosses, Ripple, linearize_losses, steady_losses
 from layflat.linear.rates import AirState, MovingJoint, PlantLaws, air_columns, linearize_rates, rates
 from layflat.linear.ripple import compute_ripples, no_ripple
@@ -29,7 +29,6 @@ from layflat.motion.signal_values import Angles, Pair, SignalKind, Value, check_
 from layflat.physics.joint import has_second, pressures_at_rest
 from layflat.physics.line import LineParameters, NoAir
 from layflat.physics.step import STEP
-from layflat.physics.stops_and_springs import spring_torque
 from layflat.sim.run import make_timing
 from layflat.sim.signals import start_pressures
 
@@ -330,12 +329,9 @@ class _PointSearch:
             hoses = [0, len(columns) // 2][: self.hoses[j]]
             balance = row[1]
             if self.plant.held[j]:
-                joint, q = self.plant.joints[j], state.angle
-                slopes = hose_slopes(joint, q)
-                torque = (
-                    self.pulls[j] + spring_torque(joint.spring, q) + slopes @ (p - self.plant.around.ambient_pressure)
-                )
-                balance = torque / (p_s * np.abs(slopes).sum())
+                joint = self.plant.joints[j]
+                torque = static_torque(joint, state, self.pulls[j], self.plant.around.ambient_pressure)
+                balance = torque / (p_s * np.abs(hose_slopes(joint, state.angle)).sum())
             if not np.isnan(pair).any():
                 balance = air[hoses[0]] - (air[hoses[1]] if len(hoses) > 1 else 0.0)
                 air[hoses] = (p - pair)[: len(hoses)] / p_s

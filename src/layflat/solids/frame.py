@@ -14,7 +14,6 @@ from layflat.solids.loops import circle, rectangle
 from layflat.solids.places import (
     END_SHARE,
     SCREW_SHARE,
-    TIE_SHARE,
     bar_place,
     clamp_heights,
     clamp_line,
@@ -24,6 +23,7 @@ from layflat.solids.places import (
     stop_places,
     stop_radius,
     tie_places,
+    tie_radius,
     tongue_holes,
 )
 from layflat.solids.section import WEBBING_THICKNESS, window_loop
@@ -180,7 +180,7 @@ def _clamp(sizes: JointSizes) -> list[Component]:
 def _ties(sizes: JointSizes) -> list[Component]:
     """Return the tie bars, and the screws that hold the end plates on them and on the clamp bars."""
     screw, length = sizes.screw, 2 * sizes.half_length
-    diameter = TIE_SHARE * screw.diameter * MM
+    diameter = 2 * tie_radius(sizes)
     ends = tuple(
         Drilled((0.0, 0.0, z), (0.0, 0.0, d), screw.tapping_hole * MM, 3 * screw.diameter * MM, screw.name)
         for z, d in ((0.0, 1.0), (length, -1.0))

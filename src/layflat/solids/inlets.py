@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from layflat.lazy import numpy as np
 from layflat.solids.component import Component, axes_towards
 from layflat.solids.hardware import stepped
-from layflat.solids.places import TIE_SHARE, bar_place, clamp_heights, tie_places
+from layflat.solids.places import bar_place, clamp_heights, tie_places, tie_radius
 from layflat.solids.section import CONTACT_GAP, HINGE_GAP, LAP_LENGTH
 from layflat.solids.shapes import Drilled, Turned, place
 from layflat.solids.sizes import MM
@@ -86,7 +86,7 @@ def _room(sizes: JointSizes, inlet: Inlet, angle: float) -> float:
     """Return the least distance of an inlet at an angle (rad) from tie bar and clamp bar, mm; below 0 they overlap."""
     reach = inlet.reach
     line = np.linspace(sizes.inner_radius - reach, sizes.inner_radius, 20)[:, None] * [[cos(angle), sin(angle)]]
-    tie = np.hypot(*(line - tie_places(sizes)[0]).T).min() - TIE_SHARE * sizes.screw.diameter * MM / 2
+    tie = np.hypot(*(line - tie_places(sizes)[0]).T).min() - tie_radius(sizes)
     x, y, depth = bar_place(sizes)
     beyond = np.maximum(np.abs(line - [-x, y]) - [sizes.clamp_bar / 2, depth / 2], 0.0)
     return float(min(tie, np.hypot(*beyond.T).min())) - max(inlet.body, inlet.flange) / 2

@@ -81,9 +81,14 @@ def clamp_heights(sizes: JointSizes) -> list[float]:
     return [float(z) for z in np.linspace(-0.5, 0.5, sizes.clamp_screws) * room]
 
 
+def tie_radius(sizes: JointSizes) -> float:
+    """Return the radius of a tie bar of the frame, mm."""
+    return TIE_SHARE * sizes.screw.diameter * MM / 2
+
+
 def tie_places(sizes: JointSizes) -> list[tuple[float, float]]:
     """Return the places of the two tie bars, mm."""
-    distance = sizes.inner_radius - TIE_SHARE * sizes.screw.diameter * MM / 2 - 1.0
+    distance = sizes.inner_radius - tie_radius(sizes) - 1.0
     x, y = distance * cos(TIE_ANGLE), distance * sin(TIE_ANGLE)
     return [(x, y), (-x, y)]
 

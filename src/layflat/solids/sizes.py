@@ -43,9 +43,7 @@ ARM_WALL = 1.5  # wall of an arm plate beside its bore over the diameter of the 
 LEAST_PLATE = 0.004  # thickness of a plate, m
 CLAMP_PITCH = 40.0  # between screws of the clamp, mm
 DISC_SHARE = 0.7  # radius of the brake's disc over the cylinder's
-PLATE_SHARE = (
-    0.09  # least thickness of an end plate over the cylinder's diameter: chosen by the mass of the paper's joints
-)
+PLATE_SHARE = 0.09  # least thickness of an end plate over the cylinder's diameter, by the mass of the paper's joints
 ROD_SIDES = ((1, -1), (-1,))  # sides of the shaft with a rod, in the order of preference
 LUG_SHARE, LEAST_LUG = 0.4, 1.5  # wall around a rod over its diameter, and at least, mm
 BORE_WALL = 1.5  # between bore and rod, mm

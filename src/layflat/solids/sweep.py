@@ -9,8 +9,7 @@ from layflat.design import design_joint
 from layflat.errors import DesignError, LayflatError
 from layflat.lazy import numpy as np
 from layflat.solids.cams import cam_loop
-from layflat.solids.places import TIE_SHARE as FRAME_TIE_SHARE
-from layflat.solids.places import bar_place, tie_places
+from layflat.solids.places import bar_place, tie_places, tie_radius
 from layflat.solids.section import CrossSection
 from layflat.solids.sizes import MM
 
@@ -60,7 +59,7 @@ def _depth(sizes: JointSizes, section: CrossSection, points: Array) -> float:
     reach = x + sizes.clamp_bar / 2 + sizes.screw.head_height * MM
     above = y + depth / 2 + sizes.clearance / 2 - points[:, 1]
     bars = np.where(np.abs(points[:, 0]) < reach, above, 0.0)
-    radius = FRAME_TIE_SHARE * sizes.screw.diameter * MM / 2 + TIE_GAP
+    radius = tie_radius(sizes) + TIE_GAP
     ties = [radius - np.hypot(*(points - tie).T).min() for tie in tie_places(sizes)]
     return float(max(0.0, into.max(), bars.max(), *ties))
 
