@@ -33,7 +33,9 @@ timeout = "100 ms"
 [safety]
 setpoint_age = "0.3 s"
 """
-"""Replies may take long: tests share their cores."""
+"""Replies may take long: a computer may have other work."""
+
+pytestmark = pytest.mark.realtime
 
 
 @pytest.fixture(scope="module")
@@ -101,7 +103,6 @@ def test_a_move_through_modbus_settles_and_is_logged(modbus: ServedRig, place: P
     assert again.read_bytes() == figure.read_bytes()
 
 
-@pytest.mark.realtime
 def test_ctrl_c_through_serial_is_a_controlled_stop(serial: ServedRig, place: Path) -> None:
     assert serial.address == "serial://tty"
     words = ("rig", "run", "arm.toml", "--driver", f"serial://{place / 'tty'}", "--out", "serial")

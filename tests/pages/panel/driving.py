@@ -14,7 +14,7 @@ REST, OBEYS = {"Off", "Stopped"}, {"Ready", "Moving"}
 PATIENCE = 1000.0  # with a button that may be taken away meanwhile, ms
 
 
-def until(condition: Callable[[], bool], seconds: float = 10.0) -> float:
+def until(condition: Callable[[], bool], seconds: float = 30.0) -> float:
     begun = time.monotonic()
     while not condition():
         assert time.monotonic() - begun < seconds, inspect.getsource(condition)
@@ -106,7 +106,7 @@ def jogged(page: Any, name: str, condition: Callable[[], bool]) -> None:
         box = button.bounding_box()
         page.mouse.move(box["x"] + 5, box["y"] + 5)
         page.mouse.down()
-        until(lambda: condition() or held(page), 20.0)
+        until(lambda: condition() or held(page), 60.0)
         if condition():
             return
         page.mouse.up()

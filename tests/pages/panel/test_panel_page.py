@@ -128,7 +128,7 @@ def test_a_fault_is_shown_with_what_to_do_and_a_reset_ends_it(
         until(lambda: faulted(page), 30.0)
         found = str(page.locator(".lf-fault").inner_text())
         press(page, "Heal")
-        until(over, 20.0)
+        until(over, 60.0)
         return found
 
     def over() -> bool:
@@ -154,7 +154,7 @@ def held_and_stopped(folder: Path, browser: Any) -> dict[RigState, float]:
             jogged(driver, "small, forwards", lambda: angle(driver, 1) > before + 3.0)
             killed = kill_pages(another)
         page = panel.page(browser)
-        until(lambda: state(page) == "Stopped", 20.0)
+        until(lambda: state(page) == "Stopped", 60.0)
         page.context.close()
     run = read_run(next(folder.rglob("*-panel.mcap")))
     wall, mode = run["wall"].to_numpy() - killed, run["mode"].to_numpy()
@@ -184,7 +184,7 @@ def test_the_arm_is_drawn_only_where_something_changes(page: Any) -> None:
         time.sleep(1.0)
         return pictures(page) == before
 
-    until(still, 20.0)
+    until(still, 60.0)
     before = pictures(page)
     tab(page, "Target")
     page.get_by_label("large (deg)").fill("20")
@@ -302,7 +302,7 @@ def test_sequences_are_run_saved_and_loaded(page: Any) -> None:
             pressed(page, "Run again and again")
         return "at step 2" in page.inner_text("main")
 
-    until(performed, 20.0)
+    until(performed, 60.0)
 
     def shown(switched: str) -> bool:
         if held(page):  # then it performs anew
@@ -319,7 +319,7 @@ def test_sequences_are_run_saved_and_loaded(page: Any) -> None:
 
 def test_the_check_before_first_air(page: Any) -> None:
     tab(page, "Check")
-    until(lambda: page.get_by_role("button", name="Check without air").is_enabled(), 15.0)
+    until(lambda: page.get_by_role("button", name="Check without air").is_enabled(), 60.0)
     press(page, "Check without air")
     until(lambda: page.locator("main .lf-table tr").count() > 5, 30.0)
     until(lambda: state(page) == "Off", 30.0)
