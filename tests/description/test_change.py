@@ -7,9 +7,11 @@ from hypothesis import strategies as st
 
 from layflat.description import units as u
 from layflat.description.change import annotation_at, changed_all, paths, quantity_of, value_at
+from layflat.description.tables import overlay
 from layflat.errors import InputError
 from layflat.identify.benches.loader import load_bench
 from layflat.machine import build, changed, load
+from layflat.machine.loader import tables
 
 ARM = load("paper-arm")
 
@@ -18,6 +20,19 @@ def test_one_value_is_replaced_and_the_rest_stays() -> None:
     other = changed(ARM, "joint.small.losses.deflections.0", 0.5)
     assert other.joint["small"].losses.deflections[0] == 0.5
     assert changed(other, "joint.small.losses.deflections.0", ARM.joint["small"].losses.deflections[0]) == ARM
+
+
+def test_a_key_of_a_table_that_was_left_out_makes_the_table() -> None:
+    assert ARM.joint["small"].build is None
+    other = changed_all(ARM, {"joint.small.build.clearance": "2 mm", "joint.small.build.screw": "M6"})
+    plain, sources = tables("paper-arm")
+    in_file = overlay(plain, {"joint": {"small": {"build": {"clearance": "2 mm", "screw": "M6"}}}})
+    assert other == build(in_file, sources, "mine.toml")
+    assert other.provenance["joint.small.build.clearance"].source == "given"
+    with pytest.raises(
+        InputError, match=r"joint\.small\.build\.clearnce: 'clearnce' is not there; nearest is 'joint\.small"
+    ):
+        changed(ARM, "joint.small.build.clearnce", "2 mm")
 
 
 @pytest.mark.parametrize("path", ["joint.wrist.brake.torque", "joint.small.brake.torqe", "arm.joints.7", "nothing"])

@@ -68,6 +68,7 @@ def changed_all(
         raise InputError(f"{shown(bad_path)} is no path", where=where, right='give one such as "arm.payload"')
     above: set[str] = set()
     for path, value in values.items():
+        described = _with_tables(described, path)
         value_at(described, path)
         checked = _checked(value, annotation_at(described, path), f"{where}: {path}")
         described = replace_value(described, path.split("."), checked)
@@ -107,6 +108,26 @@ def value_at(described: Part, path: str) -> Any:
             right = f"nearest is {near!r}" if near else "`layflat machine show` lists the paths"
             raise InputError(f"{key!r} is not there", where=f"{_origin(described)}: {path}", right=right)
     return part
+
+
+def _with_tables(described: Described, path: str) -> Described:
+    """Return a description in which tables that were left out above a path stand, if all their keys have defaults."""
+    keys = path.split(".")
+    for above in (keys[:i] for i in range(1, len(keys))):
+        with suppress(InputError):  # a path that is not there, which its reader refuses in words
+            if value_at(described, ".".join(above)) is None:
+                tables = [one for one in _choices(annotation_at(described, ".".join(above))) if _is_table(one)]
+                described = replace_value(described, above, tables[0]()) if tables else described
+    return described
+
+
+def _is_table(annotation: Any) -> bool:
+    """Return whether an annotation is that of a table whose keys all have defaults."""
+    return (
+        isinstance(annotation, type)
+        and issubclass(annotation, Part)
+        and not any(field.is_required() for field in annotation.model_fields.values())
+    )
 
 
 def _present_path(described: Part, path: str) -> str | None:
