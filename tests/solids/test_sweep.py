@@ -8,6 +8,7 @@ import pytest
 
 from layflat.design import JointDesign, SizingRequest, design_joint, size_joint
 from layflat.errors import DesignError
+from layflat.machine import changed, load
 from layflat.machine.build_sizes import Build
 from layflat.solids.joint import joint_components
 from layflat.solids.output import link_holes
@@ -23,11 +24,7 @@ def sized(torque: str, stroke: str, supply: str) -> JointDesign:
 
 def with_key(design: JointDesign, table: str, key: str, value: float | str) -> JointDesign:
     """A design with one key of the joint changed."""
-    joint = design.joint
-    part = getattr(joint, table)
-    changed = joint.model_copy(update={table: part.model_copy(update={key: value})})
-    machine = design.machine
-    return design_joint(machine.model_copy(update={"joint": {**machine.joint, design.name: changed}}), design.name)
+    return design_joint(changed(design.machine, f"joint.{design.name}.{table}.{key}", value), design.name)
 
 
 def advised(design: JointDesign, match: str, key: str) -> float:
@@ -75,10 +72,20 @@ def test_bump_stops_lie_beside_the_cylinder_and_meet_the_arm_at_the_mechanical_l
 
 def test_cylinders_too_small_for_a_clamp_are_refused_in_one_line_and_the_advice_mends_it() -> None:
     design = sized("1.9 N m", "116 deg", "5.9 bar")
-    diameter = advised(design, r"no wall around its screws .*; give cylinder\.diameter of 4\d mm", "diameter")
+    diameter = advised(design, r"hoses' clamp have no place .*; give cylinder\.diameter of 4\d mm", "diameter")
     bar_place(JointSizes(with_key(design, "cylinder", "diameter", diameter)))
     with pytest.raises(DesignError):
         bar_place(JointSizes(with_key(design, "cylinder", "diameter", diameter - 1e-3)))
+
+
+@pytest.mark.parametrize("thickness", [0.002, 0.011, 0.017, 0.04, 0.1])
+def test_clamp_bars_that_no_screws_fit_are_refused_with_those_that_do(thickness: float) -> None:
+    design = design_joint(load("paper-small-joint"), "small")
+    with pytest.raises(DesignError, match="screws of the hoses' clamp have no place") as error:
+        bar_place(JointSizes(with_key(design, "build", "clamp_bar_thickness", thickness)))
+    least, most = map(float, re.findall(r"([\d.]+) mm", str(error.value))[-2:])
+    for bar in (least, most):
+        joint_components(JointSizes(with_key(design, "build", "clamp_bar_thickness", 1e-3 * bar)))
 
 
 def test_small_cylinders_have_small_screws() -> None:

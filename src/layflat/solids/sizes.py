@@ -41,6 +41,7 @@ SHAFT_SAFETY = 2.0  # required yield over bending stress of the shaft beside a b
 PLATE_SAFETY = 3.0  # required yield over bending stress of arm plates and clamp bars
 ARM_WALL = 1.5  # wall of an arm plate beside its bore over the diameter of the frame's screws
 LEAST_PLATE = 0.004  # thickness of a plate, m
+BAR_SHARE = 2.2  # least thickness of a clamp bar over the diameter of the screws in its ends
 CLAMP_PITCH = 40.0  # between screws of the clamp, mm
 DISC_SHARE = 0.7  # radius of the brake's disc over the cylinder's
 PLATE_SHARE = 0.09  # least thickness of an end plate over the cylinder's diameter, by the mass of the paper's joints
@@ -348,8 +349,12 @@ class JointSizes:
         pitch = self.hose_width / (self.clamp_screws - 1) / MM
         moment = self.pull / self.hose_width * MM * pitch**2 / 8
         allowed = MATERIALS["aluminium"].yield_stress / PLATE_SAFETY
-        least = 2.2 * self.screw.diameter  # the end plates are screwed into it
-        return next_thickness(max(sqrt(6 * moment / (allowed * self.tail / MM)), least)) * MM
+        return next_thickness(max(sqrt(6 * moment / (allowed * self.tail / MM)), self.least_clamp_bar / MM)) * MM
+
+    @property
+    def least_clamp_bar(self) -> float:
+        """Least thickness of a bar into whose ends the end plates are screwed."""
+        return BAR_SHARE * self.screw.diameter * MM
 
     @property
     def clamp_screws(self) -> int:
