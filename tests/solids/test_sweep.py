@@ -11,6 +11,7 @@ from layflat.errors import DesignError
 from layflat.machine import changed, load
 from layflat.machine.build_sizes import Build
 from layflat.solids.joint import joint_components
+from layflat.solids.mends import buildable_components
 from layflat.solids.output import link_holes
 from layflat.solids.places import bar_place, stop_places, stop_radius
 from layflat.solids.section import CrossSection
@@ -30,7 +31,7 @@ def with_key(design: JointDesign, table: str, key: str, value: float | str) -> J
 def advised(design: JointDesign, match: str, key: str) -> float:
     """The value, m, that the refusal of a joint gives in mm after a key."""
     with pytest.raises(DesignError, match=match) as error:
-        joint_components(JointSizes(design))
+        buildable_components(JointSizes(design))
     return 1e-3 * float(re.search(key + r" of (\d+) mm", str(error.value))[1])  # type: ignore[index]
 
 

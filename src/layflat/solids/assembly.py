@@ -11,8 +11,9 @@ from layflat.errors import DesignError, InputError
 from layflat.lazy import numpy as np
 from layflat.physics.arms.bodies import RigidArm, RigidLink
 from layflat.solids import cad
-from layflat.solids.joint import joint_components, joint_sizes
+from layflat.solids.joint import joint_sizes
 from layflat.solids.links import Seat, arm_seats, arm_tie, flange, foot_components, strut_components
+from layflat.solids.mends import buildable_components
 from layflat.solids.output import arm_reach
 from layflat.solids.places import foot_places, tongue_holes
 from layflat.solids.shapes import PartPlace
@@ -116,7 +117,7 @@ def assemble(machine: Machine, angles: Sequence[float] | None = None) -> Assembl
         after = sizes.get(names[k + 1]) if k + 1 < len(names) else None
         own = _lowered(sizes[name], after, arm, k)
         body = _joint_place(frames[k], sizes[name], own).then(rest)
-        parts = joint_components(sizes[name], angle)
+        parts = buildable_components(sizes[name], angle)
         if sizes[name].foot:
             low = min(lowest(part.shape, at) for part in parts for at in part.places)
             parts += foot_components(sizes[name], foot_places(sizes[name]), low)

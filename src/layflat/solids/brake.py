@@ -10,6 +10,7 @@ from layflat.errors import DesignError
 from layflat.solids.component import Component, axes_towards
 from layflat.solids.hardware import hexagon_nut, plain_washer, rod, sleeve, stepped, stud
 from layflat.solids.loops import HullCircle, hull
+from layflat.solids.places import frame_places
 from layflat.solids.shapes import UPSIDE_DOWN, Drilled, Hole, Prism, Turned, place, turn_about_z
 from layflat.solids.sizes import MM, PAD_THICKNESS
 from layflat.solids.standard.springs import CompressionSpring, spring_for
@@ -19,9 +20,10 @@ from layflat.solids.standard.threads import THREADS
 if TYPE_CHECKING:
     from layflat.solids.sizes import JointSizes
 
+DISC_SHARES = (0.7, 0.65, 0.6, 0.55, 0.5, 0.45, 0.4)
+"""Radii of the disc over the cylinder's, in the order of preference."""
 PAD_SHARE = 0.25  # radius of a pad over that of the disc
 PAD_EDGE = 1.0  # between a pad and the edge of the disc, mm
-DISC_STEP = 0.5  # between radii of discs that are tried as a mend, mm
 STUD_GAP = 1.0  # between a stud's nut and the disc, mm
 BEAM_STRESS = 120e6  # allowed in the beam, Pa: half of the yield stress of EN AW-6082 T6
 SPRING_SPACES = tuple(size * 1e-3 for size in (8, 10, 12, 15, 20, 25, 30, 40))
@@ -34,9 +36,16 @@ CYLINDER_BORES = (12.0, 16.0, 20.0, 25.0, 32.0, 40.0, 50.0, 63.0)
 """Bores of short-stroke cylinders, mm (ISO 21287)."""
 
 
+def disc_radius(sizes: JointSizes) -> float:
+    """Return the radius of the disc, mm: as given, or the largest whose studs have room on the end plate."""
+    given = sizes.build.disc_diameter
+    radii = [share * sizes.radius for share in DISC_SHARES] if given is None else [given / 2 * MM]
+    return next((one for one in radii if _stud_room(sizes, one) >= 0.0), radii[0])
+
+
 def pad_distance(sizes: JointSizes) -> float:
     """Return the distance of the pads from the output's axis, mm."""
-    return sizes.disc_radius * (1 - PAD_SHARE) - PAD_EDGE
+    return disc_radius(sizes) * (1 - PAD_SHARE) - PAD_EDGE
 
 
 def pad_force(sizes: JointSizes) -> float:
@@ -46,32 +55,31 @@ def pad_force(sizes: JointSizes) -> float:
 
 def stud_places(sizes: JointSizes) -> list[tuple[float, float]]:
     """Return the places of the two studs that carry the beam, beside the disc, mm."""
-    x, y = _stud_place(sizes, sizes.disc_radius)
+    x, y = _stud_place(sizes, disc_radius(sizes))
     return [(-x, y), (x, y)]
 
 
-def _stud_place(sizes: JointSizes, disc_radius: float) -> tuple[float, float]:
+def _stud_place(sizes: JointSizes, disc: float) -> tuple[float, float]:
     """Return the place of the stud on the side of +x for a disc of a radius, mm."""
-    distance = disc_radius * (1 - PAD_SHARE) - PAD_EDGE
-    chord = sqrt(disc_radius**2 - distance**2)
+    distance = disc * (1 - PAD_SHARE) - PAD_EDGE
+    chord = sqrt(disc**2 - distance**2)
     return chord + sizes.screw.washer_diameter * MM / 2 + STUD_GAP, sizes.axis - distance
 
 
 def _check_studs(sizes: JointSizes) -> None:
-    """Raise DesignError unless the studs fit on the end plate; the message says with which disc they would."""
-    if _stud_room(sizes, sizes.disc_radius) >= 0.0:
-        return
-    radius = sizes.disc_radius
-    while radius > DISC_STEP and _stud_room(sizes, radius) < 0.0:
-        radius -= DISC_STEP
-    what = f"the studs of a brake with a disc of {2 * sizes.disc_radius:.4g} mm lie outside the end plate"
-    raise DesignError(what, where=sizes.label, right=f"give build.disc_diameter of {2 * radius:.4g} mm")
+    """Raise DesignError unless the studs have room on the end plate."""
+    radius = disc_radius(sizes)
+    if _stud_room(sizes, radius) < 0.0:
+        what = f"the studs of a brake with a disc of {2 * radius:.4g} mm have no room on the end plate"
+        raise DesignError(what, where=sizes.label, right="a smaller disc may have")
 
 
-def _stud_room(sizes: JointSizes, disc_radius: float) -> float:
-    """Return the distance of the studs of a disc from the edge of the end plate, less their size, mm."""
-    x, y = _stud_place(sizes, disc_radius)
-    return sizes.rim - hypot(x, y) - sizes.screw.diameter * MM
+def _stud_room(sizes: JointSizes, disc: float) -> float:
+    """Return the room of the studs of a disc of a radius, mm: to the end plate's edge, and to its screws' washers."""
+    (x, y), screw = _stud_place(sizes, disc), sizes.screw
+    beside = min(hypot(x - at, y - along) for at, along in frame_places(sizes))
+    washer = (screw.washer_diameter + screw.diameter) / 2 * MM
+    return min(sizes.rim - hypot(x, y) - screw.diameter * MM, beside - washer)
 
 
 def brake_components(sizes: JointSizes, angle: float) -> list[Component]:
@@ -84,19 +92,19 @@ def brake_components(sizes: JointSizes, angle: float) -> list[Component]:
         return []
     _check_studs(sizes)
     pads, face = pad_distance(sizes), sizes.top
-    radius, turned = PAD_SHARE * sizes.disc_radius, turn_about_z(angle).then(place(0.0, sizes.axis))
+    radius, turned = PAD_SHARE * disc_radius(sizes), turn_about_z(angle).then(place(0.0, sizes.axis))
     middle = sizes.axis - pads
     pad = rod(2 * radius, PAD_THICKNESS - 0.02)
     disc_low = -(face + PAD_THICKNESS + sizes.disc)
     hub = sizes.shaft  # its radius
-    outline = stepped((hub, -sizes.disc_hub, 0.0), (sizes.disc_radius, 0.0, sizes.disc), bore=sizes.shaft / 2)
+    outline = stepped((hub, -sizes.disc_hub, 0.0), (disc_radius(sizes), 0.0, sizes.disc), bore=sizes.shaft / 2)
     set_hole = Drilled((hub, 0.0, -sizes.disc_hub / 2), (-1.0, 0.0, 0.0), SET_SCREW.tapping_hole * MM,
                        hub, SET_SCREW.name)  # fmt: skip
     set_screw = rod(SET_SCREW.tapping_hole * MM - 0.02, hub - sizes.shaft / 2 - 0.2)
     at_set = place(sizes.shaft / 2 + 0.1, 0.0, -sizes.disc_hub / 2, axes_towards(1, 0, 0))
     return [
         Component("brake disc", "output", Turned(outline, (set_hole,)), "aluminium", "turning",
-                  (place(z=disc_low).then(turned),), f"round bar {2 * sizes.disc_radius:.4g}",
+                  (place(z=disc_low).then(turned),), f"round bar {2 * disc_radius(sizes):.4g}",
                   tags=frozenset({"disc"})),
         Component("set screw of the disc", "output", set_screw, "screw-steel", "bought",
                   (at_set.then(place(z=disc_low)).then(turned),),
@@ -111,7 +119,7 @@ def brake_components(sizes: JointSizes, angle: float) -> list[Component]:
 def _beam(sizes: JointSizes, z: float) -> list[Component]:
     """Return the beam below z (mm) with its studs, and what presses it: springs, or a cylinder of a calliper."""
     force, studs = pad_force(sizes), stud_places(sizes)
-    radius = PAD_SHARE * sizes.disc_radius
+    radius = PAD_SHARE * disc_radius(sizes)
     span = 2 * studs[1][0]
     thickness = next_thickness(max(sqrt(6 * force * span / 4 / MM / (BEAM_STRESS * 2 * radius / MM)), 0.003)) * MM
     screw = sizes.screw

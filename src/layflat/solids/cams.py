@@ -12,7 +12,6 @@ from layflat.lazy import numpy as np
 from layflat.solids.loops import CurveSide, Loop, StraightSide
 from layflat.solids.shapes import Drilled, Hole, Prism
 from layflat.solids.sizes import MM
-from layflat.solids.standard.bushes import BUSHES
 from layflat.solids.standard.threads import THREADS
 
 if TYPE_CHECKING:
@@ -141,8 +140,7 @@ def _back(sizes: JointSizes) -> Array:
     thickest = 2 * float(cam.lever.min()) * MM / HUB_SHARE
     if sizes.shaft >= thickest:
         what = f"a shaft of {sizes.shaft:g} mm leaves no wall with a lever arm of {cam.lever.min() * MM:.4g} mm"
-        thinner = max((one.bore * MM for one in BUSHES if one.bore * MM < thickest), default=BUSHES[0].bore * MM)
-        right = f"give build.shaft_diameter of {thinner:g} mm, a lower supply pressure, or a shorter stroke"
+        right = "a lower supply pressure, or a shorter stroke, leaves one"
         raise DesignError(what, where=f"{sizes.design.label}.output", right=right)
     outline = Outline(cam, sizes.shaft / MM)
     points: Array = outline.points[len(outline.profile) :] * MM

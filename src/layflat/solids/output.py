@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import cos, floor, pi, sin, sqrt
+from math import cos, pi, sin, sqrt
 from typing import TYPE_CHECKING
 
 from layflat.design.straplines import direction_vector
@@ -218,8 +218,7 @@ def _ring_diameter(sizes: JointSizes) -> float:
     room = sizes.inner_radius - diameter / 2
     if sizes.axis > room:
         what = f"the retaining ring of a shaft of {sizes.shaft:g} mm meets the cylinder"
-        right = f"give output.shaft_offset of {floor(room - RING_GAP):g} mm"
-        raise DesignError(what, where=f"{sizes.design.label}.output", right=right)
+        raise DesignError(what, where=f"{sizes.design.label}.output", right="a smaller shaft_offset leaves room")
     return diameter
 
 

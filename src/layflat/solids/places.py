@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from math import asin, ceil, cos, hypot, radians, sin, sqrt
+from math import asin, cos, hypot, radians, sin, sqrt
 from typing import TYPE_CHECKING
 
 from layflat.errors import DesignError
 from layflat.lazy import numpy as np
 from layflat.solids.loops import HullCircle, hull
 from layflat.solids.section import WEBBING_THICKNESS
-from layflat.solids.sizes import MM, TAIL_SHARE
+from layflat.solids.sizes import MM
 from layflat.solids.standard.processes import smallest_wall
 from layflat.solids.standard.screws import nut_engagement, screw_lengths
 
@@ -37,13 +37,12 @@ def bar_place(sizes: JointSizes) -> tuple[float, float, float]:
     Raises:
         DesignError: the cylinder is too small for bars with walls around their screws, or no screws fit given bars.
     """
-    bar = sizes.clamp_bar
-    given = sizes.build.clamp_bar_thickness is not None
-    if _bar_room(sizes, bar, sizes.inner_radius, sizes.tail) < 0.0 or (given and not _screws_fit(sizes, bar)):
-        what = f"the screws of the hoses' clamp have no place in bars {bar:g} mm thick"
-        raise DesignError(what, where=sizes.label, right=_bar_mend(sizes))
-    low = _bar_distance(sizes)
+    bar, low = sizes.clamp_bar, _bar_distance(sizes)
     bottom, top = _bar_ends(sizes.inner_radius, low + bar, sizes.tail)
+    given = sizes.build.clamp_bar_thickness is not None
+    if _bar_room(sizes, top - bottom) < 0.0 or (given and not _screws_fit(sizes, bar)):
+        what = f"the screws of the hoses' clamp have no place in bars {bar:g} mm thick"
+        raise DesignError(what, where=sizes.label, right="a wider cylinder leaves room")
     return low + bar / 2, (bottom + top) / 2, top - bottom
 
 
@@ -59,18 +58,10 @@ def _bar_ends(inner_radius: float, high: float, tail: float) -> tuple[float, flo
     return -sqrt(inner_radius**2 - high**2) + EDGE_GAP, -inner_radius + tail
 
 
-def _bar_room(sizes: JointSizes, bar: float, inner_radius: float, tail: float) -> float:
-    """Return how much thicker than needed the least wall around the screws of a clamp bar is, mm.
-
-    Args:
-        sizes: sizes of the joint.
-        bar: thickness of the bar, mm.
-        inner_radius: of the cylinder, mm.
-        tail: length of the hose in the clamp, mm.
-    """
-    bottom, top = _bar_ends(inner_radius, _bar_distance(sizes) + bar, tail)
-    screws = (0.5 - SCREW_SHARE) * (top - bottom) - sizes.screw.clearance_hole * MM / 2
-    ends = (0.5 + END_SHARE) * (top - bottom) - sizes.screw.tapping_hole * MM / 2
+def _bar_room(sizes: JointSizes, depth: float) -> float:
+    """Return how much thicker than needed the least wall around the screws of a clamp bar of a depth is, mm."""
+    screws = (0.5 - SCREW_SHARE) * depth - sizes.screw.clearance_hole * MM / 2
+    ends = (0.5 + END_SHARE) * depth - sizes.screw.tapping_hole * MM / 2
     return min(screws - smallest_wall("milling") * MM, ends - LEAST_BAR_WALL)
 
 
@@ -79,19 +70,6 @@ def _screws_fit(sizes: JointSizes, bar: float) -> bool:
     grip = 2 * (_bar_distance(sizes) + bar + sizes.screw.washer_thickness * MM)
     name = sizes.screw.name
     return bar >= sizes.least_clamp_bar and grip <= (screw_lengths(name)[-1] - nut_engagement(name)) * MM
-
-
-def _bar_mend(sizes: JointSizes) -> str:
-    """Return the thicknesses that given clamp bars can have, or the least cylinder for bars as they are."""
-    radius = sizes.inner_radius
-    if sizes.build.clamp_bar_thickness is not None:
-        bars = np.arange(ceil(2 * sizes.least_clamp_bar) / 2, radius, 0.5)
-        fitting = [bar for bar in bars if _screws_fit(sizes, bar) and _bar_room(sizes, bar, radius, sizes.tail) >= 0.0]
-        if fitting:
-            return f"give clamp_bar_thickness from {fitting[0]:g} mm to {fitting[-1]:g} mm"
-    while _bar_room(sizes, sizes.clamp_bar, radius, TAIL_SHARE * radius) < 0.0:
-        radius += 0.5
-    return f"give cylinder.diameter of {2 * (radius + sizes.joint.cylinder.wall * MM):.0f} mm or more"
 
 
 def frame_places(sizes: JointSizes) -> list[tuple[float, float]]:

@@ -9,9 +9,9 @@ is as wide as that of A but in two strips beside it, so that no strap tilts the 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
-from math import cbrt, ceil, cos, pi, sin, sqrt
+from math import cbrt, cos, pi, sin, sqrt
 from typing import TYPE_CHECKING
 
 from layflat.design.straplines import ShellLine, direction_vector, joint_strap_line
@@ -43,7 +43,6 @@ ARM_WALL = 1.5  # wall of an arm plate beside its bore over the diameter of the 
 LEAST_PLATE = 0.004  # thickness of a plate, m
 BAR_SHARE = 2.2  # least thickness of a clamp bar over the diameter of the screws in its ends
 CLAMP_PITCH = 40.0  # between screws of the clamp, mm
-DISC_SHARE = 0.7  # radius of the brake's disc over the cylinder's
 PLATE_SHARE = 0.09  # least thickness of an end plate over the cylinder's diameter, by the mass of the paper's joints
 ROD_SIDES = ((1, -1), (-1,))  # sides of the shaft with a rod, in the order of preference
 LUG_SHARE, LEAST_LUG = 0.4, 1.5  # wall around a rod over its diameter, and at least, mm
@@ -206,7 +205,7 @@ class JointSizes:
                 if least <= size.diameter <= self.screw.diameter and self._lug_room(size, sides) >= 0.0:
                     return size, sides
         what = f"no rod of M{least * MM:g} or more fits beside a shaft of {self.shaft:g} mm inside the cams"
-        raise DesignError(what, where=f"{self.design.label}.output", right=self._rod_mend())
+        raise DesignError(what, where=f"{self.design.label}.output", right="a shorter stroke makes wider cams")
 
     @property
     def _least_rod(self) -> Thread:
@@ -230,26 +229,6 @@ class JointSizes:
             return self.joint.output.radius * MM - self.rod_distance(size) - lug
         across = self._rod_points(size, sides) @ direction_vector(cam.normal).T
         return float((cam.lever * MM - across).min()) - lug
-
-    def _rod_mend(self) -> str:
-        """Return which shaft, roller or cylinder leaves room for rods, or what else would."""
-        size, side, output = self._least_rod, ROD_SIDES[-1], self.joint.output
-        for one in reversed(BUSHES):
-            build = self.build.model_copy(update={"shaft_diameter": one.bore})
-            if one.bore * MM < self.shaft and self._changed(build=build)._lug_room(size, side) >= 0.0:
-                return f"give build.shaft_diameter of {one.bore * MM:g} mm, which bends more, or a shorter stroke"
-        if output.kind == "roller":
-            least = ceil(10 * (self.rod_distance(size) + self.lug_radius(size))) / 10
-            if self.stroke * output.radius * MM / least >= self.joint.stops.working_stroke:
-                return f"give output.radius of {least:g} mm, or a shorter stroke"
-        return "a shorter stroke or a lower supply pressure makes wider cams"
-
-    def _changed(self, **values: object) -> JointSizes:
-        """Return the sizes of the joint with other parts of its description, by the same cam."""
-        machine, name = self.design.machine, self.design.name
-        joint = self.joint.model_copy(update=values)
-        changed = machine.model_copy(update={"joint": {**machine.joint, name: joint}})
-        return replace(self, design=replace(self.design, machine=changed))
 
     def rod_distance(self, size: Thread) -> float:
         """Return the distance of the rods of a size from the output's axis: bore and nut leave room between."""
@@ -328,10 +307,8 @@ class JointSizes:
             if one.bore >= bends and one.allowed_load(self.end_plate / MM) >= self.pull / 2:
                 return one
         if BUSHES[-1].bore >= bends:
-            bears = max(LEAST_PLATE, self.pull / 2 / next(one for one in BUSHES if one.bore >= bends).allowed_load(1.0))
             what = f"bushes in end plates of {self.end_plate:g} mm do not bear a pull of {self.pull:.0f} N"
-            right = f"give build.end_plate_thickness of {next_thickness(bears) * MM:g} mm"
-            raise DesignError(what, where=self.label, right=right)
+            raise DesignError(what, where=self.label, right="thicker end plates bear more")
         what = f"no shaft of up to {BUSHES[-1].bore * MM:g} mm bears a pull of {self.pull:.0f} N"
         raise DesignError(what, where=self.label, right="a lower supply pressure pulls less")
 
@@ -360,12 +337,6 @@ class JointSizes:
     def clamp_screws(self) -> int:
         """Number of screws through the bars."""
         return max(2, round(self.hose_width / CLAMP_PITCH) + 1)
-
-    @property
-    def disc_radius(self) -> float:
-        """Radius of the brake's disc."""
-        given = self.build.disc_diameter
-        return DISC_SHARE * self.radius if given is None else given / 2 * MM
 
     @property
     def disc(self) -> float:

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from layflat.design import design_joint
-from layflat.errors import DesignError, LayflatError
+from layflat.errors import DesignError
 from layflat.lazy import numpy as np
 from layflat.solids.cams import cam_loop
 from layflat.solids.places import bar_place, tie_places, tie_radius
@@ -15,23 +13,21 @@ from layflat.solids.sizes import MM
 
 if TYPE_CHECKING:
     from layflat.arrays import Array
-    from layflat.machine.parts import OutputElement
     from layflat.solids.sizes import JointSizes
 
 POSE_COUNT = 15  # of the output over its mechanical stroke
 HEAD_HEIGHT = 4.0  # of the screws of the strap's clamp above the cam, mm
 TIE_GAP = 0.3  # least distance of cam or roller from a tie bar of the frame, mm
-OFFSET_STEP = 2e-3  # between output axes that are tried as a mend, m
 
 
 def check_sweep(sizes: JointSizes) -> None:
-    """Raise DesignError if cam or roller meets the frame; the message says what would mend it."""
+    """Raise DesignError if cam or roller meets the frame."""
     depth = _sweep_depth(sizes)
     if depth <= 0.0:
         return
     kind = sizes.joint.output.kind
     what = f"the {kind} sweeps {depth:.1f} mm into the cylinder, its tie bars or the clamp of the hoses"
-    raise DesignError(what, where=f"{sizes.design.label}.output", right=_mend(sizes))
+    raise DesignError(what, where=f"{sizes.design.label}.output", right="a longer stroke leaves room")
 
 
 def _sweep_depth(sizes: JointSizes) -> float:
@@ -62,26 +58,3 @@ def _depth(sizes: JointSizes, section: CrossSection, points: Array) -> float:
     radius = tie_radius(sizes) + TIE_GAP
     ties = [radius - np.hypot(*(points - tie).T).min() for tie in tie_places(sizes)]
     return float(max(0.0, into.max(), bars.max(), *ties))
-
-
-def _mend(sizes: JointSizes) -> str:
-    """Return which offset of the output's axis would mend it, or a roller, or what else."""
-    output = sizes.joint.output
-    room = sizes.joint.cylinder.diameter / 2 - output.shaft_offset
-    for offset in output.shaft_offset + np.arange(OFFSET_STEP, room, OFFSET_STEP):
-        if _turns_freely(sizes, output.model_copy(update={"shaft_offset": float(offset)})):
-            return f"give output.shaft_offset of {offset * MM:.0f} mm"
-    if output.kind == "cam" and _turns_freely(sizes, output.model_copy(update={"kind": "roller"})):
-        return 'give output.kind of "roller", or a longer stroke'
-    return "a longer stroke or a wider cylinder leaves room"
-
-
-def _turns_freely(sizes: JointSizes, output: OutputElement) -> bool:
-    """Return whether a joint with another output can be designed and its output turns freely."""
-    machine, name = sizes.design.machine, sizes.design.name
-    joint = sizes.joint.model_copy(update={"output": output})
-    changed = machine.model_copy(update={"joint": {**machine.joint, name: joint}})
-    try:
-        return _sweep_depth(replace(sizes, design=design_joint(changed, name))) <= 0.0
-    except LayflatError:
-        return False

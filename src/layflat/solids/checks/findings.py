@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING
 from layflat.design.summary import SEVERITY_ORDER, Finding
 from layflat.plot.tables import html_table
 from layflat.solids.checks.clearances import Clearance, arm_clearances, joint_clearances
-from layflat.solids.checks.making import making_findings
 from layflat.solids.checks.masses import MassRow, mass_findings, mass_rows
 from layflat.solids.checks.meshes import MeshStore
 from layflat.solids.checks.reach import reach_findings
-from layflat.solids.checks.stresses import joint_stresses
+from layflat.solids.making import making_findings
 from layflat.solids.strength import Strength, check_strength
+from layflat.solids.stresses import joint_stresses
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -78,12 +78,16 @@ def check_build(assembly: Assembly, progress: Callable[[int, int], object] = lam
     screws = reach_findings(assembly, store)
     progress(steps - 1, steps)
     masses = mass_rows(assembly)
-    stresses = [one for name in assembly.sizes for one in joint_stresses(assembly, name)]
+    stresses = [
+        one
+        for name, sizes in assembly.sizes.items()
+        for one in joint_stresses(sizes, [part for part in assembly.components if part.joint == name], name)
+    ]
     weak = [check_strength(one) for one in stresses]
     findings = [
         *(one.finding for one in clearances if not one.enough),
         *(one for one in weak if one is not None),
-        *making_findings(assembly),
+        *making_findings(assembly.components, assembly.sizes),
         *screws,
         *mass_findings(assembly, masses),
     ]

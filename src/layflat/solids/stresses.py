@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from layflat.design.strength import SHAFT_YIELD
 from layflat.lazy import numpy as np
 from layflat.solids import strength
-from layflat.solids.brake import PAD_SHARE, pad_force, stud_places
+from layflat.solids.brake import PAD_SHARE, disc_radius, pad_force, stud_places
 from layflat.solids.frame import end_plate
 from layflat.solids.places import bar_place, frame_places
 from layflat.solids.section import WEBBING_THICKNESS
@@ -17,16 +17,23 @@ from layflat.solids.sizes import MM
 from layflat.solids.standard.materials import MATERIALS
 
 if TYPE_CHECKING:
-    from layflat.solids.assembly import Assembly
+    from collections.abc import Sequence
+
+    from layflat.solids.component import Component
     from layflat.solids.sizes import JointSizes
     from layflat.solids.strength import Strength
 
 
-def joint_stresses(assembly: Assembly, name: str) -> list[Strength]:
-    """Return the stresses of a joint's parts beside their limits, in the order in which the load goes through them."""
-    sizes = assembly.sizes[name]
-    found = [_hinge(sizes), *_clamp(sizes), _end_plate(sizes), *_shaft(sizes), *_brake_beam(assembly, name)]
-    return [replace(one, where=f"{name}: {one.where}") for one in found]
+def joint_stresses(sizes: JointSizes, parts: Sequence[Component], label: str) -> list[Strength]:
+    """Return the stresses of a joint's parts beside their limits, in the order in which the load goes through them.
+
+    Args:
+        sizes: sizes of the joint.
+        parts: its components.
+        label: of the joint, for messages.
+    """
+    found = [_hinge(sizes), *_clamp(sizes), _end_plate(sizes), *_shaft(sizes), *_brake_beam(sizes, parts)]
+    return [replace(one, where=f"{label}: {one.where}") for one in found]
 
 
 def _hinge(sizes: JointSizes) -> Strength:
@@ -83,13 +90,12 @@ def _shaft(sizes: JointSizes) -> list[Strength]:
     ]
 
 
-def _brake_beam(assembly: Assembly, name: str) -> list[Strength]:
+def _brake_beam(sizes: JointSizes, parts: Sequence[Component]) -> list[Strength]:
     """Return the stress of the beam that presses a brake's pad, between its studs."""
-    sizes = assembly.sizes[name]
-    span, width = 2 * stud_places(sizes)[1][0] / MM, 2 * PAD_SHARE * sizes.disc_radius / MM
+    span, width = 2 * stud_places(sizes)[1][0] / MM, 2 * PAD_SHARE * disc_radius(sizes) / MM
     found = []
-    for one in assembly.components:
-        if one.joint == name and one.name == "brake beam" and isinstance(one.shape, Prism):
+    for one in parts:
+        if one.name == "brake beam" and isinstance(one.shape, Prism):
             limit, height = MATERIALS[one.material].yield_stress, one.shape.height / MM
             # Half of the force on half of the span, as on a cantilever.
             beam = strength.calliper_arm(pad_force(sizes) / 2, span / 2, width, height, limit)

@@ -13,9 +13,8 @@ from layflat.solids.sizes import MM
 from layflat.solids.standard.processes import PROCESSES, check_bend, check_hole, check_wall
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Mapping, Sequence
 
-    from layflat.solids.assembly import Assembly
     from layflat.solids.component import Component
     from layflat.solids.shapes import Hole
     from layflat.solids.sizes import JointSizes
@@ -25,17 +24,17 @@ SHELL_MATERIAL = "aluminium-sheet"
 MAX_STRAP_MISS = 0.1  # of the strap's line from the shell's strap point, mm
 
 
-def making_findings(assembly: Assembly) -> list[Finding]:
-    """Return findings about walls, holes and bends that the parts' processes can't make."""
+def making_findings(parts: Sequence[Component], joints: Mapping[str, JointSizes]) -> list[Finding]:
+    """Return findings about walls, holes and bends of components, and of joints by label, that can't be made."""
     found: list[Finding | None] = []
-    for one in assembly.components:
+    for one in parts:
         if one.making in PROCESSES:
             shapes = [piece for piece, _ in one.shape.placed()] if isinstance(one.shape, Joined) else [one.shape]
             where = f"{one.joint}: {one.name}"
             for shape in shapes:
                 if isinstance(shape, Prism):
                     found += _flat_findings(one, shape, where)
-    for name, sizes in assembly.sizes.items():
+    for name, sizes in joints.items():
         found += [*_bend_findings(sizes, name), strap_finding(sizes, name)]
     return list(dict.fromkeys(one for one in found if one is not None))
 

@@ -5,9 +5,9 @@ from dataclasses import replace
 import pytest
 
 from layflat import extras
-from layflat.solids.checks.making import MAX_STRAP_MISS, making_findings, strap_finding
 from layflat.solids.component import Component
 from layflat.solids.loops import Loop, circle, rectangle
+from layflat.solids.making import MAX_STRAP_MISS, making_findings, strap_finding
 from layflat.solids.section import CrossSection
 from layflat.solids.shapes import Hole, Prism, place
 from tests.solids.checks.builds import built
@@ -21,7 +21,7 @@ def findings(
     shape = Prism(rectangle(40.0, 20.0), thickness, holes, openings)
     part = Component("plate", "body", shape, "aluminium", making,  # type: ignore[arg-type]
                      (place(),), joint="small")  # fmt: skip
-    found = making_findings(replace(built(), components=(part,)))
+    found = making_findings((part,), built().sizes)
     return [(one.severity, one.what) for one in found if "plate" in one.where]
 
 
@@ -40,7 +40,7 @@ def test_thin_walls_are_drilled_and_thinner_ones_refused() -> None:
 
 @pytest.mark.parametrize("name", ["paper-arm", "picking-arm", "single-joint-lift"])
 def test_shipped_machines_can_be_made(name: str) -> None:
-    assert not [one for one in making_findings(built(name)) if one.severity == "error"]
+    assert not [one for one in making_findings(built(name).components, built(name).sizes) if one.severity == "error"]
 
 
 def test_threaded_holes_count_as_drilled() -> None:
@@ -59,7 +59,7 @@ def test_a_wall_between_arcs_is_as_thick_as_the_difference_of_their_radii() -> N
     for outer in (25.0, 30.0, 43.7):
         shape = Prism(circle(0.0, 0.0, outer), 50.0, openings=(circle(0.0, 0.0, outer - 1.0).turned(0.3),))
         part = Component("tube", "body", shape, "aluminium-tube", "milling", (place(),), joint="small")
-        found = making_findings(replace(built(), components=(part,)))
+        found = making_findings((part,), built().sizes)
         assert not [one for one in found if "tube" in one.where]
 
 

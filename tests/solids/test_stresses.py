@@ -5,8 +5,8 @@ from math import pi
 import pytest
 
 from layflat import extras
-from layflat.solids.checks.stresses import joint_stresses
 from layflat.solids.strength import check_strength
+from layflat.solids.stresses import joint_stresses
 from tests.solids.checks.builds import built
 
 pytestmark = pytest.mark.skipif(not extras.available("cad"), reason="no build123d; pip install layflat[cad]")
@@ -14,7 +14,7 @@ pytestmark = pytest.mark.skipif(not extras.available("cad"), reason="no build123
 
 def test_hinge_bush_and_shaft_bear_the_straps_pull() -> None:
     sizes = built().sizes["small"]
-    stresses = {one.where.removeprefix("small: "): one for one in joint_stresses(built(), "small")}
+    stresses = {one.where.removeprefix("small: "): one for one in joint_stresses(sizes, built().components, "small")}
     assert stresses["hinge: webbing"].stress == pytest.approx(sizes.pull / (110e-3 * 1e-3))
     assert stresses["bush"].stress == pytest.approx(sizes.pull / 2)
     assert stresses["bush"].limit == pytest.approx(40e6 * sizes.shaft * sizes.end_plate / 1e6)
@@ -26,7 +26,7 @@ def test_hinge_bush_and_shaft_bear_the_straps_pull() -> None:
 
 @pytest.mark.parametrize("name", ["paper-small-joint", "single-joint-lift"])
 def test_parts_sized_by_rules_are_strong_enough(name: str) -> None:
-    stresses = joint_stresses(built(name), "small")
+    stresses = joint_stresses(built(name).sizes["small"], built(name).components, "small")
     assert {one.where for one in stresses} >= {"small: end plate", "small: end clamp: bar", "small: brake: beam"}
     assert all(one.source for one in stresses)
     assert [check_strength(one) for one in stresses] == [None] * len(stresses)

@@ -1,0 +1,146 @@
+"""Values that mend a joint which can't be built, found by building it with them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from layflat.errors import DesignError, LayflatError
+from layflat.lazy import numpy as np
+from layflat.machine.build_sizes import Build
+from layflat.solids.brake import DISC_SHARES
+from layflat.solids.joint import joint_components, joint_sizes
+from layflat.solids.making import making_findings
+from layflat.solids.sizes import MM
+from layflat.solids.standard.bushes import BUSHES
+from layflat.solids.standard.stock import PLATE_THICKNESSES
+from layflat.solids.standard.threads import THREADS
+from layflat.solids.strength import check_strength
+from layflat.solids.stresses import joint_stresses
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from layflat.solids.component import Component
+    from layflat.solids.sizes import JointSizes
+
+Change = tuple[str, str, float | str]  # of a joint's description: table, key, value
+
+OFFSET_STEP = 1e-3  # between output axes that are tried, m
+RADIUS_STEP = 5e-4  # between radii of the output, m
+DIAMETER_STEP = 1e-3  # between diameters of discs and cylinders, m
+WIDER_COUNT = 3  # of wider cylinders for which a second change is looked for
+WIDER_SHARE = 0.4  # greatest change of the diameter of a cylinder, or radius of the output, over it
+
+
+def buildable_components(sizes: JointSizes, angle: float = 0.0) -> list[Component]:
+    """Return the components of a joint in its own frame, mm, all of which can be made and bear their loads.
+
+    Args:
+        sizes: sizes of its parts.
+        angle: of the output from mid-stroke, rad.
+
+    Raises:
+        DesignError: no size keeps a rule; the message says which value would mend it.
+    """
+    refused = _refusal(sizes)
+    if refused is None:
+        return joint_components(sizes, angle)
+    if refused.where.startswith(f"{sizes.label}."):  # a size that does not exist: the message lists those that do
+        raise refused
+    changes = _mend(sizes) or _mend_wider(sizes, refused.what)
+    right = f"give {' and '.join(map(_text, changes))}" if changes else refused.right
+    raise DesignError(refused.what, where=refused.where, right=right)
+
+
+def _refusal(sizes: JointSizes, *, strong: bool = False) -> DesignError | None:
+    """Return why a joint can't be built, if so; `strong`: or has parts weaker than they should be."""
+    label = sizes.design.label
+    try:
+        parts = [replace(one, joint=label) for one in joint_components(sizes)]
+    except DesignError as error:
+        return error
+    weak = [check_strength(one) for one in joint_stresses(sizes, parts, label)]
+    for one in (*weak, *making_findings(parts, {label: sizes})):
+        if one is not None and (one.severity == "error" or (strong and one.rule == "strength")):
+            return DesignError(one.what, where=one.where, right=one.right)
+    return None
+
+
+def _mend(sizes: JointSizes) -> tuple[Change, ...]:
+    """Return the one change that lets a joint of strong parts be built, of values that its description gives first."""
+    given = sizes.build.model_fields_set
+    for change in sorted(_changes(sizes), key=lambda one: one[1] not in given):
+        changed = _changed(sizes, change)
+        if changed is not None and _refusal(changed, strong=True) is None:
+            return (change,)
+    return ()
+
+
+def _mend_wider(sizes: JointSizes, what: str) -> tuple[Change, ...]:
+    """Return a wider cylinder and another change by which a joint can be built that is refused for what it says."""
+    tried = 0
+    for change in _wider(sizes):
+        changed = _changed(sizes, change)
+        refused = None if changed is None else _refusal(changed)
+        if changed is None or refused is None or refused.what.split()[:5] == what.split()[:5]:
+            continue
+        second = _mend(changed)
+        tried += 1
+        if second or tried == WIDER_COUNT:
+            return (change, *second) if second else ()
+    return ()
+
+
+def _changed(sizes: JointSizes, change: Change) -> JointSizes | None:
+    """Return the sizes of a joint after a change of its description; None if it can't be designed."""
+    (table, key, value), machine, name = change, sizes.design.machine, sizes.design.name
+    part = getattr(sizes.joint, table) or Build()
+    joint = sizes.joint.model_copy(update={table: part.model_copy(update={key: value})})
+    try:
+        changed = joint_sizes(machine.model_copy(update={"joint": {**machine.joint, name: joint}}), name)
+    except LayflatError:
+        return None
+    return replace(changed, mount=sizes.mount, foot=sizes.foot)
+
+
+def _text(change: Change) -> str:
+    """Return a change for messages."""
+    table, key, value = change
+    return f"{table}.{key} of " + (f'"{value}"' if isinstance(value, str) else f"{value * MM:g} mm")
+
+
+def _changes(sizes: JointSizes) -> Iterator[Change]:
+    """Yield changes to try: of the output and of parts that carry it first, of what makes another joint last."""
+    output, wide = sizes.joint.output, sizes.joint.cylinder.diameter
+    room = wide / 2 - output.shaft_offset
+    for offset in _around(output.shaft_offset, OFFSET_STEP, min(room, output.shaft_offset)):
+        yield "output", "shaft_offset", offset
+    for bush in reversed(BUSHES):
+        yield "build", "shaft_diameter", bush.bore
+    plates = [one for one in sizes.build.model_fields_set if one.endswith("thickness")]
+    for key in dict.fromkeys(("end_plate_thickness", *sorted(plates))):
+        for thickness in PLATE_THICKNESSES:
+            yield "build", key, thickness
+    for diameter in _around(DISC_SHARES[0] * wide, DIAMETER_STEP, DISC_SHARES[0] * wide / 2):
+        yield "build", "disc_diameter", diameter
+    for name in reversed(THREADS):
+        yield "build", "screw", name
+    for radius in _around(output.radius, RADIUS_STEP, WIDER_SHARE * output.radius):
+        yield "output", "radius", radius
+    yield "output", "kind", "roller" if output.kind == "cam" else "cam"
+    yield from _wider(sizes)
+
+
+def _wider(sizes: JointSizes) -> Iterator[Change]:
+    """Yield wider cylinders, the narrowest first."""
+    diameter = sizes.joint.cylinder.diameter
+    for one in _around(diameter, DIAMETER_STEP, WIDER_SHARE * diameter):
+        if one > diameter:
+            yield "cylinder", "diameter", one
+
+
+def _around(value: float, step: float, reach: float) -> list[float]:
+    """Return multiples of a step (m) within a reach (m) of a value (m), the nearest first."""
+    found = step * np.arange(np.ceil((value - reach) / step), np.floor((value + reach) / step) + 1)
+    return [round(float(one), 6) for one in found[np.argsort(np.abs(found - value), kind="stable")]]
