@@ -25,6 +25,8 @@ DISC_SHARES = (0.7, 0.65, 0.6, 0.55, 0.5, 0.45, 0.4)
 PAD_SHARE = 0.25  # radius of a pad over that of the disc
 PAD_EDGE = 1.0  # between a pad and the edge of the disc, mm
 STUD_GAP = 1.0  # between a stud's nut and the disc, mm
+HUB_GAP = 0.5  # least distance of what presses, and of the pads, from the shaft and the disc's hub, mm
+LEAST_BEAM = 3.0  # least thickness of the beam, mm
 BEAM_STRESS = 120e6  # allowed in the beam, Pa: half of the yield stress of EN AW-6082 T6
 SPRING_SPACES = tuple(size * 1e-3 for size in (8, 10, 12, 15, 20, 25, 30, 40))
 """Lengths that a loaded spring may take, m, tried in this order."""
@@ -96,7 +98,7 @@ def brake_components(sizes: JointSizes, angle: float) -> list[Component]:
     middle = sizes.axis - pads
     pad = rod(2 * radius, PAD_THICKNESS - 0.02)
     disc_low = -(face + PAD_THICKNESS + sizes.disc)
-    hub = sizes.shaft  # its radius
+    hub = min(sizes.shaft, pads - radius - HUB_GAP)  # its radius
     outline = stepped((hub, -sizes.disc_hub, 0.0), (disc_radius(sizes), 0.0, sizes.disc), bore=sizes.shaft / 2)
     set_hole = Drilled((hub, 0.0, -sizes.disc_hub / 2), (-1.0, 0.0, 0.0), SET_SCREW.tapping_hole * MM,
                        hub, SET_SCREW.name)  # fmt: skip
@@ -121,7 +123,9 @@ def _beam(sizes: JointSizes, z: float) -> list[Component]:
     force, studs = pad_force(sizes), stud_places(sizes)
     radius = PAD_SHARE * disc_radius(sizes)
     span = 2 * studs[1][0]
-    thickness = next_thickness(max(sqrt(6 * force * span / 4 / MM / (BEAM_STRESS * 2 * radius / MM)), 0.003)) * MM
+    least = LEAST_BEAM if sizes.joint.brake.calliper is None else sizes.disc_hub - PAD_THICKNESS + HUB_GAP
+    bends = sqrt(6 * force * span / 4 / MM / (BEAM_STRESS * 2 * radius / MM))
+    thickness = next_thickness(max(bends, least / MM)) * MM
     screw = sizes.screw
     middle = studs[0][1]
     ends = screw.washer_diameter * MM / 2

@@ -43,52 +43,62 @@ def buildable_components(sizes: JointSizes, angle: float = 0.0) -> list[Componen
     Raises:
         DesignError: no size keeps a rule; the message says which value would mend it.
     """
-    refused = _refusal(sizes)
-    if refused is None:
-        return joint_components(sizes, angle)
-    if refused.where.startswith(f"{sizes.label}."):  # a size that does not exist: the message lists those that do
-        raise refused
-    changes = _mend(sizes) or _mend_wider(sizes, refused.what)
-    right = f"give {' and '.join(map(_text, changes))}" if changes else refused.right
-    raise DesignError(refused.what, where=refused.where, right=right)
+    try:
+        return _checked_components(sizes, angle)
+    except DesignError as error:
+        if error.where.startswith(f"{sizes.label}."):  # a size that does not exist: the message lists those that do
+            raise
+        changes = _mend(sizes) or _mend_wider(sizes, error)
+        right = f"give {' and '.join(map(_text, changes))}" if changes else error.right
+        raise DesignError(error.what, where=error.where, right=right) from None
+
+
+def _checked_components(sizes: JointSizes, angle: float = 0.0, *, strong: bool = False) -> list[Component]:
+    """Return the components of a joint; raise DesignError if one fails or can't be made, `strong`: or is weak."""
+    label, parts = sizes.design.label, joint_components(sizes, angle)
+    named = [replace(one, joint=label) for one in parts]
+    weak = [check_strength(one) for one in joint_stresses(sizes, named, label)]
+    for one in (*weak, *making_findings(named, {label: sizes})):
+        if one is not None and (one.severity == "error" or (strong and one.rule == "strength")):
+            raise DesignError(one.what, where=one.where, right=one.right)
+    return parts
 
 
 def _refusal(sizes: JointSizes, *, strong: bool = False) -> DesignError | None:
-    """Return why a joint can't be built, if so; `strong`: or has parts weaker than they should be."""
-    label = sizes.design.label
+    """Return the error of `_checked_components`, if there is one."""
     try:
-        parts = [replace(one, joint=label) for one in joint_components(sizes)]
+        _checked_components(sizes, strong=strong)
     except DesignError as error:
         return error
-    weak = [check_strength(one) for one in joint_stresses(sizes, parts, label)]
-    for one in (*weak, *making_findings(parts, {label: sizes})):
-        if one is not None and (one.severity == "error" or (strong and one.rule == "strength")):
-            return DesignError(one.what, where=one.where, right=one.right)
     return None
 
 
 def _mend(sizes: JointSizes) -> tuple[Change, ...]:
-    """Return the one change that lets a joint of strong parts be built, of values that its description gives first."""
-    given = sizes.build.model_fields_set
+    """Return the one change that lets a joint be built, if it can of strong parts, of described values first."""
+    given, weak = sizes.build.model_fields_set, tuple[Change, ...]()
     for change in sorted(_changes(sizes), key=lambda one: one[1] not in given):
         changed = _changed(sizes, change)
-        if changed is not None and _refusal(changed, strong=True) is None:
-            return (change,)
-    return ()
+        if changed is not None and _refusal(changed) is None:
+            if _refusal(changed, strong=True) is None:
+                return (change,)
+            weak = weak or (change,)
+    return weak
 
 
-def _mend_wider(sizes: JointSizes, what: str) -> tuple[Change, ...]:
-    """Return a wider cylinder and another change by which a joint can be built that is refused for what it says."""
+def _mend_wider(sizes: JointSizes, first: DesignError) -> tuple[Change, ...]:
+    """Return a wider cylinder, which mends the error of a joint, and another change that lets it be built."""
     tried = 0
     for change in _wider(sizes):
         changed = _changed(sizes, change)
         refused = None if changed is None else _refusal(changed)
-        if changed is None or refused is None or refused.what.split()[:5] == what.split()[:5]:
+        if changed is None or refused is None or refused.right == first.right:  # still the same rule
             continue
-        second = _mend(changed)
         tried += 1
-        if second or tried == WIDER_COUNT:
-            return (change, *second) if second else ()
+        second = _mend(changed)
+        if second:
+            return (change, *second)
+        if tried == WIDER_COUNT:
+            break
     return ()
 
 
@@ -124,8 +134,8 @@ def _changes(sizes: JointSizes) -> Iterator[Change]:
             yield "build", key, thickness
     for diameter in _around(DISC_SHARES[0] * wide, DIAMETER_STEP, DISC_SHARES[0] * wide / 2):
         yield "build", "disc_diameter", diameter
-    for name in reversed(THREADS):
-        yield "build", "screw", name
+    for one in sorted(THREADS.values(), key=lambda one: abs(one.diameter - sizes.screw.diameter)):
+        yield "build", "screw", one.name
     for radius in _around(output.radius, RADIUS_STEP, WIDER_SHARE * output.radius):
         yield "output", "radius", radius
     yield "output", "kind", "roller" if output.kind == "cam" else "cam"

@@ -13,7 +13,7 @@ from math import asin, atan2, cos, hypot, pi, sin, sqrt
 from typing import TYPE_CHECKING
 
 from layflat.lazy import numpy as np
-from layflat.solids.cams import opening, winding
+from layflat.solids.cams import CLAMP_SCREW, opening, winding
 from layflat.solids.loops import ribbon, sector
 from layflat.solids.sizes import MM
 
@@ -108,6 +108,10 @@ class CrossSection:
         """Return the bar under the ramp, into which the strap's screws go."""
         return self._on_ramp(0.12, 1.0, self.sizes.shell + BAR_THICKNESS, -self.sizes.shell)
 
+    def shell_corners(self, turn: float) -> Array:
+        """Return the corners of the shell after a turn, (n, 2)."""
+        return self._moved(self.shell().points(), turn)
+
     def clamp_strip(self) -> Loop:
         """Return the strip that clamps the strap on the ramp."""
         below = self.sizes.strap_thickness + 2 * FILM_THICKNESS
@@ -168,6 +172,13 @@ class CrossSection:
         """Return the strip that clamps the strap on the flat of the cam, in the cam's own frame."""
         low = self.sizes.strap_thickness + 2 * FILM_THICKNESS
         return ribbon(winding(self.sizes)[-2:], -low, low + STRIP_THICKNESS)
+
+    def clamp_head(self) -> Loop:
+        """Return the heads of the screws through that strip, in the cam's own frame."""
+        (end, start), low = winding(self.sizes)[-2:], self.sizes.strap_thickness + 2 * FILM_THICKNESS + STRIP_THICKNESS
+        half = (end - start) / np.hypot(*(end - start)) * CLAMP_SCREW.head_diameter / 2 * MM
+        ends = np.vstack(((end + start) / 2 + half, (end + start) / 2 - half))
+        return ribbon(ends, -low, low + CLAMP_SCREW.head_height * MM)
 
     def webbing(self, turn: float) -> Loop:
         """Return the hinge's webbing after a turn: from the clamp to its lap on the shell."""

@@ -204,7 +204,8 @@ class JointSizes:
             for size in reversed(THREADS.values()):
                 if least <= size.diameter <= self.screw.diameter and self._lug_room(size, sides) >= 0.0:
                     return size, sides
-        what = f"no rod of M{least * MM:g} or more fits beside a shaft of {self.shaft:g} mm inside the cams"
+        inside = f"inside the {self.joint.output.kind}s"
+        what = f"no rod of M{least * MM:g} or more fits beside a shaft of {self.shaft:g} mm {inside}"
         raise DesignError(what, where=f"{self.design.label}.output", right="a shorter stroke makes wider cams")
 
     @property
