@@ -6,19 +6,25 @@ import numpy as np
 import pytest
 
 from layflat.design import JointDesign, SizingRequest, design_joint, size_joint
+from layflat.design.straplines import direction_vector
 from layflat.machine import changed
+from layflat.machine.parts import Calliper
+from layflat.solids.brake import CYLINDER_HEIGHT, HUB_GAP
+from layflat.solids.cams import CLAMP_SCREW, cam_loop, flat
 from layflat.solids.joint import joint_components
 from layflat.solids.output import link_holes
 from layflat.solids.places import stop_places, stop_radius
-from layflat.solids.section import CrossSection
+from layflat.solids.section import STRIP_THICKNESS, CrossSection
+from layflat.solids.shapes import Turned
 from layflat.solids.sizes import MM, JointSizes
+from layflat.solids.standard.screws import screw_for
 
 
 def sized(torque: str, stroke: str, supply: str) -> JointDesign:
     return size_joint(SizingRequest(torque=torque, stroke=stroke, supply=supply)).design
 
 
-def with_key(design: JointDesign, table: str, key: str, value: float | str) -> JointDesign:
+def with_key(design: JointDesign, table: str, key: str, value: object) -> JointDesign:
     """A design with one key of the joint changed."""
     return design_joint(changed(design.machine, f"joint.{design.name}.{table}.{key}", value), design.name)
 
@@ -56,3 +62,36 @@ def test_small_cylinders_have_small_screws() -> None:
 def test_small_cylinders_have_small_inlets() -> None:
     found = joint_components(JointSizes(sized("7.3 N m", "115 deg", "3.2 bar")))
     assert any("inlet" in part.name for part in found)
+
+
+def test_screws_of_a_straps_clamp_end_inside_the_thin_cam_of_a_short_stroke() -> None:
+    sizes = JointSizes(sized("17.5 N m", "63 deg", "6 bar"))
+    (x, y), normal = flat(sizes)
+    screw = screw_for((STRIP_THICKNESS + sizes.strap_thickness) / MM, CLAMP_SCREW.name)
+    reach, outward = screw.length * MM - STRIP_THICKNESS - sizes.strap_thickness, direction_vector(normal)
+    corners = cam_loop(sizes).points()
+    sides = np.roll(corners, -1, axis=0) - corners
+    for aside in (-CLAMP_SCREW.diameter, CLAMP_SCREW.diameter):
+        apart = [x, y] - reach * outward + aside / 2 * MM * direction_vector(normal + np.pi / 2) - corners
+        inside = sides[:, 0] * apart[:, 1] - sides[:, 1] * apart[:, 0]
+        assert (inside > 0).all() or (inside < 0).all()
+
+
+def test_a_strap_lies_on_its_roller_before_the_stroke_too() -> None:
+    sizes = JointSizes(with_key(sized("31.8 N m", "60 deg", "2.4 bar"), "output", "kind", "roller"))
+    path = CrossSection(sizes).strap_path(-0.17) - [0.0, sizes.axis]
+    fine = np.vstack([np.linspace(a, b, 50) for a, b in pairwise(path)])
+    assert np.hypot(*fine.T).min() > sizes.joint.output.radius * MM - 0.1
+
+
+def test_the_cylinder_of_a_calliper_lies_beside_the_shaft() -> None:
+    calliper = Calliper(released_fraction=0.1, stroke_time="50 ms")
+    roller = with_key(sized("31.8 N m", "60 deg", "2.4 bar"), "output", "kind", "roller")
+    sizes = JointSizes(with_key(roller, "brake", "calliper", calliper))
+    parts = {part.name: part for part in joint_components(sizes)}
+    cylinder, end = parts["brake cylinder"], parts["shaft"].places[0].origin
+    (at,) = cylinder.places
+    assert isinstance(cylinder.shape, Turned)
+    radius = cylinder.shape.outline.points()[:, 0].max()
+    beside = np.hypot(*(at.origin - end)[:2]) - radius - sizes.shaft / 2
+    assert max(beside, end[2] - at.origin[2] - CYLINDER_HEIGHT) >= HUB_GAP - 1e-9

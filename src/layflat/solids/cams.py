@@ -23,6 +23,7 @@ LUG_POINTS = 48
 FLAT_SHARE = 0.5  # length of the strap's clamp over the smallest lever arm, as `Outline` has it
 LEAST_FLAT = 7.0  # length of the strap's clamp, mm: a screw's head
 CLAMP_SCREW = THREADS["M3"]  # of the straps' clamps
+SCREW_DEPTH = 6.0  # of which these reach into cam or roller at most, mm
 TAPPED_DEPTH = 8.0  # depth of their threads, mm
 
 
@@ -119,7 +120,7 @@ def cam_loop(sizes: JointSizes) -> Loop:
     profile = line[-2::-1]
     ring = direction_vector(np.linspace(0.0, 2 * pi, LUG_POINTS, endpoint=False))
     lugs = [centre + sizes.lug_radius(sizes.rod) * ring for centre in sizes.rod_points]
-    points = np.vstack((profile, line[-1:], _back(sizes), *lugs))
+    points = np.vstack((profile, line[-1:], _back(sizes), _screw_ends(sizes), *lugs))
     order = ConvexHull(points).vertices
     on_back = order >= len(profile)
     first = int(np.argmax(on_back & ~np.roll(on_back, 1)))
@@ -144,6 +145,15 @@ def _back(sizes: JointSizes) -> Array:
         raise DesignError(what, where=f"{sizes.design.label}.output", right=right)
     outline = Outline(cam, sizes.shaft / MM)
     points: Array = outline.points[len(outline.profile) :] * MM
+    return points
+
+
+def _screw_ends(sizes: JointSizes) -> Array:
+    """Return points beside the tips of the screws of the strap's clamp, mm, (2, 2)."""
+    middle, normal = flat(sizes)
+    aside = CLAMP_SCREW.diameter / 2 * MM * direction_vector(normal + pi / 2)
+    tip = middle - SCREW_DEPTH * direction_vector(normal)
+    points: Array = np.stack((tip - aside, tip + aside))
     return points
 
 

@@ -152,6 +152,9 @@ class CrossSection:
         foot = [float(np.interp(inside, angles, line[:count, k])) for k in (0, 1)]
         rest = line[int(np.searchsorted(angles, inside + 1e-9)) :]
         points = np.vstack((foot, rest)) if len(rest) else np.array([foot])
+        if sizes.design.cam is None and turn < 0.0:  # a roller is round before its stroke, too
+            first = atan2(foot[1], foot[0])
+            points = np.vstack((hypot(*foot) * _directions(first - turn, first)[:-1], points))
         c, s = cos(turn), sin(turn)
         placed: Array = points @ np.array([[c, s], [-s, c]]) + np.array([0.0, sizes.axis])
         return placed
@@ -173,12 +176,12 @@ class CrossSection:
         low = self.sizes.strap_thickness + 2 * FILM_THICKNESS
         return ribbon(winding(self.sizes)[-2:], -low, low + STRIP_THICKNESS)
 
-    def clamp_head(self) -> Loop:
+    def screw_head(self) -> Loop:
         """Return the heads of the screws through that strip, in the cam's own frame."""
-        (end, start), low = winding(self.sizes)[-2:], self.sizes.strap_thickness + 2 * FILM_THICKNESS + STRIP_THICKNESS
-        half = (end - start) / np.hypot(*(end - start)) * CLAMP_SCREW.head_diameter / 2 * MM
-        ends = np.vstack(((end + start) / 2 + half, (end + start) / 2 - half))
-        return ribbon(ends, -low, low + CLAMP_SCREW.head_height * MM)
+        ends = winding(self.sizes)[-2:]
+        along = (ends[1] - ends[0]) / np.hypot(*(ends[1] - ends[0])) * CLAMP_SCREW.head_diameter / 2 * MM
+        low = self.sizes.strap_thickness + 2 * FILM_THICKNESS + STRIP_THICKNESS
+        return ribbon(ends.mean(axis=0) + np.vstack((-along, along)), -low, low + CLAMP_SCREW.head_height * MM)
 
     def webbing(self, turn: float) -> Loop:
         """Return the hinge's webbing after a turn: from the clamp to its lap on the shell."""

@@ -34,7 +34,7 @@ def check_sweep(sizes: JointSizes) -> None:
 def _sweep_depth(sizes: JointSizes) -> float:
     """Return how deep cam or roller sweeps into cylinder or clamp bars, mm; 0 if it turns freely."""
     section = CrossSection(sizes)
-    points = np.vstack([_outline(loop) for loop in (cam_loop(sizes), section.cam_clamp(), section.clamp_head())])
+    points = np.vstack([_outline(loop) for loop in (cam_loop(sizes), section.cam_clamp(), section.screw_head())])
     depth = 0.0
     for angle in np.linspace(-sizes.swing, sizes.swing, POSE_COUNT):
         turn = sizes.stroke / 2 + float(angle)
