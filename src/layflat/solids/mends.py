@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from layflat.errors import DesignError, LayflatError
 from layflat.lazy import numpy as np
-from layflat.machine.build_sizes import Build
+from layflat.machine import changed
 from layflat.solids.brake import DISC_SHARES
 from layflat.solids.joint import joint_components, joint_sizes
 from layflat.solids.making import making_findings
@@ -77,9 +77,9 @@ def _mend(sizes: JointSizes) -> tuple[Change, ...]:
     """Return the one change that lets a joint be built, if it can of strong parts, of described values first."""
     given, weak = sizes.build.model_fields_set, tuple[Change, ...]()
     for change in sorted(_changes(sizes), key=lambda one: one[1] not in given):
-        changed = _changed(sizes, change)
-        if changed is not None and _refusal(changed) is None:
-            if _refusal(changed, strong=True) is None:
+        varied = _changed(sizes, change)
+        if varied is not None and _refusal(varied) is None:
+            if _refusal(varied, strong=True) is None:
                 return (change,)
             weak = weak or (change,)
     return weak
@@ -89,12 +89,12 @@ def _mend_wider(sizes: JointSizes, first: DesignError) -> tuple[Change, ...]:
     """Return a wider cylinder, which mends the error of a joint, and another change that lets it be built."""
     tried = 0
     for change in _wider(sizes):
-        changed = _changed(sizes, change)
-        refused = None if changed is None else _refusal(changed)
-        if changed is None or refused is None or refused.right == first.right:  # still the same rule
+        varied = _changed(sizes, change)
+        refused = None if varied is None else _refusal(varied)
+        if varied is None or refused is None or refused.right == first.right:  # still the same rule
             continue
         tried += 1
-        second = _mend(changed)
+        second = _mend(varied)
         if second:
             return (change, *second)
         if tried == WIDER_COUNT:
@@ -104,14 +104,13 @@ def _mend_wider(sizes: JointSizes, first: DesignError) -> tuple[Change, ...]:
 
 def _changed(sizes: JointSizes, change: Change) -> JointSizes | None:
     """Return the sizes of a joint after a change of its description; None if it can't be designed."""
-    (table, key, value), machine, name = change, sizes.design.machine, sizes.design.name
-    part = getattr(sizes.joint, table) or Build()
-    joint = sizes.joint.model_copy(update={table: part.model_copy(update={key: value})})
+    table, key, value = change
+    design = sizes.design
     try:
-        changed = joint_sizes(machine.model_copy(update={"joint": {**machine.joint, name: joint}}), name)
+        machine = changed(design.machine, f"joint.{design.name}.{table}.{key}", value)
+        return replace(joint_sizes(machine, design.name), mount=sizes.mount, foot=sizes.foot)
     except LayflatError:
         return None
-    return replace(changed, mount=sizes.mount, foot=sizes.foot)
 
 
 def _text(change: Change) -> str:
@@ -124,7 +123,7 @@ def _changes(sizes: JointSizes) -> Iterator[Change]:
     """Yield changes to try: of the output and of parts that carry it first, of what makes another joint last."""
     output, wide = sizes.joint.output, sizes.joint.cylinder.diameter
     room = wide / 2 - output.shaft_offset
-    for offset in _around(output.shaft_offset, OFFSET_STEP, min(room, output.shaft_offset)):
+    for offset in _values_near(output.shaft_offset, OFFSET_STEP, min(room, output.shaft_offset)):
         yield "output", "shaft_offset", offset
     for bush in reversed(BUSHES):
         yield "build", "shaft_diameter", bush.bore
@@ -132,11 +131,11 @@ def _changes(sizes: JointSizes) -> Iterator[Change]:
     for key in dict.fromkeys(("end_plate_thickness", *sorted(plates))):
         for thickness in PLATE_THICKNESSES:
             yield "build", key, thickness
-    for diameter in _around(DISC_SHARES[0] * wide, DIAMETER_STEP, DISC_SHARES[0] * wide / 2):
+    for diameter in _values_near(DISC_SHARES[0] * wide, DIAMETER_STEP, DISC_SHARES[0] * wide / 2):
         yield "build", "disc_diameter", diameter
     for one in sorted(THREADS.values(), key=lambda one: abs(one.diameter - sizes.screw.diameter)):
         yield "build", "screw", one.name
-    for radius in _around(output.radius, RADIUS_STEP, WIDER_SHARE * output.radius):
+    for radius in _values_near(output.radius, RADIUS_STEP, WIDER_SHARE * output.radius):
         yield "output", "radius", radius
     yield "output", "kind", "roller" if output.kind == "cam" else "cam"
     yield from _wider(sizes)
@@ -145,12 +144,12 @@ def _changes(sizes: JointSizes) -> Iterator[Change]:
 def _wider(sizes: JointSizes) -> Iterator[Change]:
     """Yield wider cylinders, the narrowest first."""
     diameter = sizes.joint.cylinder.diameter
-    for one in _around(diameter, DIAMETER_STEP, WIDER_SHARE * diameter):
+    for one in _values_near(diameter, DIAMETER_STEP, WIDER_SHARE * diameter):
         if one > diameter:
             yield "cylinder", "diameter", one
 
 
-def _around(value: float, step: float, reach: float) -> list[float]:
+def _values_near(value: float, step: float, reach: float) -> list[float]:
     """Return multiples of a step (m) within a reach (m) of a value (m), the nearest first."""
     found = step * np.arange(np.ceil((value - reach) / step), np.floor((value + reach) / step) + 1)
     return [round(float(one), 6) for one in found[np.argsort(np.abs(found - value), kind="stable")]]
