@@ -1,3 +1,4 @@
+import errno
 import resource
 import signal
 import sys
@@ -142,6 +143,19 @@ def test_a_failure_leaves_no_part_of_a_folder(tmp_path: Path, fault: BaseExcepti
     with pytest.raises(type(fault)):
         fill(tmp_path / "one", "x", fault)
     assert list(tmp_path.iterdir()) == []
+
+
+def test_the_error_of_a_file_in_a_folder_names_the_folder(tmp_path: Path) -> None:
+    folder = tmp_path / "one"
+
+    def fail() -> None:
+        with whole_folder(folder, {"part"}) as temporary, whole_file(temporary / "part" / "file.txt"):
+            raise OSError(errno.ENOSPC, "No space left on device")
+
+    with pytest.raises(OutputError) as refused:
+        fail()
+    right = "free some space, or give another folder"
+    assert str(refused.value) == f"{folder}: can't write here (No space left on device); {right}"
 
 
 def test_only_force_replaces_a_folder_and_only_one_of_its_kind(tmp_path: Path) -> None:

@@ -71,7 +71,9 @@ def _temporary_path(path: Path, folder: Path, make: Callable[[Path, Path], Path]
         folder.mkdir(parents=True, exist_ok=True)
         temporary = make(path, folder)
         yield temporary
-    except LayflatError:
+    except LayflatError as error:
+        if isinstance(error, OutputError) and temporary is not None and Path(error.where).is_relative_to(temporary):
+            raise OutputError(error.what, where=str(path), right=error.right) from error
         raise
     except Exception as error:
         failure = _write_error(error, path, temporary)

@@ -3,14 +3,14 @@
     python -m tests.export.matrix [NAME|FILE ...]
 
 Each line is a machine, a target, seconds and the outcome: "same" to the bit in a closed loop of 2 s with noise,
-"skipped" for want of a tool, which is named, or the difference, which makes the status 1. FMUs and WebAssembly are
-checked by tests/export/fmu/test_machines.py and tests/export/web/test_matrix.py.
+"skipped" for want of a tool, which is named, or the difference, which makes the status 1.
 """
 
 import re
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from importlib.util import find_spec
 from pathlib import Path
 from shutil import which
 from tempfile import TemporaryDirectory
@@ -26,13 +26,16 @@ from layflat.export.boards import EXAMPLE_BOARDS
 from layflat.export.compiled import portable_entry
 from layflat.export.entries import Entry
 from layflat.export.firmware import folder as firmware
+from layflat.export.fmu.libraries import C_COMPILERS
 from layflat.export.host import HostControl
 from layflat.export.recording import RecordedCycles, record
 from layflat.export.targets import EXPORT_TARGETS
+from layflat.export.web.module import WebMachine
 from layflat.machine import Machine, load
 from tests.export.builds import (
     LANGUAGES,
     LEVELS,
+    SANITIZED,
     STRICT,
     build,
     needing,
@@ -42,8 +45,10 @@ from tests.export.builds import (
     target_runs_here,
     zig_compiler,
 )
-from tests.export.c_source.programs import different_cycles
+from tests.export.c_source.programs import different_cycles, last_line_of_example
+from tests.export.fmu.runs import check_fmus
 from tests.export.loops import python_trace
+from tests.export.web.traces import check_trace, node_trace
 
 MACHINES = ("paper-arm", "paper-arm-tracking", "picking-arm")
 KINDS_PAGE = Path(__file__).parents[2] / "docs" / "kinds.md"
@@ -89,7 +94,7 @@ def computers(machine: Machine, folder: Path, reference: Array) -> Iterator[Chec
     def native(compiler: str, target: str) -> None:
         if not target_runs_here(target):
             pytest.skip(f"no processor of {target}")
-        same(run([build(folder, needing(compiler), *LANGUAGES["C"], *STRICT, target=target)], folder))
+        same(run([build(folder, needing(compiler), *LANGUAGES["C"], *STRICT, *SANITIZED, target=target)], folder))
 
     def aarch64() -> None:
         needing("qemu-aarch64")
@@ -135,6 +140,7 @@ def sources(machine: Machine, folder: Path) -> Iterator[Check]:
             export(machine, "c-source", folder / precision, precision=precision)
             for compiler in ("gcc", "clang"):
                 assert list(different_cycles(machine, folder / precision, precision, needing(compiler))) == []
+                assert last_line_of_example(folder / precision, compiler).startswith("0 of ")
 
         yield f"c-source, {precision}", check
 
@@ -153,12 +159,39 @@ def microcontrollers(machine: Machine, folder: Path) -> Iterator[Check]:
             yield f"{target}, {precision}", check
 
 
+def simulators(machine: Machine, folder: Path) -> Iterator[Check]:
+    """Check of the FMUs on this computer."""
+
+    def check() -> None:
+        if find_spec("ziglang") is None and not any(map(which, C_COMPILERS)):
+            pytest.skip("no ziglang, and no C compiler")
+        check_fmus(machine, folder)
+
+    yield "fmu, 2.0 and 3.0", check
+
+
+def engines(machine: Machine, folder: Path) -> Iterator[Check]:
+    """Checks of plant and control laws as WebAssembly under Node.js."""
+    for target in ("wasm", "wasm-plain"):
+
+        def check(target: str = target) -> None:
+            needing("node")
+            place = folder / target
+            export(machine, target, place / "package")
+            for law in WebMachine(machine).laws:
+                check_trace(node_trace(place / "package", place, machine, law), machine, law, interpreted=20)
+
+        yield target, check
+
+
 def checks(machine: Machine, folder: Path) -> Iterator[Check]:
     """All checks of a machine."""
     yield from computers(machine, folder / "c", python_trace(machine))
     yield from single(machine, folder / "single")
     yield from sources(machine, folder / "source")
     yield from microcontrollers(machine, folder)
+    yield from simulators(machine, folder / "fmu")
+    yield from engines(machine, folder)
 
 
 @contextmanager

@@ -1,17 +1,19 @@
 """What an export refuses, in one line each, and what its header says."""
 
 import re
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from layflat.errors import InputError, KindError, MachineError
+from layflat.errors import InputError, KindError, MachineError, OutputError
 from layflat.export import TARGET_WRITERS, export
 from layflat.export.c_interface import CInterface
 from layflat.export.layout import c_name
 from layflat.export.numbers import c_number
-from layflat.machine import load, names
+from layflat.files import write_text
+from layflat.machine import Machine, load, names
 
 PLAIN = """
 from typing import Literal, NamedTuple
@@ -68,6 +70,21 @@ def test_a_folder_with_files_and_a_file_are_left_alone(tmp_path: Path) -> None:
     assert "is no empty folder" in message("paper-arm", out=tmp_path)
     assert "is no empty folder" in message("paper-arm", out=tmp_path / "notes.txt")
     assert [path.name for path in tmp_path.iterdir()] == ["notes.txt"]
+
+
+@pytest.mark.parametrize("fault", [OutputError("the disk is full"), KeyboardInterrupt()])
+def test_a_failure_leaves_no_part_of_a_folder(
+    fault: BaseException, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def write(machine: Machine, folder: Path, **_: str) -> Iterator[Path]:
+        yield write_text(folder / "lib" / f"{machine.name}.txt", "half")
+        raise fault
+
+    monkeypatch.setattr("layflat.export.c_folder.write_c_folder", write)
+    for out in (tmp_path / "new", tmp_path):
+        with pytest.raises(type(fault)):
+            export("paper-arm", "c", out)
+        assert list(tmp_path.iterdir()) == []
 
 
 def test_an_unknown_precision_is_refused() -> None:

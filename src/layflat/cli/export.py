@@ -35,7 +35,8 @@ def export_laws(
     from layflat.export import export  # noqa: PLC0415
 
     with naming_options({"target": "--target", "out": "--out", "precision": "--precision"}):
-        written = in_background(
-            lambda: export(machine, target, out, precision=precision), "exporting", note="(it is compiled)"
-        )
+        written = export(
+            machine, target, out, precision=precision,
+            wait_for=lambda work: in_background(work, "exporting", note="(it is compiled)"),
+        )  # fmt: skip
     typer.echo(f"wrote {len(written)} files to {out}")

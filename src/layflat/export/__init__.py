@@ -12,11 +12,13 @@ Example:
 """
 
 from collections.abc import Callable
+from contextlib import nullcontext
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from layflat.errors import InputError
+from layflat.files import whole_folder
 from layflat.outputs import is_forced
 
 if TYPE_CHECKING:
@@ -36,14 +38,22 @@ TARGET_WRITERS: dict[str, str] = {
 """Function that writes the folder of each target, as "module:function"; see `export`."""
 
 
-def export(machine: "str | Path | Machine", target: str, out: str | Path, *, precision: str = "double") -> list[Path]:
-    """Write what a target needs to run a machine's laws.
+def export(
+    machine: "str | Path | Machine",
+    target: str,
+    out: str | Path,
+    *,
+    precision: str = "double",
+    wait_for: Callable[[Callable[[], list[Path]]], list[Path]] = lambda work: work(),
+) -> list[Path]:
+    """Write what a target needs to run a machine's laws, all of it or nothing.
 
     Args:
         machine: a description, its file, or the name of a built-in machine.
         target: name of the target, such as "c", "cortex-m7", "wasm" or "fmu".
         out: folder, which is new or empty.
         precision: "double" or "single".
+        wait_for: function that calls the one that compiles and writes, and returns its result; such as in a thread.
 
     Returns:
         The files that were written.
@@ -51,6 +61,7 @@ def export(machine: "str | Path | Machine", target: str, out: str | Path, *, pre
     Raises:
         InputError: there is no such target or precision, or the folder is not empty.
         KindError: the control law is plain Python.
+        OutputError: the folder can't be made or written, or the disk is full.
     """
     from layflat.description.wrong import did_you_mean  # noqa: PLC0415  # the names of the targets are read at a key
     from layflat.machine import load  # noqa: PLC0415
@@ -58,8 +69,12 @@ def export(machine: "str | Path | Machine", target: str, out: str | Path, *, pre
     if target not in TARGET_WRITERS:
         raise InputError(f"{target!r} is not a target", where="target", right=did_you_mean(target, TARGET_WRITERS))
     folder = Path(out)
-    if folder.exists() and not is_forced() and (not folder.is_dir() or any(folder.iterdir())):
+    is_used = folder.exists() and (not folder.is_dir() or any(folder.iterdir()))
+    if is_used and not is_forced():
         raise InputError(f"{folder} is no empty folder", where="out", right="give the name of a new one")
     module, function = TARGET_WRITERS[target].split(":")
     write: Callable[..., Any] = getattr(import_module(module), function)
-    return list(write(load(machine), folder, target=target, precision=precision))
+    described = load(machine)
+    with nullcontext(folder) if is_used else whole_folder(folder, ()) as place:
+        written = wait_for(lambda: list(write(described, place, target=target, precision=precision)))
+    return [folder / path.relative_to(place) for path in written]

@@ -17,9 +17,9 @@ from layflat.export.host import NUMBER_TYPES, HostControl, Numbers
 from layflat.export.recording import record
 from layflat.lanes import leaves
 from layflat.machine import Machine, load
-from tests.export.builds import needing, run
+from tests.export.builds import LANGUAGES, SANITIZED, STRICT, needing, run
 
-EXACT = ["-std=c99", "-O2", "-ffp-contract=off", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror"]
+EXACT = [*LANGUAGES["C"], *STRICT]
 
 
 def library(compiler: str, sources: list[str], folder: Path) -> ctypes.CDLL:
@@ -69,6 +69,14 @@ def different_cycles(machine: Machine, folder: Path, precision: str, compiler: s
         pairs = [(getattr(host, name), getattr(source, name)) for name in ("memory", "command", "report")]
         if any(one.tobytes() != other.tobytes() for one, other in pairs):
             yield k
+
+
+def last_line_of_example(folder: Path, compiler: str) -> str:
+    """What the example of an exported folder prints at its end, built without a warning and with sanitizers."""
+    sources = sorted(path.name for path in folder.glob("*.c"))
+    words = [*LANGUAGES["C"], *STRICT, *SANITIZED, *sources, "-lm", "-o", f"strict-{compiler}"]
+    run([needing(compiler), *words], folder)
+    return run([f"./strict-{compiler}"], folder).splitlines()[-1]
 
 
 def translated(law: Any, kinds: list[Type], precision: str = "double") -> tuple[Program, CFunction]:

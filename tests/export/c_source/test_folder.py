@@ -9,8 +9,8 @@ import pytest
 from layflat.control.paper.law import step_joint
 from layflat.export import export
 from layflat.machine import load
-from tests.export.builds import LANGUAGES, SANITIZED, STRICT, needing, run
-from tests.export.c_source.programs import different_cycles
+from tests.export.builds import needing, run
+from tests.export.c_source.programs import different_cycles, last_line_of_example
 from tests.export.firmware.boards import WHOLE_CHECK
 from tests.export.matrix import outside_machine
 
@@ -29,9 +29,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.mark.parametrize("compiler", COMPILERS)
 def test_strict_compilers_and_sanitizers_have_nothing_to_say(folder: Path, compiler: str) -> None:
-    sources = ["example.c", "paper_arm.c", "parameters.c"]
-    run([needing(compiler), *LANGUAGES["C"], *STRICT, *SANITIZED, *sources, "-lm", "-o", f"strict-{compiler}"], folder)
-    assert run([f"./strict-{compiler}"], folder).splitlines()[-1] == "0 of 400 cycles differ from the recording"
+    assert last_line_of_example(folder, compiler) == "0 of 400 cycles differ from the recording"
 
 
 def test_make_builds_and_compares(folder: Path) -> None:

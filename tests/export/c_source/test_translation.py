@@ -4,6 +4,7 @@
 # Laws are untyped.
 
 import math
+import re
 import struct
 from collections.abc import Callable
 from math import copysign, floor, isnan, sqrt
@@ -17,8 +18,8 @@ from numba import njit
 
 from layflat.export.c_source.c_types import REAL_TYPE
 from layflat.jit import composition, law
-from layflat.lanes import each, gather, halves, join, select, slots, total
-from tests.export.c_source.programs import compiled
+from layflat.lanes import abreast, apart, each, gather, halves, join, select, slots, sums_from, sums_up_to, total
+from tests.export.c_source.programs import compiled, translated
 
 OFFSET = 0.75  # of the sum, 1
 COUNT = 3
@@ -141,7 +142,22 @@ def changes(a, b, c):
     return kept[0] - copied[1] * copied[2] + alone[0]
 
 
-LAWS = [changes, associations, extremes, zeros, conditions, powers, results, loops, tuples, side_by_side, branches]
+@law
+def _pointed(a, b):
+    return Point(a * b, a - b)
+
+
+@composition
+def running_sums(a, b, c):
+    like = a, b, c
+    sums = sums_from(sums_up_to(_pointed(abreast(like), c), like), like)
+    return apart(sums.x, like)[1] - apart(sums.y, like)[0] * apart(_pointed(abreast(like), b).y, like)[2]
+
+
+LAWS = [
+    *(associations, extremes, zeros, conditions, powers, results, loops),
+    *(tuples, side_by_side, running_sums, branches, changes),
+]
 numbers = st.floats(allow_nan=False, allow_infinity=False, min_value=-1e3, max_value=1e3) | st.sampled_from(
     [0.0, -0.0, 1.0, -1.0, 0.5]
 )
@@ -164,6 +180,12 @@ def test_c_computes_what_python_does(pair: tuple[Any, Callable[..., float]], a: 
     except (ZeroDivisionError, OverflowError):  # C goes on with infinity
         return
     assert struct.pack("d", c_function(a, b, c)) == struct.pack("d", expected)
+
+
+def test_a_function_is_called_once_for_all_parts_of_its_result() -> None:
+    _, function = translated(running_sums, [REAL_TYPE] * 3)
+    calls = re.findall(r"pointed\(.*?\)", " ".join(line.text for line in function.lines))
+    assert len(calls) == len({*calls}) == 4  # results that nothing reads are left out
 
 
 def test_the_first_of_min_and_max_wins_against_nan(tmp_path: Path) -> None:

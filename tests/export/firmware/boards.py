@@ -9,10 +9,12 @@ from typing import NamedTuple
 
 import pytest
 
+from layflat.export.boards import COMPILER_PACKAGES, EXAMPLE_BOARDS, ExampleBoard
+
 SOURCES = Path(__file__).parent / "board"
-TICK = 40  # instructions: each takes 1 ns, and the boards' processors have 25 MHz
 WARNINGS = ("-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror")
-TOOLS = {"arm-none-eabi-gcc": "gcc-arm-none-eabi and libnewlib-arm-none-eabi", "qemu-system-arm": "qemu-system-arm"}
+TOOLS = {**COMPILER_PACKAGES, "qemu-system-arm": "qemu-system-arm", "qemu-system-riscv32": "qemu-system-misc"}
+ARM_TOOLS = "arm-none-eabi-gcc", "qemu-system-arm"
 
 
 WHOLE_CHECK = pytest.mark.skipif("LAYFLAT_EXPORT_CHECK" not in os.environ, reason="takes long: in make export-check")
@@ -21,16 +23,21 @@ WHOLE_CHECK = pytest.mark.skipif("LAYFLAT_EXPORT_CHECK" not in os.environ, reaso
 class Board(NamedTuple):
     """Board of qemu, with a microcontroller of limited size."""
 
-    machine: str
-    processor: str
-    fpu: str
+    example: ExampleBoard
+    tick: int  # instructions from tick to tick of its clock, each of which takes 1 ns
     flash: int = 512 * 1024  # bytes
     ram: int = 64 * 1024
 
+    @property
+    def emulator(self) -> str:
+        """Command that begins to simulate it."""
+        program, machine = self.example.tools[1], self.example.name
+        return f"{program} -M {machine} -nographic -monitor none" + (" -bios none" if "riscv" in program else "")
+
 
 BOARDS = {
-    "cortex-m7": Board("mps2-an500", "cortex-m7", "fpv5-d16"),
-    "cortex-m4f": Board("mps2-an386", "cortex-m4", "fpv4-sp-d16"),
+    name: Board(EXAMPLE_BOARDS[name], tick)
+    for name, tick in (("cortex-m7", 40), ("cortex-m4f", 40), ("cortex-m33", 50), ("riscv32", 1))
 }
 
 
@@ -43,7 +50,7 @@ class Image(NamedTuple):
     ram: int  # bytes of variables, without the stack
 
 
-def require_tools(names: Iterable[str] = tuple(TOOLS)) -> None:
+def require_tools(names: Iterable[str] = ARM_TOOLS) -> None:
     """Skip the test where a tool is missing."""
     for name in names:
         if shutil.which(name) is None:
@@ -59,16 +66,21 @@ def link(board: Board, sources: Iterable[Path], objects: Iterable[Path], folder:
         objects: object files.
         folder: folder of the program.
     """
-    flags = f"-mcpu={board.processor} -mthumb -mfloat-abi=hard -mfpu={board.fpu} -std=c11 -O2 -ffp-contract=off"
-    path = folder / "program.elf"
+    example, path = board.example, folder / "program.elf"
+    start = SOURCES / ("start_riscv.c" if example.template == "riscv" else "start_arm.c")
+    places = {
+        "FLASH_START": example.flash.start, "FLASH_BYTES": board.flash,
+        "RAM_START": example.ram.start, "RAM_BYTES": board.ram,
+    }  # fmt: skip
     command: list[str | Path] = [
-        "arm-none-eabi-gcc", *flags.split(), *WARNINGS, "-ffreestanding", "-nostartfiles", f"-I{folder}",
-        f"-I{SOURCES}", SOURCES / "start.c", *sources, *objects, "-lm", "-Wl,-z,noexecstack",
-        f"-Wl,--defsym=FLASH_BYTES={board.flash},--defsym=RAM_BYTES={board.ram}", "-T", SOURCES / "mps2.ld", "-o", path,
+        example.compiler, *example.options.split(), "-std=c11", "-O2", "-ffp-contract=off", *WARNINGS, "-ffreestanding",
+        "-nostartfiles", f"-I{folder}", f"-I{SOURCES}", start, SOURCES / "start.c", *sources, *objects, "-lm",
+        "-Wl,-z,noexecstack", *(f"-Wl,--defsym={name}={place}" for name, place in places.items()),
+        "-T", SOURCES / "board.ld", "-o", path,
     ]  # fmt: skip
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert (done.returncode, done.stderr) == (0, "")
-    size = subprocess.run(["arm-none-eabi-size", path], capture_output=True, text=True, check=True)
+    size = subprocess.run([example.compiler.replace("gcc", "size"), path], capture_output=True, text=True, check=True)
     text_size, data, bss = map(int, size.stdout.splitlines()[1].split()[:3])
     return Image(path, board, text_size + data, data + bss)
 
@@ -81,8 +93,8 @@ def execute(image: Image, timeout: float = 300.0) -> None:
         timeout: time that it may take, s.
     """
     command = (
-        f"qemu-system-arm -M {image.board.machine} -cpu {image.board.processor} -nographic -monitor none -serial none "
-        f"-icount shift=0 -semihosting-config enable=on,target=native -kernel {image.path.name}"
+        f"{image.board.emulator} -serial none -icount shift=0 -semihosting-config enable=on,target=native "
+        f"-kernel {image.path.name}"
     )
     done = subprocess.run(
         command.split(), cwd=image.path.parent, capture_output=True, text=True, timeout=timeout, check=False

@@ -10,7 +10,7 @@ from layflat.export.compiled import object_file
 from layflat.export.entries import number_of
 from layflat.export.header import Api, Constant, Table
 from layflat.export.targets import EXPORT_TARGETS
-from tests.export.firmware.boards import SOURCES, TICK, Board, execute, link
+from tests.export.firmware.boards import SOURCES, Board, execute, link
 from tests.export.firmware.recordings import HostLaw, Recording
 
 
@@ -67,4 +67,4 @@ def replay(law: HostLaw, recording: Recording, target: str, board: Board, folder
     kind = np.dtype([("results", law.real, (sum(sizes),)), ("ticks", np.uint32), ("stack", np.uint32)])
     rows = np.frombuffer((folder / "out.bin").read_bytes()[sizes[0] * law.real.itemsize :], kind)
     stack = int(rows["stack"][-1])
-    return Replay(rows["results"], rows["ticks"] * TICK, stack, image.flash, image.ram + stack)
+    return Replay(rows["results"], rows["ticks"] * board.tick, stack, image.flash, image.ram + stack)

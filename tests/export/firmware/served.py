@@ -165,7 +165,7 @@ def board_on_plant(machine: Machine, firmware: Firmware, target: str, folder: Pa
     image = link(board, [*sources, SOURCES / "plant.c"], objects, folder)
     with DeviceProcess(partial(paced_rig, machine), machine, SerialPort(), lockstep=True) as rig:
         command: list[str | Path] = [
-            "qemu-system-arm", "-M", board.machine, "-cpu", board.processor, "-display", "none", "-monitor", "none",
+            *board.emulator.replace("-nographic", "-display none").split(),
             "-chardev", "pty,id=host", "-serial", "chardev:host",
             "-chardev", f"serial,id=plant,path={rig.address.removeprefix('serial://')}", "-serial", "chardev:plant",
             "-kernel", image.path,

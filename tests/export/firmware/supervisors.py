@@ -17,7 +17,7 @@ from layflat.jit import objects
 from layflat.lanes import leaves
 from layflat.machine import Machine
 from layflat.rig.safety.core import CycleCore
-from tests.export.firmware.boards import SOURCES, TICK, Board, execute, link
+from tests.export.firmware.boards import SOURCES, Board, execute, link
 from tests.export.firmware.recordings import REALS
 from tests.rig.mishaps import MishapRig
 
@@ -139,4 +139,4 @@ def replay_inputs(supervisor: HostSupervisor, inputs: Array, target: str, board:
     kind = np.dtype([("measured", np.uint32, 2), ("numbers", supervisor.real, size)])
     rows = np.fromfile(folder / "out.bin", kind)
     ticks, stack = rows["measured"].T
-    return Replay(rows["numbers"], ticks * TICK, int(stack[-1]), image.flash, image.ram + int(stack[-1]))
+    return Replay(rows["numbers"], ticks * board.tick, int(stack[-1]), image.flash, image.ram + int(stack[-1]))

@@ -18,6 +18,8 @@ CASES = [
     pytest.param("paper-arm", "cortex-m7", "double"),
     pytest.param("paper-arm", "cortex-m4f", "single"),
     pytest.param("paper-arm", "cortex-m4f", "double"),
+    pytest.param("paper-arm", "cortex-m33", "single"),
+    pytest.param("paper-arm", "riscv32", "double"),
     pytest.param("paper-arm-tracking", "cortex-m7", "double", marks=WHOLE_CHECK),
     pytest.param("paper-arm-tracking", "cortex-m4f", "single", marks=WHOLE_CHECK),
 ]
@@ -42,7 +44,7 @@ def law_of(laws: Laws, name: str, precision: str) -> tuple[HostLaw, Recording]:
 def test_a_law_on_a_board_computes_the_numbers_of_this_computer(
     laws: Laws, name: str, target: str, precision: str, tmp_path: Path
 ) -> None:
-    require_tools()
+    require_tools(BOARDS[target].example.tools)
     law, recording = law_of(laws, name, precision)
     expected = interpreted_results(law.machine, recording) if precision == "double" else law.results(recording)
     voltages = expected[:, law.voltages]

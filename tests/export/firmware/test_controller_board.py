@@ -12,7 +12,7 @@ from layflat.export.targets import EXPORT_TARGETS
 from layflat.machine import load
 from layflat.rig.safety.requests import RequestWire
 from layflat.rig.wire import Wire
-from tests.export.firmware.boards import BOARDS, SOURCES, TICK, WHOLE_CHECK, execute, link, require_tools
+from tests.export.firmware.boards import BOARDS, SOURCES, WHOLE_CHECK, execute, link, require_tools
 from tests.export.firmware.controllers import CController, Firmware
 from tests.export.firmware.loop_cycles import Cycle, counts_of, request_frame, run_cycles
 from tests.export.firmware.recordings import REALS
@@ -121,5 +121,5 @@ def test_a_board_does_in_every_cycle_what_this_computer_does(
     sent = [row["bytes"][: row["size"]].tobytes() for row in made]
     assert sent == [row["bytes"][: row["size"]].tobytes() for row in expected.made]
     used = image.ram - GIVEN.itemsize - MADE.itemsize + int(made["stack"][-1])
-    figures = Limits(int(made["ticks"].max() * TICK), image.flash, used)
+    figures = Limits(int(made["ticks"].max() * board.tick), image.flash, used)
     assert all(figure < limit for figure, limit in zip(figures, limits, strict=True)), figures

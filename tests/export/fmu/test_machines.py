@@ -6,15 +6,12 @@ import re
 import zipfile
 from pathlib import Path
 
-import numpy as np
 import pytest
 
-import layflat as lf
 from layflat.errors import KindError
 from layflat.export.fmu import libraries, writer
 from layflat.machine import Machine, load
-from layflat.sim.kernel import JointRecord
-from tests.export.fmu.importer import OK, Fmu, Instance
+from tests.export.fmu.runs import check_fmus
 from tests.test_outside_kinds import COMPILED, DESCRIBED, PAGE, own_sources
 
 pytestmark = pytest.mark.compiled
@@ -35,26 +32,6 @@ def outside_machine(folder: Path, names: list[str]) -> Machine:
     return load(folder / "outside.toml")
 
 
-def check_run(machine: Machine, folder: Path) -> None:
-    """Check that the FMU of a machine repeats a run of 2 s with noise."""
-    system = libraries.host_system()
-    assert system is not None
-    run = lf.rollout(machine, [("0.1 s", "5 deg")], seed=3, duration="2 s")
-    files = writer.write_fmus(machine, folder / "fmus", target="fmu", precision="double")
-    first = next(iter(files))
-    instance = Instance(Fmu(first, folder / "unpacked", (system.folder_2, system.folder)))
-    instance.set_noise(3, True)
-    instance.begin()
-    signals, joints = [one for one in JointRecord._fields if one != "voltage"], list(machine.joints)
-    outputs = [f"{joint}.{one}" for one in signals for joint in joints]
-    for k in range(run.sizes["time"] - 1):
-        demand = run["demand"].values[k].tolist()
-        assert instance.set({f"{joint}.demand": q for joint, q in zip(joints, demand, strict=True)}) == OK
-        assert instance.step(k * machine.cycle, machine.cycle) == OK, instance.messages
-        rows = np.reshape(instance.get(outputs), (len(signals), len(joints)))
-        assert np.array_equal(rows, [run[one].values[k + 1] for one in signals])
-
-
 @pytest.mark.parametrize("name", MACHINES)
 def test_a_run_of_any_machine_is_repeated(
     name: str, compiler: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -63,7 +40,7 @@ def test_a_run_of_any_machine_is_repeated(
         pytest.skip("compiles for minutes: set LAYFLAT_EXPORT_CHECK=1")
     monkeypatch.setattr(libraries, "find_spec", lambda _: None)
     with own_sources():
-        check_run(outside_machine(tmp_path, COMPILED) if name == OUTSIDE else load(name), tmp_path)
+        check_fmus(outside_machine(tmp_path, COMPILED) if name == OUTSIDE else load(name), tmp_path)
 
 
 def test_laws_without_a_counterpart_in_c_are_compiled_by_numba(
@@ -77,7 +54,7 @@ def test_laws_without_a_counterpart_in_c_are_compiled_by_numba(
 
     monkeypatch.setattr(libraries, "find_spec", lambda _: None)
     monkeypatch.setattr(writer, "law_source", refuse)
-    check_run(load("paper-arm"), tmp_path)
+    check_fmus(load("paper-arm"), tmp_path)
 
 
 @pytest.mark.parametrize("name", ["paper-arm", "paper-arm-tracking", "picking-arm"])

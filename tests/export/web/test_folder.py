@@ -10,7 +10,7 @@ import pytest
 
 import layflat as lf
 from layflat.errors import InputError
-from layflat.export.web.folder import write_folder
+from layflat.export.web.folder import package_name, write_folder
 from layflat.machine import load
 from layflat.machine.exchanged import with_tracking
 from tests.export.web.engines import run_text
@@ -154,6 +154,13 @@ def test_the_package_names_its_files(folder: Path) -> None:
     assert package["name"] == "layflat-paper-arm"
     for place in (package["exports"]["."]["types"], package["exports"]["."]["default"], "./paper-arm.wasm"):
         assert (folder / place).is_file()
+
+
+@pytest.mark.parametrize(
+    ("name", "package"), [("Lift (95 deg)", "layflat-lift-95-deg"), ("2-axis über", "layflat-2-axis-ber")]
+)
+def test_names_of_packages_are_parts_of_addresses(name: str, package: str) -> None:
+    assert package_name(name) == package
 
 
 def test_single_precision_is_refused(tmp_path: Path) -> None:

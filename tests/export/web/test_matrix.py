@@ -4,6 +4,7 @@ import os
 import time
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from layflat.export.web.folder import write_folder
@@ -50,7 +51,9 @@ def test_every_machine_and_law_is_the_host_to_the_bit(name: str, target: str, tm
     machine = relay_joint(tmp_path) if name == "relay" else load(name)
     list(write_folder(machine, tmp_path / "out", target=target, precision="double"))
     for law in WebMachine(machine).laws:
-        check_trace(node_trace(tmp_path / "out", tmp_path, machine, law), machine, law, interpreted=20)
+        trace = node_trace(tmp_path / "out", tmp_path, machine, law)
+        check_trace(trace, machine, law, interpreted=20)
+        assert np.ptp(trace["angle"]) > 0.3  # it moves
 
 
 def test_it_is_nearly_as_fast_as_the_hosts_loop(tmp_path: Path) -> None:

@@ -76,7 +76,6 @@ def check_trace(found: dict[str, Array], machine: Machine, law: str, interpreted
         now = (plant.angles, plant.velocities, *plant.pressures.T)
         for name, values in zip(TRACED, now, strict=True):
             check_same_bits(f"{name} in cycle {k}", found[name][k], values)
-    assert np.ptp(found["angle"]) > 0.3  # it moves
 
 
 def _sensed(plant: SteppedPlant) -> Sensed:

@@ -61,7 +61,9 @@ class Expressions(Arithmetic):
             self.fail(f"{ast.unparse(node)!r} is no field of a named tuple", "read a field that it has")
 
     def hold_parts(self, value: Value, name: str) -> Value:
-        """Return a value of which parts are read: a function's result goes into a variable."""
+        """Return a value of which parts are read: results of functions, also those abreast, go into variables."""
+        if isinstance(value, Parts) and value.abreast:
+            return side_by_side([self.hold_parts(item, name) for item in value.items])
         if isinstance(value, Computed) and not isinstance(value.kind, Number) and not value.text.isidentifier():
             return self.hold(value, self.program.struct_variable(value.kind, name))
         return value

@@ -131,7 +131,7 @@ class SideBySide(Expressions):
 
     def running_sums(self, args: list[Value], direction: int) -> Value:
         """Return `lanes.sums_up_to` (1) or `lanes.sums_from` (-1), leaf by leaf."""
-        value, like = args
+        value, like = self.hold_parts(args[0], "term"), args[1]
         kind = self.kind_of(lane(value, 0))
         if not isinstance(kind, Number):
             items = []

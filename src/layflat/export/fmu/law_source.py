@@ -12,9 +12,6 @@ from layflat.export.header import Api
 
 STRUCT_PREFIX = "law"  # of the structs' names
 
-SMALLEST_CODE = "#pragma clang attribute push(__attribute__((minsize)), apply_to = function)"
-"""Line by which Clang, also that in zig, makes smaller code than by -Os, which is all that zig takes."""
-
 
 def law_source(model: FmuModel) -> str:
     """Return the file of C with the functions that model.h declares.
@@ -27,6 +24,4 @@ def law_source(model: FmuModel) -> str:
         entry.name: entry_lines(program, entry, [prototype(entry, "_row")], rows=True) for entry in model.entries
     }
     heads = ["#include <math.h>", "#include <stdbool.h>", "#include <stdint.h>"]
-    heads += ["#ifdef __clang__", SMALLEST_CODE, "#endif"]
-    ends = ["#ifdef __clang__", "#pragma clang attribute pop", "#endif", ""]
-    return "\n".join([*heads, *program_text(program, functions), *ends])
+    return "\n".join([*heads, *program_text(program, functions), ""])

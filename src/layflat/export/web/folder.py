@@ -1,6 +1,7 @@
 """Folder of a machine for browsers and Node.js, as npm takes it."""
 
 import json
+import re
 from collections.abc import Iterator
 from importlib.resources import files
 from pathlib import Path
@@ -58,9 +59,14 @@ def package_text(name: str) -> str:
     return files(__package__).joinpath(f"package/{name}").read_text(encoding="utf-8")
 
 
+def package_name(name: str) -> str:
+    """Return npm's name of a machine's package, a part of an address."""
+    return f"layflat-{re.sub('[^a-z0-9._-]+', '-', name.lower()).strip('-')}"
+
+
 def _package(name: str) -> dict[str, Any]:
     return {
-        "name": f"layflat-{name.lower()}",
+        "name": package_name(name),
         "version": __version__,
         "description": f"Plant and control laws of {name}, exported by layflat",
         "type": "module",

@@ -17,7 +17,7 @@ int main(void) {
     law_control_wake(&law_default_settings, &sensed, &memory);
     (void)file_write(out, &memory, sizeof memory);
     while (file_read(in, &sensed, sizeof sensed) == 0 && file_read(in, &demand, sizeof demand) == 0) {
-        const uint32_t then = SYSTICK_VALUE;
+        const uint32_t then = ticks_now();
         law_control_step(&law_default_settings, &memory, &sensed, &demand, LAW_CYCLE, &memory, &command, &report);
         const uint32_t measured[2] = {ticks_since(then), stack_used()};
         (void)file_write(out, &memory, sizeof memory);

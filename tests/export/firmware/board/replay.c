@@ -44,7 +44,7 @@ int main(void) {
     controller_start(&rig, &machine_controller);
     for (uint32_t k = 0u; file_read(in, &given, sizeof given) == 0; k++) {
         made.size = 0u;
-        const uint32_t then = SYSTICK_VALUE;
+        const uint32_t then = ticks_now();
         controller_step(&rig);
         made.ticks = ticks_since(then);
         made.stack = stack_used();
