@@ -18,7 +18,7 @@ EXTRA_PACKAGES: Mapping[str, Mapping[str, str]] = {
     "gpu": {"numba_cuda": "numba-cuda"},
     "cluster": {"pyarrow": "pyarrow", "pandas": "pandas", "dask": "dask", "distributed": "distributed"},
     "foxglove": {"foxglove": "foxglove-sdk"},
-    "cad": {"build123d": "build123d", "xlsxwriter": "xlsxwriter", "pygltflib": "pygltflib"},
+    "cad": {"OCP": "cadquery-ocp-novtk", "xlsxwriter": "xlsxwriter", "pygltflib": "pygltflib"},
     "gym": {"gymnasium": "gymnasium"},
     "hyddown": {"yaml": "PyYAML"},
     "motion": {"ruckig": "ruckig"},

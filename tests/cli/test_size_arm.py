@@ -42,7 +42,7 @@ def test_masses_are_compared(tmp_path: Path) -> None:
     assert [row["undominated"] for row in rows] == ["0"] * 3 + ["1"] * 3
 
 
-@pytest.mark.skipif(not extras.available("cad"), reason="no build123d; pip install layflat[cad]")
+@pytest.mark.skipif(not extras.available("cad"), reason="no extra cad; pip install layflat[cad]")
 def test_costs_are_compared(tmp_path: Path) -> None:
     prices = tmp_path / "prices.toml"
     prices.write_text('[bought]\n"*" = "2"\n', encoding="utf-8")

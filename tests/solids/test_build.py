@@ -17,7 +17,7 @@ from layflat.solids.build import BuiltMachine, build_files, build_machine
 from layflat.solids.cost import Prices
 from layflat.solids.exchange import write_assembly_step
 
-pytestmark = pytest.mark.skipif(not extras.available("cad"), reason="no build123d; pip install layflat[cad]")
+pytestmark = pytest.mark.skipif(not extras.available("cad"), reason="no extra cad; pip install layflat[cad]")
 
 NAME = "paper-small-joint"
 READER = """
@@ -38,7 +38,7 @@ while explorer.More():
     explorer.Next()
 print(json.dumps(volumes))
 """
-"""A reader of STEP without build123d, in a process of its own: prints the volumes of all solids, mm3."""
+"""A reader of STEP without layflat, in a process of its own: prints the volumes of all solids, mm3."""
 
 
 PRICES = Prices.model_validate({"bought": {"*": "2"}})
@@ -65,7 +65,7 @@ def test_the_folder_holds_what_it_says(built: BuiltMachine) -> None:
 def test_step_has_a_body_a_part_with_its_volume(built: BuiltMachine) -> None:
     found = sorted(volumes_in(built.folder / f"{NAME}.step"))
     components = built.assembly.components
-    wanted = sorted(built.assembly.solid(part).volume for part in components for _ in part.places)
+    wanted = sorted(built.assembly.integrals(part.shape).volume for part in components for _ in part.places)
     assert len(found) == sum(part.quantity for part in built.parts.parts)
     assert found == pytest.approx(wanted, rel=1e-3)
 
@@ -113,7 +113,7 @@ def test_a_folder_that_is_not_empty_stays_as_it_is(tmp_path: Path) -> None:
 
 
 def test_a_missing_extra_is_named(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    monkeypatch.setattr(extras, "_is_installed", lambda module: module != "build123d")
+    monkeypatch.setattr(extras, "_is_installed", lambda module: module != "OCP")
     with pytest.raises(MissingExtraError, match=r"layflat\[cad\]"):
         build_machine(load(NAME), tmp_path / "out")
     assert not (tmp_path / "out").exists()

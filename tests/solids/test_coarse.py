@@ -12,7 +12,7 @@ from layflat.machine import load
 if TYPE_CHECKING:
     from pathlib import Path
 
-pytest.importorskip("build123d")
+pytest.importorskip("OCP")
 
 from layflat.solids import kept
 from layflat.solids.kept import kept_solids

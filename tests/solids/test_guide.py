@@ -104,7 +104,7 @@ def test_facts_of_several_sizes_list_them() -> None:
 
 @cache
 def pages() -> list[Page]:
-    pytest.importorskip("build123d")
+    pytest.importorskip("OCP")
     return list(chapter_pages(joint_chapter("small", sizes_of("paper-arm", "small")), PARTS, SOLID))
 
 
@@ -129,7 +129,7 @@ def test_pictures_are_small_and_have_a_balloon_for_each_part_that_shows() -> Non
 
 
 def test_the_page_is_one_file_with_links_for_the_first_start() -> None:
-    pytest.importorskip("build123d")
+    pytest.importorskip("OCP")
     foot = replace(components_of("paper-arm", "small")[0], name="foot plate")
     components = [*components_of("paper-arm", "small"), foot]
     parts = list_parts(components, mass_by_name)
@@ -159,7 +159,7 @@ def test_joints_of_equal_parts_share_a_chapter() -> None:
 
 
 def test_every_component_between_joints_has_a_rule() -> None:
-    pytest.importorskip("build123d")
+    pytest.importorskip("OCP")
     from layflat.solids.assembly import assemble
 
     assembly = assemble(load("paper-arm"))

@@ -19,11 +19,13 @@ from layflat.solids.component import Component
 from layflat.solids.documents.tubes import list_tubes
 from layflat.solids.inlets import choose_inlet
 from layflat.solids.joint import joint_components, joint_sizes
+from layflat.solids.kernel import box, integrals, placed
 from layflat.solids.section import CrossSection
 from layflat.solids.shapes import Lofted
 from layflat.solids.sizes import MM, JointSizes
+from tests.solids.bodies import body_of
 
-pytestmark = pytest.mark.skipif(not extras.available("cad"), reason="no build123d; pip install layflat[cad]")
+pytestmark = pytest.mark.skipif(not extras.available("cad"), reason="no extra cad; pip install layflat[cad]")
 
 BUILT = [("paper-small-joint", "small"), ("paper-large-joint", "large"), ("picking-arm", "wrist")]
 
@@ -36,8 +38,8 @@ def sizes_of(machine: str, joint: str) -> JointSizes:
 def overlaps(components: list[Component]) -> list[tuple[str, str, float]]:
     """Pairs of parts that overlap by more than 1 mm3."""
     solids = [(part, cad.solid(part.shape)) for part in components]
-    assert all(body.is_valid for _, body in solids)
-    bodies = [(part.name, body) for part, one in solids for body in (cad.placed(one, at) for at in part.places)]
+    assert all(body_of(solid).is_valid for _, solid in solids)
+    bodies = [(part.name, body_of(placed(solid, at))) for part, solid in solids for at in part.places]
     boxes = [body.bounding_box() for _, body in bodies]
     found = []
     for (i, (name, body)), (k, (other, second)) in combinations(enumerate(bodies), 2):
@@ -76,9 +78,9 @@ def test_a_joint_with_a_roller_a_calliper_and_one_hose_is_built() -> None:
 @pytest.mark.parametrize(("machine", "joint", "height"), [
     ("paper-small-joint", "small", 180.0), ("paper-large-joint", "large", 250.0)])  # fmt: skip
 def test_heights_are_those_of_the_paper_within_a_tenth(machine: str, joint: str, height: float) -> None:
-    boxes = [cad.placed(cad.solid(part.shape), at).bounding_box()
-             for part in joint_components(sizes_of(machine, joint)) for at in part.places]  # fmt: skip
-    assert max(b.max.Z for b in boxes) - min(b.min.Z for b in boxes) == pytest.approx(height, rel=0.1)
+    parts = joint_components(sizes_of(machine, joint))
+    heights = np.array([box(placed(cad.solid(part.shape), at))[:, 2] for part in parts for at in part.places])
+    assert np.ptp(heights) == pytest.approx(height, rel=0.1)
 
 
 @pytest.mark.parametrize(("machine", "joint"), BUILT)
@@ -121,7 +123,7 @@ def test_a_hose_gains_about_the_volume_that_its_law_sweeps() -> None:
     """Eq. (1) peels off along the wrap and the solid does not: they agree within a quarter."""
     sizes = sizes_of("paper-small-joint", "small")
     section, law = CrossSection(sizes), sizes.joint.geometry
-    full, flat = (cad.solid(Lofted(section.hose(turn))).volume for turn in (sizes.stroke, 0.0))
+    full, flat = (integrals(cad.solid(Lofted(section.hose(turn)))).volume for turn in (sizes.stroke, 0.0))
     assert (full - flat) / MM**3 == pytest.approx(law.volume, rel=0.25)
 
 

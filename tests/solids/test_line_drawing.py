@@ -38,13 +38,13 @@ def test_balloons_of_a_column_do_not_touch_and_stay_inside(heights: list[float])
 
 
 def boxes(*at: tuple[float, float, float]) -> list[DrawnBody]:
-    pytest.importorskip("build123d")
+    pytest.importorskip("OCP")
     from layflat.solids import cad
-    from layflat.solids.meshes import moved_shape
+    from layflat.solids.kernel import placed
 
     solid = cad.solid(Prism(rectangle(10.0, 10.0), 10.0))
     prepare(solid)
-    return [DrawnBody(moved_shape(solid, place(*one)), number) for number, one in enumerate(at, 1)]
+    return [DrawnBody(placed(solid, place(*one)), number) for number, one in enumerate(at, 1)]
 
 
 def test_a_box_shows_nine_edges_and_a_box_behind_it_none() -> None:

@@ -12,7 +12,7 @@ from layflat.solids.section import CrossSection
 from layflat.solids.shapes import Hole, Prism, place
 from tests.solids.checks.builds import built
 
-pytestmark = pytest.mark.skipif(not extras.available("cad"), reason="no build123d; pip install layflat[cad]")
+pytestmark = pytest.mark.skipif(not extras.available("cad"), reason="no extra cad; pip install layflat[cad]")
 
 
 def findings(

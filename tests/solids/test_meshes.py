@@ -11,7 +11,7 @@ from layflat.solids.hardware import sleeve
 from layflat.solids.loops import rectangle
 from layflat.solids.shapes import Hole, Prism
 
-pytest.importorskip("build123d")
+pytest.importorskip("OCP")
 
 from layflat.solids import cad
 from layflat.solids.meshes import Mesh, solid_mesh

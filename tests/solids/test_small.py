@@ -12,7 +12,7 @@ from layflat.solids.places import frame_places
 from layflat.solids.sizes import MM, JointSizes
 from tests.solids.test_joint import overlaps
 
-pytestmark = pytest.mark.skipif(not extras.available("cad"), reason="no build123d; pip install layflat[cad]")
+pytestmark = pytest.mark.skipif(not extras.available("cad"), reason="no extra cad; pip install layflat[cad]")
 
 
 def test_a_joint_of_three_newton_metres_is_built() -> None:

@@ -9,7 +9,7 @@ from layflat.solids.strength import check_strength
 from layflat.solids.stresses import joint_stresses
 from tests.solids.checks.builds import built
 
-pytestmark = pytest.mark.skipif(not extras.available("cad"), reason="no build123d; pip install layflat[cad]")
+pytestmark = pytest.mark.skipif(not extras.available("cad"), reason="no extra cad; pip install layflat[cad]")
 
 
 def test_hinge_bush_and_shaft_bear_the_straps_pull() -> None:

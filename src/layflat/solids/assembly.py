@@ -12,6 +12,7 @@ from layflat.lazy import numpy as np
 from layflat.physics.arms.bodies import RigidArm, RigidLink
 from layflat.solids import cad
 from layflat.solids.joint import joint_sizes
+from layflat.solids.kernel import Integrals, integrals, placed
 from layflat.solids.links import Seat, arm_seats, arm_tie, flange, foot_components, strut_components
 from layflat.solids.mends import buildable_components
 from layflat.solids.output import arm_reach
@@ -50,7 +51,7 @@ class Assembly:
         return {}
 
     @cached_property
-    def _volumes(self) -> dict[Shape, float]:
+    def _integrals(self) -> dict[Shape, Integrals]:
         return {}
 
     def solid(self, component: Component) -> Any:
@@ -67,19 +68,19 @@ class Assembly:
         """Return the mass of one part of a component, kg: as bought, or of its solid."""
         if component.bought_mass is not None:
             return component.bought_mass
-        return self.volume(component.shape) / MM**3 * component.density
+        return self.integrals(component.shape).volume / MM**3 * component.density
 
-    def volume(self, shape: Shape) -> float:
-        """Return the volume of a shape's solid, mm3, computed once."""
-        if shape not in self._volumes:
-            self._volumes[shape] = float(self.shape_solid(shape).volume)
-        return self._volumes[shape]
+    def integrals(self, shape: Shape) -> Integrals:
+        """Return the integrals over a shape's solid, computed once."""
+        if shape not in self._integrals:
+            self._integrals[shape] = integrals(self.shape_solid(shape))
+        return self._integrals[shape]
 
     def bodies(self) -> Iterator[tuple[Component, int, Any]]:
         """Yield each part as its component, its number among the component's parts, and its solid at its place."""
         for component in self.components:
             for number, at in enumerate(component.places):
-                yield component, number, cad.placed(self.solid(component), at)
+                yield component, number, placed(self.solid(component), at)
 
     def build(self, progress: Callable[[int, int], object] = lambda _done, _all: None) -> None:
         """Make all solids; `progress` is called with how many are made, and of how many."""

@@ -14,8 +14,8 @@ from layflat.solids.explosion import Moving, explode
 from layflat.solids.guide_steps import ARM_STEPS, JOINT_STEPS, Rule, Step
 from layflat.solids.guide_text import component_facts, fill_sentence, joint_facts, tightening
 from layflat.solids.joint import joint_components
+from layflat.solids.kernel import placed
 from layflat.solids.line_drawing import DrawnBody, draw, find_lines, prepare
-from layflat.solids.meshes import moved_shape
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -169,10 +169,10 @@ def _picture(
         step: the step.
         solid: function that returns the solid of a component, with triangles for drawings.
     """
-    bodies = [DrawnBody(moved_shape(solid(one), at), faint=True) for one in there for at in one.places]
+    bodies = [DrawnBody(placed(solid(one), at), faint=True) for one in there for at in one.places]
     for one, places in zip(moving, explode(there, moving), strict=True):
         number = 0 if one.block else parts.part(one.component).number
-        bodies += [DrawnBody(moved_shape(solid(one.component), at), number) for at in places]
+        bodies += [DrawnBody(placed(solid(one.component), at), number) for at in places]
     find_lines(bodies, step.view)
     return Markup(draw(bodies, str(escape(step.title))))  # drawn here
 

@@ -14,7 +14,7 @@ from layflat.solids.hoses import hose_components
 from layflat.solids.output import output_components
 from layflat.solids.section import CrossSection
 from layflat.solids.sensor import sensor_components, standoff_components
-from layflat.solids.sizes import JointSizes
+from layflat.solids.sizes import JointSizes, kept_by_sizes
 from layflat.solids.sweep import check_sweep
 
 if TYPE_CHECKING:
@@ -42,16 +42,22 @@ def joint_components(sizes: JointSizes, angle: float = 0.0) -> list[Component]:
         DesignError: no size keeps a rule; the message says which value would mend it.
     """
     with _locate_errors(sizes.design.label):
-        check_sweep(sizes)
-        section = CrossSection(sizes)
+        section, still = _still(sizes)
         return [
-            *frame_components(sizes, section),
-            *standoff_components(sizes),
+            *still,
             *output_components(sizes, angle),
             *hose_components(sizes, section, angle),
             *brake_components(sizes, angle),
             *sensor_components(sizes, angle),
         ]
+
+
+@kept_by_sizes
+def _still(sizes: JointSizes) -> tuple[CrossSection, list[Component]]:
+    """Return the cross-section of a joint, and the components that stay where they are."""
+    check_sweep(sizes)
+    section = CrossSection(sizes)
+    return section, [*frame_components(sizes, section), *standoff_components(sizes)]
 
 
 @contextmanager

@@ -10,7 +10,8 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 from layflat.lazy import numpy as np
-from layflat.solids.meshes import kernel_modules, triangulate
+from layflat.solids.kernel import kernel, pieces
+from layflat.solids.meshes import triangulate
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -29,7 +30,7 @@ BALLOON_RADIUS = 15.0  # radius, px
 
 @dataclass
 class DrawnBody:
-    """Solid in a drawing, at its place: from `moved_shape`."""
+    """Solid in a drawing, at its place: from `placed`."""
 
     shape: Any
     number: int = 0  # of its balloon; 0: none
@@ -39,8 +40,7 @@ class DrawnBody:
 
 def prepare(solid: Any) -> None:
     """Give a solid, and all copies of it at other places, the triangles that drawings need; bends become smooth."""
-    (library,) = kernel_modules("BRepLib")
-    library.BRepLib.EncodeRegularity_s(solid.wrapped, SMOOTH_ANGLE)
+    kernel().BRepLib.BRepLib.EncodeRegularity_s(solid, SMOOTH_ANGLE)
     triangulate(solid)
 
 
@@ -51,14 +51,14 @@ def find_lines(bodies: Sequence[DrawnBody], view: tuple[float, float, float]) ->
         bodies: to draw; their lines are set.
         view: direction from the bodies to the eye; z is up.
     """
-    gp, projection, hiding = kernel_modules("gp", "HLRAlgo", "HLRBRep")
+    gp, hiding = kernel().gp, kernel().HLRBRep
     right = np.cross((0.0, 0.0, 1.0), view)
     right = right / np.linalg.norm(right)
     hidden = hiding.HLRBRep_PolyAlgo()
     for body in bodies:
         hidden.Load(body.shape)
     axes = gp.gp_Ax2(gp.gp_Pnt(0.0, 0.0, 0.0), gp.gp_Dir(*view), gp.gp_Dir(*map(float, right)))
-    hidden.Projector(projection.HLRAlgo_Projector(axes))
+    hidden.Projector(kernel().HLRAlgo.HLRAlgo_Projector(axes))
     hidden.Update()
     shapes = hiding.HLRBRep_PolyHLRToShape()
     shapes.Update(hidden)
@@ -69,16 +69,12 @@ def find_lines(bodies: Sequence[DrawnBody], view: tuple[float, float, float]) ->
 
 def _segments(compound: Any) -> Iterable[tuple[Point, Point]]:
     """Yield the ends of the straight edges of a compound, which may be None."""
-    brep, kinds, explore, topology = kernel_modules("BRep", "TopAbs", "TopExp", "TopoDS")
     if compound is None or compound.IsNull():
         return
-    edges = explore.TopExp_Explorer(compound, kinds.TopAbs_EDGE)
-    while edges.More():
-        edge = topology.TopoDS.Edge(edges.Current())
-        ends = explore.TopExp.FirstVertex_s(edge), explore.TopExp.LastVertex_s(edge)
-        first, last = map(brep.BRep_Tool.Pnt_s, ends)
+    point, explore = kernel().BRep.BRep_Tool.Pnt_s, kernel().TopExp.TopExp
+    for edge in pieces(compound, "EDGE"):
+        first, last = point(explore.FirstVertex_s(edge)), point(explore.LastVertex_s(edge))
         yield (first.X(), first.Y()), (last.X(), last.Y())
-        edges.Next()
 
 
 def draw(bodies: Sequence[DrawnBody], title: str) -> str:

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from importlib import import_module
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from layflat.lazy import numpy as np
-from layflat.solids.cad import kernel
+from layflat.solids.kernel import kernel, pieces
 
 if TYPE_CHECKING:
     from layflat.arrays import Array
-    from layflat.solids.shapes import PartPlace
 
 CHORD_ERROR = 0.15  # greatest distance of triangles from a surface, mm
 CHORD_ANGLE = 0.35  # greatest angle between neighbouring triangles of a surface, rad
@@ -24,20 +22,6 @@ class Mesh(NamedTuple):
     triangles: Array  # indices of points, anticlockwise from outside, (m, 3)
 
 
-def kernel_modules(*names: str) -> tuple[Any, ...]:
-    """Return modules of the CAD kernel's bindings, such as "BRepMesh"."""
-    kernel()
-    return tuple(import_module(f"OCP.{name}") for name in names)
-
-
-def moved_shape(solid: Any, at: PartPlace) -> Any:
-    """Return the kernel's own shape of a solid at a place (mm), which shares its geometry and triangles."""
-    gp, locations = kernel_modules("gp", "TopLoc")
-    move = gp.gp_Trsf()
-    move.SetValues(*(float(value) for value in np.column_stack([at.axes, at.origin]).ravel()))
-    return solid.wrapped.Moved(locations.TopLoc_Location(move))
-
-
 def triangulate(solid: Any, error: float = CHORD_ERROR, angle: float = CHORD_ANGLE) -> None:
     """Give a solid, and all copies of it at other places, triangles.
 
@@ -46,8 +30,7 @@ def triangulate(solid: Any, error: float = CHORD_ERROR, angle: float = CHORD_ANG
         error: greatest distance of triangles from a surface, mm.
         angle: greatest angle between neighbouring triangles of a surface, rad.
     """
-    (meshing,) = kernel_modules("BRepMesh")
-    meshing.BRepMesh_IncrementalMesh(solid.wrapped, error, False, angle)
+    kernel().BRepMesh.BRepMesh_IncrementalMesh(solid, error, False, angle)
 
 
 def solid_mesh(solid: Any, error: float = CHORD_ERROR, angle: float = CHORD_ANGLE) -> Mesh:
@@ -59,19 +42,20 @@ def solid_mesh(solid: Any, error: float = CHORD_ERROR, angle: float = CHORD_ANGL
         angle: as of `triangulate`.
     """
     triangulate(solid, error, angle)
-    brep, kinds, locations = kernel_modules("BRep", "TopAbs", "TopLoc")
+    brep, top = kernel().BRep, kernel().TopLoc
+    reversed_face = kernel().TopAbs.TopAbs_REVERSED
     points: list[tuple[float, float, float]] = []
     corners: list[tuple[int, int, int]] = []
-    for face in solid.faces():
-        moved = locations.TopLoc_Location()
-        found = brep.BRep_Tool.Triangulation_s(face.wrapped, moved)
+    for face in pieces(solid, "FACE"):
+        moved = top.TopLoc_Location()
+        found = brep.BRep_Tool.Triangulation_s(face, moved)
         if found is None:
             continue
         first, move = len(points) - 1, moved.Transformation()
         for k in range(1, found.NbNodes() + 1):
             node = found.Node(k).Transformed(move)
             points.append((node.X(), node.Y(), node.Z()))
-        reverse = face.wrapped.Orientation() == kinds.TopAbs_REVERSED
+        reverse = face.Orientation() == reversed_face
         for k in range(1, found.NbTriangles() + 1):
             a, b, c = found.Triangle(k).Get()
             corners.append((first + a, first + c, first + b) if reverse else (first + a, first + b, first + c))

@@ -15,6 +15,7 @@ from layflat.solids.assembly import assemble
 from layflat.solids.coarse import coarse_triangles
 from layflat.solids.colours import MATERIAL_COLOURS
 from layflat.solids.gltf import frame_of, moving_frames
+from layflat.solids.kernel import ROOM_NAME
 from layflat.solids.meshes import solid_mesh
 from layflat.solids.sizes import MM
 
@@ -82,7 +83,7 @@ def moving_solids(machine: Machine, budget: int | None = None) -> list[MovingSol
         MissingExtraError: the extra `cad` is not installed.
         LayflatError: the arm or one of its joints can't be made.
     """
-    extras.require("cad", where=cad.ROOM_NAME)
+    extras.require("cad", where=ROOM_NAME)
     arm = rigid_arm(machine)
     if any(shape.kind == "mesh" for link in arm.links for shape in link.shapes):
         return []

@@ -16,7 +16,7 @@ from layflat.solids.places import end_plate_loop
 from layflat.solids.section import FILM_THICKNESS, STRIP_THICKNESS, CrossSection
 from layflat.solids.sensor import COUPLED_LENGTH
 from layflat.solids.shapes import UPSIDE_DOWN, Hole, PartPlace, Prism, place, turn_about_z
-from layflat.solids.sizes import MM, PAD_THICKNESS, SPACER_THICKNESS
+from layflat.solids.sizes import MM, PAD_THICKNESS, SPACER_THICKNESS, kept_by_sizes
 from layflat.solids.standard.screws import nut, screw_for
 
 if TYPE_CHECKING:
@@ -41,6 +41,7 @@ def clamp_places(width: float) -> tuple[float, ...]:
     return tuple(float(width * ((k + 0.5) / count - 0.5)) for k in range(count))
 
 
+@kept_by_sizes
 def link_holes(sizes: JointSizes) -> tuple[float, float, float]:
     """Return the distances of the holes for a link from the output's axis, mm: screw, tie, screw.
 
@@ -134,8 +135,13 @@ def arm_plate(sizes: JointSizes) -> Prism:
 def output_components(sizes: JointSizes, angle: float) -> list[Component]:
     """Return the components that turn with the output, at an angle from mid-stroke, rad."""
     out = turn_about_z(angle).then(place(0.0, sizes.axis))
-    moved = [*_cams(sizes), *_arm(sizes), *_shaft(sizes)]
-    return [one.moved(out) for one in moved]
+    return [one.moved(out) for one in _at_rest(sizes)]
+
+
+@kept_by_sizes
+def _at_rest(sizes: JointSizes) -> list[Component]:
+    """Return the components in the output's frame at mid-stroke."""
+    return [*_cams(sizes), *_arm(sizes), *_shaft(sizes)]
 
 
 def _cams(sizes: JointSizes) -> list[Component]:

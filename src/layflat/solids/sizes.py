@@ -10,7 +10,7 @@ is as wide as that of A but in two strips beside it, so that no strap tilts the 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from math import cbrt, cos, pi, sin, sqrt
 from typing import TYPE_CHECKING
 
@@ -55,9 +55,16 @@ SCREW_SIZES = ((45.0, "M2.5"), (70.0, "M3"), (85.0, "M4"), (120.0, "M5"), (200.0
 """Screws of a frame by cylinder diameter: up to a diameter (mm), a size."""
 
 
-@dataclass(frozen=True)
+kept_by_sizes = lru_cache(maxsize=16)
+"""Decorator of functions of `JointSizes` that are asked at many angles of a joint."""
+
+
+@dataclass(frozen=True, eq=False)
 class JointSizes:
-    """Sizes of the parts of a joint, mm; raises DesignError where no size keeps a rule."""
+    """Sizes of the parts of a joint, mm; raises DesignError where no size keeps a rule.
+
+    What is made of them at all angles is kept for each object (`kept_by_sizes`).
+    """
 
     design: JointDesign
     mount: float | None = None  # direction of the end plates' tongues, by which a link carries the joint, rad

@@ -38,7 +38,7 @@ DRAWN = """async (scene) => {
 @pytest.fixture(scope="module")
 def page(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
     pytest.importorskip("nicegui")
-    pytest.importorskip("build123d")
+    pytest.importorskip("OCP")
     folder = tmp_path_factory.mktemp("panel")
     (folder / "arm.toml").write_text(PATIENT_ARM + PATIENT_HOST, encoding="utf-8")
     with chromium() as browser, served(folder, "panel", "arm.toml", before=PATIENT) as found:

@@ -96,7 +96,7 @@ def served_solids(page: Any) -> int:
 
 
 def test_the_arm_is_drawn_by_the_solids_of_its_joints_which_follow_a_change(page: Any) -> None:
-    pytest.importorskip("build123d")
+    pytest.importorskip("OCP")
     until(lambda: served_solids(page) > 10)
     before = served_solids(page)
     enter(page, WIDTH, "210")

@@ -9,16 +9,18 @@ from layflat.solids.assembly import assemble
 from layflat.solids.checks.clearances import RUNNING_GAP, Clearance, arm_clearances
 from layflat.solids.checks.frames import joint_parts, joint_place
 from layflat.solids.checks.meshes import MeshStore
+from layflat.solids.kernel import placed
+from tests.solids.bodies import body_of
 from tests.solids.checks.builds import built, checked
 
-pytestmark = pytest.mark.skipif(not extras.available("cad"), reason="no build123d; pip install layflat[cad]")
+pytestmark = pytest.mark.skipif(not extras.available("cad"), reason="no extra cad; pip install layflat[cad]")
 
 
 def kernel_distance(clearance: Clearance) -> float:
     """Return the least distance of all parts of both names, by the kernel, m."""
     parts = joint_parts(built(), clearance.joint, clearance.angles[0])
     first, second = (
-        [cad.placed(cad.solid(one.shape), at) for one in parts if one.name == name for at in one.places]
+        [body_of(placed(cad.solid(one.shape), at)) for one in parts if one.name == name for at in one.places]
         for name in (clearance.first, clearance.second)
     )
     return 1e-3 * min(float(a.distance_to(b)) for a in first for b in second)

@@ -8,7 +8,7 @@ from layflat.solids.checks import findings
 from layflat.solids.checks.findings import FINDING_COLUMNS, MASS_COLUMNS, STRESS_COLUMNS, check_build
 from tests.solids.checks.builds import built, checked
 
-pytestmark = pytest.mark.skipif(not extras.available("cad"), reason="no build123d; pip install layflat[cad]")
+pytestmark = pytest.mark.skipif(not extras.available("cad"), reason="no extra cad; pip install layflat[cad]")
 
 
 def test_tables_have_their_columns_and_all_rows() -> None:

@@ -16,7 +16,7 @@ from layflat.solids.checks.masses import mass_changes, mass_findings, mass_rows,
 from layflat.solids.checks.meshes import MeshStore
 from tests.solids.checks.builds import built
 
-pytestmark = pytest.mark.skipif(not extras.available("cad"), reason="no build123d; pip install layflat[cad]")
+pytestmark = pytest.mark.skipif(not extras.available("cad"), reason="no extra cad; pip install layflat[cad]")
 
 
 def test_mass_of_joint_and_link_is_that_of_their_parts() -> None:

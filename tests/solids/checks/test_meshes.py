@@ -17,8 +17,10 @@ from layflat.solids.checks.meshes import (
 from layflat.solids.checks.meshes import triangle_distances as distances
 from layflat.solids.component import Component, axes_towards
 from layflat.solids.hardware import rod, sleeve
+from layflat.solids.kernel import placed
 from layflat.solids.loops import rectangle
 from layflat.solids.shapes import Drilled, Lofted, PartPlace, Prism, Shape
+from tests.solids.bodies import body_of
 
 FLAT = np.array([[[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0]]])
 
@@ -39,7 +41,7 @@ def test_segments_that_are_skew_parallel_or_points() -> None:
         assert segment_distances(*one, np.array([start]), np.array([end])) == pytest.approx([distance])
 
 
-@pytest.mark.skipif(not extras.available("cad"), reason="no build123d; pip install layflat[cad]")
+@pytest.mark.skipif(not extras.available("cad"), reason="no extra cad; pip install layflat[cad]")
 def test_distances_are_those_of_the_kernel_within_the_tolerance_of_the_triangles() -> None:
     random, store = np.random.default_rng(3), MeshStore()
     shapes: list[Shape] = [rod(8.0, 20.0), Prism(rectangle(10.0, 6.0), 14.0), sleeve(12.0, 8.0, 5.0)]
@@ -50,7 +52,7 @@ def test_distances_are_those_of_the_kernel_within_the_tolerance_of_the_triangles
                 PartPlace(axes_towards(*random.normal(size=3)), random.uniform(-12.0, 12.0, 3)),))
             for k in random.integers(0, 3, 2)
         )  # fmt: skip
-        bodies = [cad.placed(cad.solid(one.shape), one.places[0]) for one in (first, second)]
+        bodies = [body_of(placed(cad.solid(one.shape), one.places[0])) for one in (first, second)]
         true = float(bodies[0].distance_to(bodies[1]))
         inside = true == 0.0
         found = least_distance(store.parts([first])[0], store.parts([second])[0], 5.0)
@@ -81,7 +83,7 @@ def bent_band(random: np.random.Generator) -> Lofted:
     return Lofted(tuple(sections), (Drilled((40.0, 12.0, 0.0), (-1.0, 0.0, 0.0), 3.0, 30.0),))
 
 
-@pytest.mark.skipif(not extras.available("cad"), reason="no build123d; pip install layflat[cad]")
+@pytest.mark.skipif(not extras.available("cad"), reason="no extra cad; pip install layflat[cad]")
 def test_what_encloses_a_band_drops_no_part_that_is_near_it() -> None:
     random, store = np.random.default_rng(8), MeshStore()
     near = dropped = 0
@@ -109,14 +111,14 @@ def test_what_encloses_a_band_drops_no_part_that_is_near_it() -> None:
 
 
 def test_what_encloses_a_band_is_closed_and_takes_no_kernel(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(extras, "_is_installed", lambda module: module != "build123d")
+    monkeypatch.setattr(extras, "_is_installed", lambda module: module != "OCP")
     band = bent_band(np.random.default_rng(2))
     sections = np.array(band.sections)
     corners = {tuple(point) for point in enclosing_triangles(band).reshape(-1, 3)}
     assert corners == {tuple(point) for point in sections.reshape(-1, 3)}
 
 
-@pytest.mark.skipif(not extras.available("cad"), reason="no build123d; pip install layflat[cad]")
+@pytest.mark.skipif(not extras.available("cad"), reason="no extra cad; pip install layflat[cad]")
 def test_solids_of_bands_are_made_only_where_something_is_near() -> None:
     made: list[Shape] = []
 

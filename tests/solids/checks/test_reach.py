@@ -14,7 +14,7 @@ from layflat.solids.shapes import Prism, place
 from layflat.solids.standard.screws import screw
 from tests.solids.checks.builds import built
 
-pytestmark = pytest.mark.skipif(not extras.available("cad"), reason="no build123d; pip install layflat[cad]")
+pytestmark = pytest.mark.skipif(not extras.available("cad"), reason="no extra cad; pip install layflat[cad]")
 
 
 def severities(height: float, *, after: bool = False) -> list[str]:

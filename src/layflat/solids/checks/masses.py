@@ -13,6 +13,7 @@ from layflat.lazy import numpy as np
 from layflat.machine.saving import save_machine
 from layflat.physics.arms.bodies import inertia_matrix, lump_bodies
 from layflat.solids.checks.frames import belongs_to_joint, belongs_to_link, link_places
+from layflat.solids.kernel import box
 from layflat.solids.sizes import MM
 
 if TYPE_CHECKING:
@@ -148,9 +149,8 @@ def _bodies(assembly: Assembly, components: Iterable[Component]) -> list[Body]:
     """Return the parts of components as bodies in the frame of the base."""
     found: list[Body] = []
     for one in components:
-        solid, mass = assembly.solid(one), assembly.mass_of(one)
-        volume, centre = assembly.volume(one.shape), np.array([*solid.center()])
-        inertia = np.array(solid.matrix_of_inertia) * mass / volume / MM**2
+        mass, (volume, centre, inertia) = assembly.mass_of(one), assembly.integrals(one.shape)
+        inertia = inertia * mass / volume / MM**2
         found += [(mass, (at.axes @ centre + at.origin) / MM, at.axes @ inertia @ at.axes.T) for at in one.places]
     return found
 
@@ -166,8 +166,7 @@ def _extent(assembly: Assembly, components: Iterable[Component], axis: Array) ->
     """Return the extent of components along an axis of length 1, mm, by the bounding boxes of their solids."""
     ends: list[float] = []
     for one in components:
-        box = assembly.solid(one).bounding_box()
-        low, high = np.array([*box.min]), np.array([*box.max])
+        low, high = box(assembly.solid(one))
         for at in one.places:
             along = axis @ at.axes
             middle, half = axis @ at.origin + along @ (low + high) / 2, np.abs(along) @ (high - low) / 2
