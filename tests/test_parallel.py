@@ -2,6 +2,8 @@
 
 import os
 import signal
+import subprocess
+import sys
 from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
@@ -63,6 +65,21 @@ def test_what_fails_there_ends_early_and_what_nobody_waits_for_is_killed(capfd: 
     with pytest.raises(ProcessLookupError):
         os.kill(process, 0)
     assert capfd.readouterr() == ("", "")
+
+
+def blocked() -> Iterator[list[int]]:
+    """Yield the signals that are blocked."""
+    yield [int(one) for one in signal.pthread_sigmask(signal.SIG_BLOCK, ())]
+
+
+@needs_two
+def test_the_first_process_of_a_program_is_out_of_reach_of_the_terminal() -> None:
+    program = """
+from layflat.parallel import FROM_TERMINAL, generate_in_process
+with generate_in_process("tests.test_parallel:blocked") as values:
+    assert set(FROM_TERMINAL) <= set(next(values))
+"""
+    subprocess.run([sys.executable, "-c", program], check=True)
 
 
 def test_with_one_processor_everything_is_left_to_this_process(monkeypatch: pytest.MonkeyPatch) -> None:

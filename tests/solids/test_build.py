@@ -46,7 +46,7 @@ PRICES = Prices.model_validate({"bought": {"*": "2"}})
 
 @pytest.fixture(scope="module")
 def built(tmp_path_factory: pytest.TempPathFactory) -> BuiltMachine:
-    return build_machine(load(NAME), tmp_path_factory.mktemp("built") / "joint", prices=PRICES)
+    return build_machine(load(NAME), tmp_path_factory.mktemp("built") / "joint", prices=PRICES, aside=True)
 
 
 def volumes_in(path: Path) -> list[float]:

@@ -52,7 +52,7 @@ def build_parts(
         def show(stage: str, share: float) -> None:
             update(completed=STAGE_NAMES.index(stage) + share, description=f"building: {stage}")
 
-        built = build_machine(described, out, angles=angles, prices=priced, progress=show)
+        built = build_machine(described, out, angles=angles, prices=priced, aside=True, progress=show)
     _print_build(built)
     if masses is not None:
         write_masses(built.assembly, masses)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from contextlib import nullcontext
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -10,13 +11,15 @@ from layflat import extras
 from layflat.design.summary import refuse_errors
 from layflat.errors import DesignError, LayflatError
 from layflat.files import whole_folder, write_text
+from layflat.parallel import generate_in_process
 from layflat.plot import render_page
 from layflat.solids.assembly import Assembly, assemble
 from layflat.solids.blanks import list_cuts
 from layflat.solids.checks.findings import FINDING_COLUMNS, MASS_COLUMNS, STRESS_COLUMNS, BuildChecks, check_build
 from layflat.solids.cost import Cost, Prices, cost_of
 from layflat.solids.documents import write_documents
-from layflat.solids.drawings.write import write_drawings
+from layflat.solids.drawings.assembly import DrawnMachine
+from layflat.solids.drawings.write import SheetFiles, write_drawings
 from layflat.solids.exchange import write_assembly_step, write_part_files
 from layflat.solids.gltf import write_glb
 from layflat.solids.guide import guide_page
@@ -24,13 +27,14 @@ from layflat.solids.parts_files import parts_page, write_parts_csv, write_parts_
 from layflat.solids.parts_list import PartsList, list_parts
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Iterator, Sequence
+    from contextlib import AbstractContextManager
     from pathlib import Path
 
     from layflat.machine import Machine
     from layflat.solids.component import Component
 
-STAGE_NAMES = ("solids", "checks", "parts", "drawings", "documents", "guide")
+STAGE_NAMES = ("solids", "checks", "parts", "documents", "guide", "drawings")
 """Stages of a build, in their order."""
 
 
@@ -61,6 +65,7 @@ def build_machine(
     *,
     angles: Sequence[float] | None = None,
     prices: Prices | None = None,
+    aside: bool = False,
     progress: Callable[[str, float], object] = lambda _stage, _share: None,
 ) -> BuiltMachine:
     """Write solids, parts list, drawings, guide and documents of a machine into a folder, all of them or none.
@@ -70,6 +75,7 @@ def build_machine(
         out: folder, new or empty.
         angles: of the joints in the assembly from mid-stroke, rad; default: all in mid-stroke.
         prices: of parts, for the parts list; default: none.
+        aside: whether another process draws meanwhile; the script that is run has to guard its main part then.
         progress: function that is called with a stage of `STAGE_NAMES` and the share of it that is done, 0 to 1.
 
     Raises:
@@ -86,25 +92,32 @@ def build_machine(
         raise DesignError("no joint has solids", where=machine.origin, right=why)
     with whole_folder(out, build_files(machine.name)) as folder:
         assembly.build(lambda done, total: progress("solids", done / total))
-        checks = check_build(assembly, lambda done, total: progress("checks", done / total))
-        refuse_errors(checks.findings)
-        write_text(folder / f"{machine.name}-checks.html", checks_page(machine.name, checks))
         parts = list_parts(assembly.components, assembly.mass_of)
-        _write_solids(assembly, parts, folder, progress)
-        cost = None if prices is None else cost_of(parts, prices)
-        _write_lists(assembly, parts, cost, folder)
-        numbers = [parts.part(component).number for component in assembly.components]
-        write_drawings(
-            assembly.components, numbers, assembly.mass_of, folder / "drawings", machine=machine.name,
-            progress=lambda done, total: progress("drawings", done / total),
-        )  # fmt: skip
-        progress("documents", 0.0)
-        omitted = assembly.omitted | _write_documents(machine, folder)
-        progress("guide", 0.0)
-        links = {title: name for title, name in _links(machine.name).items() if (folder / name).exists()}
-        page = guide_page(f"Guide to {machine.name}", assembly.sizes, assembly.components, parts, links, assembly.solid)
-        write_text(folder / f"{machine.name}-guide.html", page)
+        drawn = _drawn_machine(assembly, parts)
+        with _sheets_aside(drawn, folder / "drawings") if aside else nullcontext(()) as sheets:
+            checks = check_build(assembly, lambda done, total: progress("checks", done / total))
+            refuse_errors(checks.findings)
+            write_text(folder / f"{machine.name}-checks.html", checks_page(machine.name, checks))
+            _write_solids(assembly, parts, folder, progress)
+            cost = None if prices is None else cost_of(parts, prices)
+            _write_lists(assembly, parts, cost, folder)
+            progress("documents", 0.0)
+            omitted = assembly.omitted | _write_documents(machine, folder)
+            progress("guide", 0.0)
+            _write_guide(assembly, parts, folder)
+            write_drawings(drawn, folder / "drawings", sheets, lambda done, total: progress("drawings", done / total))
     return BuiltMachine(assembly, parts, checks, out, omitted, cost)
+
+
+def _drawn_machine(assembly: Assembly, parts: PartsList) -> DrawnMachine:
+    numbers = [parts.part(component).number for component in assembly.components]
+    masses = [assembly.mass_of(component) for component in assembly.components]
+    return DrawnMachine(assembly.machine.name, assembly.components, numbers, masses)
+
+
+def _sheets_aside(machine: DrawnMachine, folder: Path) -> AbstractContextManager[Iterator[SheetFiles]]:
+    """Return a context in which another process, which needs no CAD kernel, draws; its values as `draw_sheets`."""
+    return generate_in_process("layflat.solids.drawings.write:draw_sheets", machine, folder)
 
 
 def checks_page(name: str, checks: BuildChecks) -> str:
@@ -155,6 +168,14 @@ def _write_lists(assembly: Assembly, parts: PartsList, cost: Cost | None, folder
     write_parts_csv(parts, folder / f"{name}-parts.csv", cost)
     write_parts_xlsx(parts, cuts, folder / f"{name}-parts.xlsx", cost)
     write_text(folder / f"{name}-parts.html", parts_page(f"Parts of {name}", parts, cuts, cost))
+
+
+def _write_guide(assembly: Assembly, parts: PartsList, folder: Path) -> None:
+    """Write the assembly guide, with links to the documents that are there."""
+    name = assembly.machine.name
+    links = {title: file for title, file in _links(name).items() if (folder / file).exists()}
+    page = guide_page(f"Guide to {name}", assembly.sizes, assembly.components, parts, links, assembly.solid)
+    write_text(folder / f"{name}-guide.html", page)
 
 
 def _write_documents(machine: Machine, folder: Path) -> dict[str, str]:

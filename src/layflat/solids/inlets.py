@@ -12,7 +12,7 @@ from layflat.solids.hardware import stepped
 from layflat.solids.places import bar_place, clamp_heights, tie_places, tie_radius
 from layflat.solids.section import CONTACT_GAP, HINGE_GAP, LAP_LENGTH
 from layflat.solids.shapes import Drilled, Turned, place
-from layflat.solids.sizes import MM
+from layflat.solids.sizes import MM, kept_by_sizes
 from layflat.solids.standard.fittings import TUBE_SIZES, HollowScrew, PushInFitting, push_in_fitting
 from layflat.solids.tubing import hose_tube
 
@@ -66,6 +66,7 @@ SMALL_INLET = Inlet(
 """Inlet of small cylinders."""
 
 
+@kept_by_sizes
 def choose_inlet(sizes: JointSizes) -> Inlet:
     """Return the inlet that is as wide as its tube, or else the widest that fits between clamp bars and tie bars.
 

@@ -1,11 +1,13 @@
 """Sheets of assemblies: every item has a balloon or is said to be hidden, sizes are those of the parts."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from layflat.solids.drawings.assembly import assemblies, assembly_sheet, list_sheet
+from layflat.solids.component import Component
+from layflat.solids.drawings.assembly import DrawnMachine, assemblies, assembly_sheet, list_sheet
 from layflat.solids.drawings.projection import FRONT_VIEW, LEFT_VIEW, cut, project
 from layflat.solids.drawings.table import number_text
 from layflat.solids.hardware import rod, sleeve
@@ -17,11 +19,15 @@ from tests.solids.drawings.sheets import overlapping_texts, texts, texts_off_the
 NUMBERS = {joint: list(range(1, len(joint_parts(joint)) + 1)) for joint in ("small", "large")}
 
 
+def drawn(parts: Sequence[Component], numbers: Sequence[int]) -> DrawnMachine:
+    return DrawnMachine("arm", parts, numbers, [0.05] * len(parts))
+
+
 @pytest.mark.parametrize("joint", ["small", "large"])
 def test_every_item_of_a_joint_stands_on_its_sheet_and_in_the_list(joint: str) -> None:
     parts = joint_parts(joint)
-    (whole,) = assemblies(parts, NUMBERS[joint], "paper-arm")
-    paper = assembly_sheet(whole, 2.0)
+    (whole,) = assemblies(drawn(parts, NUMBERS[joint]))
+    paper = assembly_sheet(whole)
     written = texts(paper)
     hidden = (
         " ".join(text.removeprefix("Not visible: ") for text in written if "," in text)
@@ -32,25 +38,25 @@ def test_every_item_of_a_joint_stands_on_its_sheet_and_in_the_list(joint: str) -
     assert sum(text.isdigit() for text in written) > 0.7 * len(parts)
     assert not overlapping_texts(paper)
     assert not texts_off_the_sheet(paper)
-    listed = list_sheet(whole, dict(zip(NUMBERS[joint], parts, strict=True)), 2.0)
+    listed = list_sheet(whole, dict(zip(NUMBERS[joint], parts, strict=True)))
     assert all(any(text.startswith(one.name) for text in texts(listed)) for one in parts)
     assert not overlapping_texts(listed)
 
 
 def test_balloons_with_long_numbers_stand_beside_each_other() -> None:
     bars = [replace(component(rod(2, 4)), places=(place(2.5 * k),)) for k in range(40)]
-    (sheet,) = assemblies(bars, range(1001, 1041), "bars")
-    paper = assembly_sheet(sheet, 1.0)
+    (sheet,) = assemblies(drawn(bars, range(1001, 1041)))
+    paper = assembly_sheet(sheet)
     assert {str(number) for number in range(1001, 1041)} <= set(texts(paper))
     assert not overlapping_texts(paper)
 
 
 def test_overall_sizes_are_those_of_what_is_drawn() -> None:
     parts = joint_parts()
-    (whole,) = assemblies(parts, NUMBERS["small"], "paper-arm")
+    (whole,) = assemblies(drawn(parts, NUMBERS["small"]))
     front = project("front", parts, whole.items, FRONT_VIEW, whole.frame)
     width, height = front.box[1] - front.box[0]
-    written = texts(assembly_sheet(whole, 2.0))
+    written = texts(assembly_sheet(whole))
     assert number_text(float(width), 1) in written
     assert number_text(float(height), 1) in written
 
@@ -87,9 +93,9 @@ def test_an_arm_has_a_sheet_of_each_joint_and_of_the_whole() -> None:
         parts.append(replace(component(rod(20, 300), "sawing"), joint=joint, tags=frozenset({"link"})))
         parts.append(replace(component(rod(5, 30), "turning"), joint=joint))
     numbers = list(range(1, len(parts) + 1))
-    whole, *joints = assemblies(parts, numbers, "arm")
+    whole, *joints = assemblies(drawn(parts, numbers))
     assert [one.file for one in (whole, *joints)] == ["00-assembly", "00-joint-shoulder", "00-joint-elbow"]
     count = len(joint_parts())
     assert set(whole.items) == {"shoulder", "elbow", *map(str, (count + 1, count + 2, 2 * count + 3, 2 * count + 4))}
     assert all(len(one.components) == count for one in joints)
-    assert "shoulder" in " ".join(texts(assembly_sheet(whole, 8.0)))
+    assert "shoulder" in " ".join(texts(assembly_sheet(whole)))

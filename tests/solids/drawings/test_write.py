@@ -8,20 +8,21 @@ from pathlib import Path
 import pytest
 
 from layflat import extras
-from layflat.solids.drawings.write import file_stem, merge_items, write_drawings
+from layflat.parallel import generate_in_process
+from layflat.solids.drawings.assembly import DrawnMachine
+from layflat.solids.drawings.write import draw_sheets, file_stem, merge_items, write_drawings
 from layflat.solids.parts_list import list_parts
 from tests.programs import skip_without
 from tests.solids.drawings.parts import joint_parts
 
 PARTS = [one for one in joint_parts() if one.name in {"cylinder", "arm plate", "shaft", "shell A", "bush"}]
 NUMBERS = [3, 5, 8, 13, 21]
+MACHINE = DrawnMachine("joint", PARTS, NUMBERS, [0.25] * len(PARTS))
 
 
 def written(folder: Path, progress: list[tuple[int, int]] | None = None) -> dict[str, bytes]:
     steps = progress if progress is not None else []
-    files = write_drawings(
-        PARTS, NUMBERS, lambda _: 0.25, folder, machine="joint", progress=lambda *at: steps.append(at)
-    )
+    files = write_drawings(MACHINE, folder, progress=lambda *at: steps.append(at))
     assert set(files) == set(folder.iterdir())
     return {path.name: path.read_bytes() for path in files}
 
@@ -39,6 +40,24 @@ def test_each_made_part_has_its_files(tmp_path: Path) -> None:
 
 def test_the_same_machine_gives_the_same_bytes(tmp_path: Path) -> None:
     assert written(tmp_path / "one") == written(tmp_path / "other")
+
+
+@pytest.mark.parametrize("ready", range(7))
+def test_sheets_that_another_process_has_drawn_are_not_drawn_again(tmp_path: Path, ready: int) -> None:
+    folder = tmp_path / "aside"
+    sheets = list(draw_sheets(MACHINE, folder))
+    stamps = {path: path.stat().st_mtime_ns for one in sheets[:ready] for path in one.paths}
+    files = write_drawings(MACHINE, folder, sheets[:ready])
+    assert files == [path for one in sheets for path in one.paths]
+    assert {path for path in files if path.stat().st_mtime_ns == stamps.get(path)} == set(stamps)
+
+
+def test_another_process_draws_the_same(tmp_path: Path) -> None:
+    folder = tmp_path / "aside"
+    with generate_in_process("layflat.solids.drawings.write:draw_sheets", MACHINE, folder) as sheets:
+        files = write_drawings(MACHINE, folder, sheets)
+    assert {path.name: path.read_bytes() for path in files} == written(tmp_path / "here")
+    assert set(files) == set(folder.iterdir())
 
 
 def test_without_ezdxf_there_are_no_contours(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -73,5 +92,5 @@ def test_items_agree_with_the_parts_list() -> None:
 
 
 def test_a_machine_without_solids_has_no_drawings(tmp_path: Path) -> None:
-    assert write_drawings([], [], lambda _: 0.0, tmp_path, machine="none") == []
+    assert write_drawings(DrawnMachine("none", [], [], []), tmp_path) == []
     assert not list(tmp_path.iterdir())

@@ -50,25 +50,43 @@ class AssemblySheet(NamedTuple):
     items: Sequence[str]
     frame: PartPlace  # in which its views lie
     joint: bool  # one joint, which is cut in its middle; else many
+    mass: float  # kg
 
 
-def assemblies(components: Sequence[Component], numbers: Sequence[int], machine: str) -> list[AssemblySheet]:
-    """Return the assemblies of a machine: its only joint, or the whole, with joints as items, and each joint.
+class DrawnMachine(NamedTuple):
+    """Machine that is drawn; components with the same number are one item of its list."""
 
-    Args:
-        components: of the machine.
-        numbers: of their items.
-        machine: its name.
-    """
-    texts = [str(number) for number in numbers]
+    name: str
+    components: Sequence[Component]
+    numbers: Sequence[int]  # of their items
+    masses: Sequence[float]  # of one part of each component, kg
+
+    def mass(self, joint: str | None = None) -> float:
+        """Return the mass of the whole, or of a joint without the link behind it, kg."""
+        links = _link_parts(self.components)
+        return sum(
+            one.quantity * mass
+            for one, mass, link in zip(self.components, self.masses, links, strict=True)
+            if joint is None or (one.joint == joint and not link)
+        )
+
+
+def assemblies(machine: DrawnMachine) -> list[AssemblySheet]:
+    """Return the assemblies of a machine: its only joint, or the whole, with joints as items, and each joint."""
+    name, components = machine.name, machine.components
+    texts = [str(number) for number in machine.numbers]
     links = _link_parts(components)
     joints = list(dict.fromkeys(one.joint for one in components))
     if len(joints) == 1 and not any(links):
-        return [AssemblySheet("assembly", machine, "00-assembly", components, texts, components[0].places[0], True)]
+        return [
+            AssemblySheet(
+                "assembly", name, "00-assembly", components, texts, components[0].places[0], True, machine.mass()
+            )
+        ]
     items = [
         one.joint if one.joint and not link else text for one, text, link in zip(components, texts, links, strict=True)
     ]
-    found = [AssemblySheet("assembly", machine, "00-assembly", components, items, place(), False)]
+    found = [AssemblySheet("assembly", name, "00-assembly", components, items, place(), False, machine.mass())]
     for joint in filter(None, joints):
         own = [
             (one, text)
@@ -76,9 +94,8 @@ def assemblies(components: Sequence[Component], numbers: Sequence[int], machine:
             if one.joint == joint and not link
         ]
         parts, names = zip(*own, strict=True)
-        found.append(
-            AssemblySheet(f"joint {joint}", machine, f"00-joint-{joint}", parts, names, parts[0].places[0], True)
-        )
+        title, file, mass = f"joint {joint}", f"00-joint-{joint}", machine.mass(joint)
+        found.append(AssemblySheet(title, name, file, parts, names, parts[0].places[0], True, mass))
     return found
 
 
@@ -107,8 +124,8 @@ def _views(assembly: AssemblySheet) -> list[Projection]:
     return [*views, project("seen from above", parts, items, TOP_VIEW, frame)]
 
 
-def assembly_sheet(assembly: AssemblySheet, mass: float) -> Paper:
-    """Return the sheet of an assembly with a total mass, kg."""
+def assembly_sheet(assembly: AssemblySheet) -> Paper:
+    """Return the sheet of an assembly."""
     views = _views(assembly)
     sizes = [(float(w), float(h)) for w, h in (view.box[1] - view.box[0] for view in views)]
     found = arrange_views(sizes, AROUND_VIEWS, formats=("A3",))
@@ -125,7 +142,7 @@ def assembly_sheet(assembly: AssemblySheet, mass: float) -> Paper:
         area = free_areas(found.format)[0]
         note = f"Not visible: {', '.join(hidden)}."
         paper.text(area.right - 2.0, area.low + 2.0, note, fit_height(note, TABLE_TEXT, BLOCK_WIDTH - 4.0), "right")
-    _finish(paper, assembly, mass, scale_text(s))
+    _finish(paper, assembly, scale_text(s))
     return paper
 
 
@@ -181,13 +198,12 @@ def _draw_balloons_and_sizes(placed: View, view: Projection, points: dict[str, A
         placed.distance((x, y), (x, y_2), -out, number_text(float(y_2 - y), 1), upright=True)
 
 
-def list_sheet(assembly: AssemblySheet, items: Mapping[int, Component], mass: float) -> Paper:
+def list_sheet(assembly: AssemblySheet, items: Mapping[int, Component]) -> Paper:
     """Return the sheet with the list of all items.
 
     Args:
         assembly: the whole, for the title block.
         items: components by number, each with all its places.
-        mass: total, kg.
     """
     paper = Paper("A3", f"{assembly.machine}: list of items")
     rows = [
@@ -197,14 +213,15 @@ def list_sheet(assembly: AssemblySheet, items: Mapping[int, Component], mass: fl
     whole = free_areas("A3")[0]
     columns = -(-len(rows) // ROWS_OF_COLUMN)
     draw_list(paper, rows, Area(whole.left + 2, whole.low + 4, whole.right - 2, whole.high - FRAME_MARGIN / 2), columns)
-    _finish(paper, assembly._replace(title="list of items", file="00-list"), mass, "-")
+    _finish(paper, assembly._replace(title="list of items", file="00-list"), "-")
     return paper
 
 
-def _finish(paper: Paper, assembly: AssemblySheet, mass: float, scale: str) -> None:
+def _finish(paper: Paper, assembly: AssemblySheet, scale: str) -> None:
     """Draw frame and title block."""
     draw_frame(paper)
     title, machine, file = assembly.title, assembly.machine, assembly.file
     draw_title_block(
-        paper, TitleBlock(machine, title, "-", "1", "-", "-", "assembly", "-", mass_text(mass), "-", scale, file)
+        paper,
+        TitleBlock(machine, title, "-", "1", "-", "-", "assembly", "-", mass_text(assembly.mass), "-", scale, file),
     )

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from layflat import extras
 from layflat.files import whole_file
-from layflat.solids.drawings.assembly import assemblies, assembly_sheet, list_sheet
+from layflat.solids.drawings.assembly import DrawnMachine, assemblies, assembly_sheet, list_sheet
 from layflat.solids.drawings.contours import contour_text
 from layflat.solids.drawings.flat import cut_by_contour, flat_part
 from layflat.solids.drawings.paper import svg_and_pdf
@@ -18,20 +18,24 @@ from layflat.solids.parts_list import common_name
 from layflat.solids.standard.materials import material
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Iterable, Iterator, Sequence
     from pathlib import Path
 
     from layflat.solids.component import Component
     from layflat.solids.drawings.paper import Paper
 
 
+class SheetFiles(NamedTuple):
+    """Files of a drawing."""
+
+    paths: list[Path]
+    total: int  # number of drawings of the machine
+
+
 def write_drawings(
-    components: Sequence[Component],
-    numbers: Sequence[int],
-    mass: Callable[[Component], float],
+    machine: DrawnMachine,
     folder: Path,
-    *,
-    machine: str,
+    drawn: Iterable[SheetFiles] = (),
     progress: Callable[[int, int], object] = lambda *_: None,
 ) -> list[Path]:
     """Write drawings of a machine: of its assemblies, and of each part that is made; return the files.
@@ -40,11 +44,9 @@ def write_drawings(
     `drawing` brings, is installed. The same machine gives the same bytes.
 
     Args:
-        components: of the machine.
-        numbers: of the items of the list; components with the same number are one item.
-        mass: function that returns the mass of one of a component, kg.
+        machine: the machine.
         folder: that the files go to; it is made.
-        machine: name on the sheets.
+        drawn: the first values of `draw_sheets`, from another process that writes them; default: none.
         progress: function that is called with the number of sheets that are written, and of all.
 
     Returns:
@@ -53,29 +55,57 @@ def write_drawings(
     Raises:
         OutputError: the folder can't be written.
     """
-    if not components:
-        return []
-    fits, contours = fits_of(components), extras.available("drawing")
-    items = merge_items(components, numbers)
-    made = {number: one for number, one in items.items() if not one.bought}
-    total_mass = sum(one.quantity * mass(one) for one in components)
-    groups = assemblies(components, numbers, machine)
-    total, files = len(made) + len(groups) + 1, []
-    for number, one in made.items():
+    sheets: list[SheetFiles] = []
+
+    def collect(written: Iterable[SheetFiles]) -> None:
+        for one in written:
+            sheets.append(one)
+            progress(len(sheets), one.total)
+
+    collect(drawn)
+    collect(draw_sheets(machine, folder, len(sheets)))
+    return [path for one in sheets for path in one.paths]
+
+
+def draw_sheets(machine: DrawnMachine, folder: Path, done: int = 0) -> Iterator[SheetFiles]:
+    """Yield the files of each drawing of a machine once they are written.
+
+    Args:
+        machine: the machine.
+        folder: that the files go to; files of these names in it are replaced.
+        done: number of the first drawings that are left out.
+    """
+    if not machine.components:
+        return
+    items, fits = merge_items(machine.components, machine.numbers), fits_of(machine.components)
+    made = [(number, one) for number, one in items.items() if not one.bought]
+    groups = assemblies(machine)
+    total = len(made) + len(groups) + 1
+    for number, one in made[done:]:
+        mass = machine.masses[list(machine.numbers).index(number)]
         name = f"{number:02d}-{file_stem(one.name)}"
-        files += _write_sheet(part_sheet(PartSheet(one, str(number), mass(one), machine, name, fits)), folder / name)
-        part = flat_part(one)
-        if contours and part is not None and cut_by_contour(one, part):
-            notes = (f"{machine}, item {number}, quantity {one.quantity}", _stock_note(one))
-            files.append(_write(folder / f"{name}.dxf", contour_text(part, one.name, notes).encode()))
-        progress(len({path.stem for path in files}), total)
-    for group in groups:
-        group_mass = sum(one.quantity * mass(one) for one in group.components)
-        files += _write_sheet(assembly_sheet(group, group_mass), folder / file_stem(group.file))
-        progress(len({path.stem for path in files}), total)
-    files += _write_sheet(list_sheet(groups[0], items, total_mass), folder / "00-list")
-    progress(total, total)
-    return files
+        files = _write_sheet(part_sheet(PartSheet(one, str(number), mass, machine.name, name, fits)), folder / name)
+        yield SheetFiles([*files, *_write_contour(one, number, machine.name, folder / f"{name}.dxf")], total)
+    for group in groups[max(done - len(made), 0) :]:
+        yield SheetFiles(_write_sheet(assembly_sheet(group), folder / file_stem(group.file)), total)
+    if done < total:
+        yield SheetFiles(_write_sheet(list_sheet(groups[0], items), folder / "00-list"), total)
+
+
+def _write_contour(component: Component, number: int, machine: str, path: Path) -> list[Path]:
+    """Write the contour along which a part is cut, if there is one; return the paths of what is written.
+
+    Args:
+        component: the part.
+        number: of its item.
+        machine: name of the machine.
+        path: of the file.
+    """
+    part = flat_part(component)
+    if part is None or not extras.available("drawing") or not cut_by_contour(component, part):
+        return []
+    notes = (f"{machine}, item {number}, quantity {component.quantity}", _stock_note(component))
+    return [_write(path, contour_text(part, component.name, notes).encode())]
 
 
 def merge_items(components: Sequence[Component], numbers: Sequence[int]) -> dict[int, Component]:
@@ -115,6 +145,6 @@ def _write_sheet(paper: Paper, path: Path) -> list[Path]:
 
 
 def _write(path: Path, content: bytes) -> Path:
-    with whole_file(path) as temporary:
+    with whole_file(path, owned=True) as temporary:
         temporary.write_bytes(content)
     return path
