@@ -107,5 +107,5 @@ def check_balance(names: list[str], plant: PlantLaws, states: tuple[MovingJoint,
             difference = p[0] - p[1] + missing[j] / float(np.abs(slopes).mean() if slopes[1] else slopes[0])
             what = f"{abs(missing[j]):.3g} N m are missing at joint {name!r}"
             state_word = "be held" if plant.held[j] else "slide"
-            right = f"to {state_word} it needs about {difference / 1e5:.3g} bar more in hose A than in hose B"
+            right = f"to {state_word} it needs about {difference / 1e5 + 0.0:.3f} bar more in hose A than in hose B"
             raise InputError(what, where="pressures", right=right)

@@ -5,14 +5,15 @@ voltage or a load of the one and subtracted from the other's. They differ by twi
 common, as the dither, cancels. Transients are fitted as decaying motions of the model's slow modes.
 
 A linear model is that of one configuration and its pressures. So after each control cycle both plants are set back by
-the mean of their rotations, and by what given pressures drift: no load falls over, and inertia and volumes stay. In
-their difference nothing is taken back.
+the mean of their rotations, and by what given pressures drift: no load falls over, and inertia and volumes stay. So are
+losses, which creep on, after each period of the valves' waves. In the plants' difference nothing is taken back.
 
 Sines have equal parts in the velocity of the joint that they move most, or, where theirs is held, in its pressure. The
 plant, driven once per control cycle, holds its voltage: the response is to that stepped voltage.
 """
 
 from collections.abc import Sequence
+from math import lcm
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -20,6 +21,7 @@ import numpy as np
 from layflat.arrays import Array
 from layflat.errors import InputError
 from layflat.extras import import_extra
+from layflat.lanes import leaves, read_numbers
 from layflat.linear.operating_point import OperatingPoint
 from layflat.linear.rates import joint_state, set_back
 from layflat.physics.hysteresis import at_rest
@@ -29,8 +31,8 @@ if TYPE_CHECKING:
     from control import FrequencyResponseData, StateSpace
 
 DEFAULT_FREQUENCIES = (0.5, 0.75, 1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 7.0, 10.0, 14.0, 20.0)  # default, Hz
-VELOCITY_FRACTION, MAX_VELOCITY_SIZE = 0.002, 1e-4  # rms of a sliding joint's response: fraction of the speed, rad/s
-PRESSURE_SIZE = 50.0  # that of a held joint's, Pa
+VELOCITY_FRACTION, MAX_VELOCITY_SIZE = 1e-4, 5e-6  # rms of a sliding joint's response: fraction of the speed, rad/s
+PRESSURE_SIZE = 2.5  # that of a held joint's, Pa
 SETTLING_TIME, WINDOW_TIME = 3.0, 6.0  # before the response is evaluated, and in which it is, s
 SLOW_MODES = 8.0  # rate of decay below which modes outlast the settling or are excited by the sines' start, 1/s
 MAX_GROWTH = 5.0  # of deviations while a response is measured, as a power of e
@@ -120,7 +122,9 @@ def simulate(point: OperatingPoint, *signals: Array) -> Array:
     """
     plants = [_place_plant(point) for _ in signals]
     rows, cycle, drift = [], point.machine.cycle, point.machine.cycle * point.drift
-    start = np.array([state.angle for state in point.states])
+    start, slid = np.array([state.angle for state in point.states]), _read_losses(plants[0])
+    in_cycle = round(cycle / point.plant.h)
+    period = lcm(in_cycle, *(len(valve.wave) for valve in point.valves)) // in_cycle
     for k, inputs in enumerate(np.stack(signals, axis=2).swapaxes(0, 1)):
         rows.append([[plant.angles, plant.velocities, *plant.pressures.T] for plant in plants])
         for plant, voltages, loads in zip(plants, *inputs, strict=True):
@@ -130,6 +134,10 @@ def simulate(point: OperatingPoint, *signals: Array) -> Array:
         drift[:, 0] = np.mean([plant.angles for plant in plants], axis=0) - start
         for plant in plants:
             _set_back_plant(point, plant, drift)
+        if (k + 1) % period == 0:
+            crept = np.mean([_read_losses(plant) for plant in plants], axis=0) - slid
+            for plant in plants:
+                _take_losses(plant, crept)
     return np.array(rows).swapaxes(0, 1)
 
 
@@ -156,6 +164,23 @@ def _set_back_plant(point: OperatingPoint, plant: SteppedPlant, change: Array) -
         zip(point.plant.joints, plant.states, point.states, change, strict=True),
     )
     plant.place([set_back(joint, state, like, row, p_a) for joint, state, like, row in rows])
+
+
+def _read_losses(plant: SteppedPlant) -> Array:
+    """Return the numbers of the states of the losses of all hoses, (joints, numbers)."""
+    return np.array([[*leaves(state.hose_a.loss), *leaves(state.hose_b.loss)] for state in plant.states])
+
+
+def _take_losses(plant: SteppedPlant, change: Array) -> None:
+    """Take a change from the losses of a plant's hoses, (joints, numbers as `_read_losses` returns them)."""
+    states, after = plant.states, _read_losses(plant) - change
+    placed = []
+    for state, row in zip(states, after.tolist(), strict=True):
+        a, b = read_numbers((state.hose_a.loss, state.hose_b.loss), row)
+        placed.append(
+            state._replace(hose_a=state.hose_a._replace(loss=a), hose_b=state.hose_b._replace(loss=b))
+        )
+    plant.place(placed)
 
 
 def _outputs(model: "StateSpace", motion: Array) -> Array:

@@ -54,20 +54,21 @@ class LinearValve(NamedTuple):
         return PathConductances(*self.wave.mean(axis=0).tolist())
 
 
-def settle_valve(valve: Any, opening: float, h: float) -> tuple[Any, Array]:
+def settle_valve(valve: Any, opening: float, h: float, start: Any = None) -> tuple[Any, Array]:
     """Return the state of a valve driven to an opening for long, and its conductances in the period that follows.
 
     Args:
         valve: parameters.
         opening: demanded of the driver, -1 to 1.
         h: step, s.
+        start: its state before, when the wave begins anew; default: at rest.
 
     Returns:
         The state when the wave begins anew, and conductances (steps, 2), m3/(s Pa), over whole periods.
     """
     steps = _averaging_steps(valve, h)
     settling = steps * ceil(SETTLING_TIME / (h * steps))
-    state, history = _simulate(valve, np.full(settling + steps, opening), h)
+    state, history = _simulate(valve, np.full(settling + steps, opening), h, start)
     return state, history[settling:]
 
 
@@ -90,13 +91,10 @@ def linearize_valve(valve: Any, opening: float, h: float) -> LinearValve:
         opening: demanded of the driver, -1 to 1.
         h: step, s.
     """
-    slopes, *others = (_mean_slopes(valve, opening, size, h) for size in (OPENING_STEP, *OTHER_STEPS))
-    lag = (0.0, 0.0)
-    if slopes.any():
-        lag = _fit_lag(valve, opening, slopes, h)
-    return LinearValve(
-        opening, *settle_valve(valve, opening, h), PathConductances(*slopes.tolist()), np.array(others), lag
-    )
+    state, wave = settle_valve(valve, opening, h)
+    slopes, *others = (_mean_slopes(valve, state, opening, size, h) for size in (OPENING_STEP, *OTHER_STEPS))
+    lag = _fit_lag(valve, opening, slopes, h) if slopes.any() else (0.0, 0.0)
+    return LinearValve(opening, state, wave, PathConductances(*slopes.tolist()), np.array(others), lag)
 
 
 def check_response(name: str, valve: LinearValve) -> None:
@@ -112,7 +110,7 @@ def check_response(name: str, valve: LinearValve) -> None:
     slopes = np.array(valve.slopes)
     if not slopes.any():
         what = f"the valve of joint {name!r} does not respond at an opening of {valve.opening:.3g}"
-        right = "it sticks without dither, or is inside its dead band: slide, or give other pressures"
+        right = "it sticks, or is inside its dead band: give its driver dither, the joint another speed or other pressures"
         raise InputError(what, where="linearize", right=right)
     if abs(slopes - valve.other_slopes).max() > MAX_CURVATURE * abs(slopes).max():
         what = f"the valve of joint {name!r} does not respond in proportion at an opening of {valve.opening:.3g}"
@@ -120,9 +118,9 @@ def check_response(name: str, valve: LinearValve) -> None:
         raise InputError(what, where="linearize", right=right)
 
 
-def _mean_slopes(valve: Any, opening: float, size: float, h: float) -> Array:
+def _mean_slopes(valve: Any, state: Any, opening: float, size: float, h: float) -> Array:
     """Return dC/du of both paths, (2,), by differences over a change of the opening of so much either way."""
-    forward, back = (np.array(mean_paths(valve, opening + sign * size, h)) for sign in (1.0, -1.0))
+    forward, back = (settle_valve(valve, opening + sign * size, h, state)[1].mean(axis=0) for sign in (1.0, -1.0))
     slopes: Array = (forward - back) / (2.0 * size)
     return slopes
 
@@ -137,9 +135,9 @@ def _averaging_steps(valve: Any, h: float) -> int:
     return max(1, round(float(steps[best])))
 
 
-def _simulate(valve: Any, openings: Array, h: float) -> tuple[Any, Array]:
+def _simulate(valve: Any, openings: Array, h: float, start: Any = None) -> tuple[Any, Array]:
     """Return the state at the end, and the mean conductances in every step of h seconds, (steps, 2), at openings."""
-    state, wave = at_rest(valve), start_wave(valve, 0.0, h)
+    state, wave = at_rest(valve) if start is None else start, start_wave(valve, 0.0, h)
     paths = np.empty((len(openings), 2))
     for k, opening in enumerate(openings.tolist()):
         state, *paths[k] = move(valve, state, opening, wave, h)
