@@ -41,6 +41,7 @@ def test_a_linear_model_has_the_response_of_the_plant(joints: str, outputs: list
 SMALL_LOSSES, PRESSURES = "joint.small.losses", {"reference_pressure_gauge": "3 bar", "pressure_free": 0.25}
 CREEP = {"kind": "creep", "deflection": "2 deg", "per_decade": 0.1, "first": "10 ms", "last": "10 s"}
 MAXWELL = {"kind": "maxwell", "deflection": "2 deg", "times": ["20 ms", "1 s"], "weights": [0.5, 0.2]}
+BOUC_WEN = {"kind": "bouc-wen", "deflection": "1.5 deg", "beta": 0.7, "exponent": 1.5, "hardening": 0.05}
 STRIBECK = {"kind": "stribeck", "static_ratio": 1.05, "velocity": "0.5 deg/s", "load_ratio": 0.01}
 
 
@@ -54,6 +55,12 @@ STRIBECK = {"kind": "stribeck", "static_ratio": 1.05, "velocity": "0.5 deg/s", "
         ("paper-small-joint-fast", {SMALL_LOSSES: MAXWELL | PRESSURES}, {"configuration": "30 deg"}),
         ("paper-small-joint", {}, {"speed": "-20 deg/s"}),
         ("paper-small-joint", {"joint.small.friction": STRIBECK}, {"speed": "2 deg/s"}),
+        (
+            "paper-small-joint",
+            {SMALL_LOSSES: CREEP | PRESSURES, "joint.small.friction": STRIBECK},
+            {"speed": "3 deg/s"},
+        ),
+        ("paper-small-joint", {SMALL_LOSSES: BOUC_WEN | PRESSURES}, {"configuration": "-30 deg"}),  # hardly damped
     ],
 )
 def test_other_machines_respond_as_their_plants(machine: str, changes: dict[str, Any], options: dict[str, Any]) -> None:
@@ -97,8 +104,16 @@ def test_pressure_and_velocity_respond_as_in_the_plant_at_pressures_that_drift()
     drifting = linearize("paper-small-joint", configuration="-23 deg", pressures=("3.32 bar", "2.79 bar"))
     assert np.abs(drifting.operating_point.drift).max() > 1e4  # Pa/s
     gain, phase = errors(drifting, ["velocity", "differential_pressure"])
-    assert gain < GAIN_TOLERANCE
-    assert phase < PHASE_TOLERANCE
+    assert gain < 0.5 * GAIN_TOLERANCE
+    assert phase < 0.5 * PHASE_TOLERANCE
+
+
+def test_an_arm_near_supply_pressure_responds_as_its_plant() -> None:
+    """Elements of the hysteresis stick for whole steps of the plant: only its own ripple says for how many."""
+    pressures = {"large": ("4.633 bar", "4.123 bar"), "small": ("4.646 bar", "4.111 bar")}
+    gain, phase = errors(linearize("paper-arm-tracking", pressures=pressures), ["velocity", "differential_pressure"])
+    assert gain < 0.5 * GAIN_TOLERANCE
+    assert phase < 0.5 * PHASE_TOLERANCE
 
 
 def test_joints_that_stick_and_slip_have_no_response_to_measure() -> None:
@@ -161,7 +176,10 @@ def test_sliding_back_is_the_mirror_of_sliding_forward() -> None:
         ({"joints": {"elbow": "held"}}, "unknown joint 'elbow'"),
         ({"pressures": ("9 bar", "2 bar")}, "9 bar is beyond .* give absolute pressures of 1.013 to 5.013 bar"),
         ({"pressures": ("3 bar", "3 bar")}, "9.7 N m are missing at joint 'large'; to slide it needs about 0.47"),
-        ({"pressures": ("5 bar", "1.1 bar"), "joints": "held"}, "80.1 N m are missing at joint 'large'"),
+        (
+            {"pressures": ("5 bar", "1.1 bar"), "joints": "held"},
+            "80.1 N m are missing at joint 'large'; .* about 0.000 bar",
+        ),
         ({"speed": "0 deg/s"}, "is no speed to slide at"),
         ({"speed": "0.01 deg/s"}, "reverses joint 'large' .* give more than 0.03"),
     ],
@@ -175,6 +193,12 @@ def test_valves_that_pulse_near_their_shortest_pulse_have_no_linear_model() -> N
     for joints in ("held", "sliding"):
         with pytest.raises(lf.InputError, match=r"the valve of joint '\w+' does not respond"):
             linearize("paper-arm-switching", joints=joints)
+
+
+def test_a_valve_that_sticks_without_dither_has_no_linear_model() -> None:
+    without = lf.changed(lf.load("paper-small-joint"), "valve.dither.amplitude", 0.0)
+    with pytest.raises(lf.InputError, match=r"does not respond at an opening of .* give it dither"):
+        linearize(without, speed="10 deg/s")
 
 
 def test_the_torque_that_a_load_lacks_is_named() -> None:

@@ -22,7 +22,8 @@ import numpy as np
 
 from layflat.arrays import Array
 from layflat.extras import import_extra
-from layflat.linear.operating_point import SLIDING_STATE, OperatingPoint, find_operating_point
+from layflat.linear.operating_point import SLIDING_STATE, find_operating_point
+from layflat.linear.point import OperatingPoint
 from layflat.linear.rates import AirInputs, MovingJoint, air_columns, linearize_rates
 from layflat.linear.valve import LinearValve
 from layflat.machine import Machine, load

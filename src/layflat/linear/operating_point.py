@@ -1,4 +1,4 @@
-"""Operating point of an arm whose joints are held or slide: pressures, temperatures, openings and losses.
+"""Search of the operating point of an arm whose joints are held or slide.
 
 Friction and a valve that only leaks leave a plant many equilibria. Here the valves' mean openings are such that the
 air neither gathers nor cools, and the differential pressures carry the loads: of gravity and springs for a joint that
@@ -6,7 +6,6 @@ is held; of these, friction, losses and damping for one that slides.
 """
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from functools import cache, partial
 from typing import Any
 
@@ -19,10 +18,12 @@ from layflat.description.wrong import did_you_mean
 from layflat.errors import InputError
 from layflat.lanes import leaves, read_numbers
 from layflat.linear.balance import check_balance, check_strength, hose_slopes, missing_torques, static_torque
-from layflat.linear.losses import LinearLosses, Ripple, linearize_losses, steady_losses
+from layflat.linear.kept_plant import measure_ripples
+from layflat.linear.losses import Ripple, linearize_losses, steady_losses
+from layflat.linear.point import OperatingPoint
 from layflat.linear.rates import AirState, MovingJoint, PlantLaws, air_columns, linearize_rates, rates
 from layflat.linear.ripple import compute_ripples, no_ripple
-from layflat.linear.valve import LinearValve, check_response, linearize_valve, mean_paths, settle_valve
+from layflat.linear.valve import check_response, linearize_valve, mean_paths, settle_valve
 from layflat.machine import Machine, parameters
 from layflat.motion.scenario import Scenario
 from layflat.motion.signal_values import Angles, Pair, SignalKind, Value, check_names, read_number, read_row
@@ -37,44 +38,11 @@ MIN_SLIDING_SPEED = "0.3 deg/s"  # default, slow enough to stay near a configura
 RIPPLE_MARGIN = 2.0  # the default is this many times the peak of the ripple, where that is more
 MIN_SPEED, MAX_SPEED = 1e-4, 1.0  # of sliding, rad/s
 RIPPLE_ROUNDS = 4  # in which the ripple and the torques of losses that follow it agree
+PLANT_ROUNDS = 2  # in which the ripple of the plant itself and the point agree
 RATE_TOLERANCE = 1e-6  # of the scaled rates at the operating point, 1/s
 FIRST_OPENINGS = np.array([0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.3, 0.5])  # with which a search begins
 MIN_OPENED = 0.01  # difference of both paths' conductances by which a valve is open, fraction of the full one
 OPENING_SCALE, TEMPERATURE_SCALE = 0.05, 10.0  # of unknowns of the search: fraction of full opening, K
-
-
-@dataclass(frozen=True)
-class OperatingPoint:
-    """Point about which a plant is linearized.
-
-    Attributes:
-        machine: the machine.
-        plant: parameters of its laws, and which joints are held.
-        states: motion and air of each joint.
-        start: deviations from them when the valves' waves begin anew, (joints, numbers of a `MovingJoint`), SI.
-        inputs: numbers of each joint's `AirInputs`, (joints, 3), in SI units.
-        valves: small-signal model of each joint's valve.
-        losses: those of the losses of each joint's hoses; none of a joint that is held.
-        loads: external torques that carry what sliding joints lack at given pressures, N m, (joints,).
-        drift: rates of the numbers of air, (joints, numbers of a `MovingJoint`), in SI units per second: not zero where
-            the valves can't hold given pressures.
-    """
-
-    machine: Machine
-    plant: PlantLaws
-    states: tuple[MovingJoint, ...]
-    start: Array
-    inputs: Array
-    valves: tuple[LinearValve, ...]
-    losses: tuple[tuple[LinearLosses, ...], ...]
-    loads: Array
-    drift: Array
-
-    @property
-    def voltages(self) -> Array:
-        """Mean voltages of the valves' drivers, V, (joints,)."""
-        pairs = zip(self.plant.joints, self.valves, strict=True)
-        return np.array([j.valve.centre_voltage + j.valve.volts_to_full * valve.opening for j, valve in pairs])
 
 
 def find_operating_point(
@@ -120,6 +88,9 @@ def find_operating_point(
         if (peaks >= abs(search.speed)).any():
             what = f"the ripple of the valves' waves reverses joint {names[int(peaks.argmax())]!r} at {speed!r}"
             raise InputError(what, where="speed", right=f"give more than {np.degrees(peaks.max()):.3g} deg/s")
+        for _ in range(PLANT_ROUNDS):
+            ripples, search.start = measure_ripples(search.point(search.solve(x)))
+            search.set_ripples(ripples)
         x = search.solve(x)
     return search.point(x)
 
@@ -168,7 +139,7 @@ class _PointSearch:
         self.columns = [[i for hose in air_columns(joint) for i in hose] for joint in plant.joints]
         self.hoses = [1 + int(has_second(joint.second)) for joint in plant.joints]
         self.valves = [cache(partial(mean_paths, joint.valve, h=plant.h)) for joint in plant.joints]
-        self.starts: tuple[dict[int, float], ...] = ({},) * len(plant.joints)  # deviations when the waves begin anew
+        self.start: Array | None = None  # deviations when the waves begin anew, (joints, numbers of a `MovingJoint`)
         self.set_ripples([no_ripple(plant.h)] * len(plant.joints))
 
     @property
@@ -185,8 +156,7 @@ class _PointSearch:
         ]
         for _ in range(RIPPLE_ROUNDS):
             waves = [np.column_stack([wave, self._loads(j, states[j], len(wave))]) for j, wave in enumerate(paths)]
-            ripples, self.starts = zip(*compute_ripples(model, waves, h), strict=True)
-            self.set_ripples(list(ripples))
+            self.set_ripples(compute_ripples(model, waves, h))
         return np.array([np.abs(a.velocity).max() for a, _ in self.ripples])
 
     def set_ripples(self, ripples: list[tuple[Ripple, Ripple]]) -> None:
@@ -253,10 +223,10 @@ class _PointSearch:
         valves = tuple(linearize_valve(joint.valve, opening, self.plant.h) for joint, opening in pairs)
         for name, valve in zip(self.machine.joints, valves, strict=True):
             check_response(name, valve)
-        drift, start = np.zeros_like(change), np.zeros_like(change)
+        drift = np.zeros_like(change)
+        start = np.zeros_like(change) if self.start is None else self.start
         for j, columns in enumerate(self.columns):
             drift[j, columns] = change[j, columns]
-            start[j, list(self.starts[j])] = list(self.starts[j].values())
         losses = tuple(
             tuple(linearize_losses(*hose) for hose in self.sliding_hoses(j, s.air_a.pressure, s.air_b.pressure))
             for j, s in enumerate(states)

@@ -124,7 +124,7 @@ def set_back(joint: JointParameters, state: JointState, like: MovingJoint, chang
         change: of the numbers of a `MovingJoint`, in SI units.
         p_a: ambient pressure, Pa.
     """
-    before, old = _read_joint(joint, state, like, p_a), (state.hose_a, state.hose_b)
+    before, old = read_joint(joint, state, like, p_a), (state.hose_a, state.hose_b)
     moving = read_numbers(like, (np.array(list(leaves(before))) - change).tolist())
     after = joint_state(joint, moving, state.valve, [hose.loss for hose in old], p_a)
     # The plant extrapolates from its last step.
@@ -209,7 +209,7 @@ def _numbers_after(plant: PlantLaws, states: tuple[MovingJoint, ...], inputs: Ar
     packed = pack_joints.py_func(plant.arm, joints)
     advance_arm.py_func(plant.arm, packed, after, drives, waves, plant.around, h, 1)
     ended = zip(joints, after, states, strict=True)
-    return np.array([list(leaves(_read_joint(joint, state, like, p_a))) for joint, state, like in ended])
+    return np.array([list(leaves(read_joint(joint, state, like, p_a))) for joint, state, like in ended])
 
 
 def _open_paths(joint: JointParameters, paths: PathConductances) -> tuple[JointParameters, PairState]:
@@ -222,7 +222,15 @@ def _open_paths(joint: JointParameters, paths: PathConductances) -> tuple[JointP
     return joint._replace(valve=pair, hose_a=without[0], hose_b=without[1]), state
 
 
-def _read_joint(joint: JointParameters, state: JointState, like: MovingJoint, p_a: float) -> MovingJoint:
+def read_joint(joint: JointParameters, state: JointState, like: MovingJoint, p_a: float) -> MovingJoint:
+    """Return motion and air of a joint from its state.
+
+    Args:
+        joint: parameters.
+        state: its state.
+        like: any state of its motion and air.
+        p_a: ambient pressure, Pa.
+    """
     hoses = zip((joint.hose_a, joint.hose_b), (state.hose_a, state.hose_b), (like.air_a, like.air_b), strict=True)
     a, b = (_read_air(hose, hose_now, air, p_a) for hose, hose_now, air in hoses)
     return MovingJoint(state.motion.angle, state.motion.velocity, a, b)

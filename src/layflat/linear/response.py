@@ -4,16 +4,13 @@ Two plants start at the operating point and move with the voltages that hold the
 voltage or a load of the one and subtracted from the other's. They differ by twice their response: what both have in
 common, as the dither, cancels. Transients are fitted as decaying motions of the model's slow modes.
 
-A linear model is that of one configuration and its pressures. So after each control cycle both plants are set back by
-the mean of their rotations, and by what given pressures drift: no load falls over, and inertia and volumes stay. So are
-losses, which creep on, after each period of the valves' waves. In the plants' difference nothing is taken back.
+Both are kept where they started (kept_plant.py) by what they have in common. In their difference nothing is taken back.
 
 Sines have equal parts in the velocity of the joint that they move most, or, where theirs is held, in its pressure. The
 plant, driven once per control cycle, holds its voltage: the response is to that stepped voltage.
 """
 
 from collections.abc import Sequence
-from math import lcm
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -21,11 +18,8 @@ import numpy as np
 from layflat.arrays import Array
 from layflat.errors import InputError
 from layflat.extras import import_extra
-from layflat.lanes import leaves, read_numbers
-from layflat.linear.operating_point import OperatingPoint
-from layflat.linear.rates import joint_state, set_back
-from layflat.physics.hysteresis import at_rest
-from layflat.sim.plant import SteppedPlant
+from layflat.linear.kept_plant import KeptPlant, keep_in_place
+from layflat.linear.point import OperatingPoint
 
 if TYPE_CHECKING:
     from control import FrequencyResponseData, StateSpace
@@ -37,7 +31,6 @@ SETTLING_TIME, WINDOW_TIME = 3.0, 6.0  # before the response is evaluated, and i
 SLOW_MODES = 8.0  # rate of decay below which modes outlast the settling or are excited by the sines' start, 1/s
 MAX_GROWTH = 5.0  # of deviations while a response is measured, as a power of e
 COMMON_MODES = 1e-4  # relative singular value below which two modes are one
-GRIP_TORQUE = 1e6  # torque that holds a joint, N m
 
 
 def measure_response(
@@ -120,67 +113,13 @@ def simulate(point: OperatingPoint, *signals: Array) -> Array:
     Returns:
         Angles, velocities (rad, rad/s), absolute pressures of hoses A and B (Pa), (runs, cycles, 4, joints).
     """
-    plants = [_place_plant(point) for _ in signals]
-    rows, cycle, drift = [], point.machine.cycle, point.machine.cycle * point.drift
-    start, slid = np.array([state.angle for state in point.states]), _read_losses(plants[0])
-    in_cycle = round(cycle / point.plant.h)
-    period = lcm(in_cycle, *(len(valve.wave) for valve in point.valves)) // in_cycle
-    for k, inputs in enumerate(np.stack(signals, axis=2).swapaxes(0, 1)):
-        rows.append([[plant.angles, plant.velocities, *plant.pressures.T] for plant in plants])
+    plants, rows = [KeptPlant(point) for _ in signals], []
+    for inputs in np.stack(signals, axis=2).swapaxes(0, 1):
+        rows.append([plant.motion() for plant in plants])
         for plant, voltages, loads in zip(plants, *inputs, strict=True):
-            plant.load[:] = point.loads + loads
-            plant.drive(point.voltages + voltages)
-            plant.advance((k + 1) * cycle)
-        drift[:, 0] = np.mean([plant.angles for plant in plants], axis=0) - start
-        for plant in plants:
-            _set_back_plant(point, plant, drift)
-        if (k + 1) % period == 0:
-            crept = np.mean([_read_losses(plant) for plant in plants], axis=0) - slid
-            for plant in plants:
-                _take_losses(plant, crept)
+            plant.advance(voltages, loads)
+        keep_in_place(plants)
     return np.array(rows).swapaxes(0, 1)
-
-
-def _place_plant(point: OperatingPoint) -> SteppedPlant:
-    """Return a plant at the operating point."""
-    plant = SteppedPlant(point.machine, noise=False)
-    around, joints = point.plant.around, []
-    for j, (joint, state) in enumerate(zip(point.plant.joints, point.states, strict=True)):
-        slid = [loss.state for loss in point.losses[j]]
-        rested = [at_rest(hose.loss) for hose in (joint.hose_a, joint.hose_b)]
-        losses = [*slid, *rested[len(slid) :]]
-        joints.append(joint_state(joint, state, point.valves[j].state, losses, around.ambient_pressure))
-    plant.place(joints, [valve.opening for valve in point.valves])
-    _set_back_plant(point, plant, -point.start)
-    for j, held in enumerate(point.plant.held):
-        plant.grip(j, GRIP_TORQUE if held else 0.0)
-    return plant
-
-
-def _set_back_plant(point: OperatingPoint, plant: SteppedPlant, change: Array) -> None:
-    """Take a change from motion and air of a plant's joints, (joints, numbers of a `MovingJoint`), in SI units."""
-    p_a, rows = (
-        point.plant.around.ambient_pressure,
-        zip(point.plant.joints, plant.states, point.states, change, strict=True),
-    )
-    plant.place([set_back(joint, state, like, row, p_a) for joint, state, like, row in rows])
-
-
-def _read_losses(plant: SteppedPlant) -> Array:
-    """Return the numbers of the states of the losses of all hoses, (joints, numbers)."""
-    return np.array([[*leaves(state.hose_a.loss), *leaves(state.hose_b.loss)] for state in plant.states])
-
-
-def _take_losses(plant: SteppedPlant, change: Array) -> None:
-    """Take a change from the losses of a plant's hoses, (joints, numbers as `_read_losses` returns them)."""
-    states, after = plant.states, _read_losses(plant) - change
-    placed = []
-    for state, row in zip(states, after.tolist(), strict=True):
-        a, b = read_numbers((state.hose_a.loss, state.hose_b.loss), row)
-        placed.append(
-            state._replace(hose_a=state.hose_a._replace(loss=a), hose_b=state.hose_b._replace(loss=b))
-        )
-    plant.place(placed)
 
 
 def _outputs(model: "StateSpace", motion: Array) -> Array:

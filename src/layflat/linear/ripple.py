@@ -21,18 +21,13 @@ def no_ripple(step: float) -> tuple[Ripple, Ripple]:
     return (Ripple(step, np.zeros(1), np.zeros(1)),) * 2
 
 
-def compute_ripples(
-    model: LinearRates, waves: Sequence[Array], step: float
-) -> list[tuple[tuple[Ripple, Ripple], dict[int, float]]]:
-    """Return the ripples of hoses A and B of each joint, and the deviations of its states when the wave begins anew.
+def compute_ripples(model: LinearRates, waves: Sequence[Array], step: float) -> list[tuple[Ripple, Ripple]]:
+    """Return the ripples of hoses A and B of each joint.
 
     Args:
         model: air and motion.
         waves: numbers of each joint's `AirInputs` over a period, (steps, 3), in SI units.
         step: step of the waves, s.
-
-    Returns:
-        By joint, two ripples, and deviations (SI) by the column of a `MovingJoint`'s numbers.
     """
     ripples = []
     for j, wave in enumerate(waves):
@@ -49,5 +44,5 @@ def compute_ripples(
         velocity = start[:, columns[VELOCITY_COLUMN]] if VELOCITY_COLUMN in columns else np.zeros(steps)
         air = [columns[column] for column in sorted(columns) if column >= PRESSURE_A_COLUMN]
         a, b = (Ripple(step, velocity, middle[:, k]) for k in (air[0], air[len(air) // 2]))
-        ripples.append(((a, b), {column: float(start[0, k]) for column, k in columns.items()}))
+        ripples.append((a, b))
     return ripples

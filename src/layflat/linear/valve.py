@@ -110,7 +110,7 @@ def check_response(name: str, valve: LinearValve) -> None:
     slopes = np.array(valve.slopes)
     if not slopes.any():
         what = f"the valve of joint {name!r} does not respond at an opening of {valve.opening:.3g}"
-        right = "it sticks, or is inside its dead band: give its driver dither, the joint another speed or other pressures"
+        right = "it sticks, or is inside its dead band: give it dither, or the joint another speed or other pressures"
         raise InputError(what, where="linearize", right=right)
     if abs(slopes - valve.other_slopes).max() > MAX_CURVATURE * abs(slopes).max():
         what = f"the valve of joint {name!r} does not respond in proportion at an opening of {valve.opening:.3g}"

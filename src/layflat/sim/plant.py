@@ -111,6 +111,11 @@ class SteppedPlant(MachinePlant):
             write_numbers(row, carry._replace(state=state._replace(ledger=carry.state.ledger)))
         self._move_to(self._step_count)
 
+    def shift(self, changes: Array) -> None:
+        """Add to the numbers of the joints' states, (joints, numbers of a `JointState`), in SI units."""
+        self._state_array[:, : changes.shape[1]] += changes
+        self._move_to(self._step_count)
+
     def drive(self, voltages: Array, shares: Sequence[DriveFractions] | Array | None = None) -> None:
         """Set what drives the joints; it holds until the next call.
 
