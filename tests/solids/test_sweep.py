@@ -1,5 +1,6 @@
 """Outputs turn freely inside their frames, whose parts lie beside what moves."""
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -12,10 +13,11 @@ from layflat.machine.parts import Calliper
 from layflat.solids.brake import CYLINDER_HEIGHT, HUB_GAP
 from layflat.solids.cams import CLAMP_SCREW, cam_loop, flat
 from layflat.solids.joint import joint_components
+from layflat.solids.links import arm_seats, strut_components
 from layflat.solids.output import link_holes
 from layflat.solids.places import stop_places, stop_radius
 from layflat.solids.section import STRIP_THICKNESS, CrossSection
-from layflat.solids.shapes import Turned
+from layflat.solids.shapes import Joined, Prism, Turned
 from layflat.solids.sizes import MM, JointSizes
 from layflat.solids.standard.screws import screw_for
 
@@ -95,3 +97,24 @@ def test_the_cylinder_of_a_calliper_lies_beside_the_shaft() -> None:
     radius = cylinder.shape.outline.points()[:, 0].max()
     beside = np.hypot(*(at.origin - end)[:2]) - radius - sizes.shaft / 2
     assert max(beside, end[2] - at.origin[2] - CYLINDER_HEIGHT) >= HUB_GAP - 1e-9
+
+
+def test_the_eye_of_a_long_link_passes_through_the_cylinders_window() -> None:
+    sizes = JointSizes(sized("13 N m", "120 deg", "3.3 bar"))
+    seat = arm_seats(sizes, outer=True)[0]
+    ahead = np.array([0.0, 900.0, 0.0])
+    (strut, *_) = strut_components(
+        sizes, [(seat, replace(seat, near=seat.far + ahead, far=seat.near + ahead, tie=False))]
+    )
+    assert isinstance(strut.shape, Joined)
+    (eye, at), *_ = strut.shape.placed()
+    assert isinstance(eye, Prism)
+    width = float(np.ptp(eye.outline.points()[:, 1]))
+    corners = eye.outline.points()
+    edge = np.vstack([np.linspace(a, b, 50) for a, b in zip(corners, np.roll(corners, -1, axis=0), strict=True)])
+    placed = (np.pad(edge, ((0, 0), (0, 1))) @ at.axes.T + at.origin)[:, :2]
+    c, s = np.cos(sizes.swing), np.sin(sizes.swing)
+    x, y = (placed @ np.array([[c, -s], [s, c]]) + [0.0, sizes.axis]).T
+    met = (np.arctan2(y, x) < np.pi - CrossSection(sizes).window_end) & (np.hypot(x, y) < sizes.radius)
+    assert width > sizes.arm_width
+    assert not met.any()

@@ -7,7 +7,7 @@ link: that of the output of its joint, with the output's axis as z and the arm a
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import pi
+from math import cos, inf, pi, sin, tan
 from typing import TYPE_CHECKING
 
 from layflat.lazy import numpy as np
@@ -15,6 +15,7 @@ from layflat.solids.component import Component, axes_towards
 from layflat.solids.hardware import hexagon_nut, sleeve, socket_screw, stud
 from layflat.solids.loops import circle, rectangle
 from layflat.solids.output import link_holes, tie_radius
+from layflat.solids.section import CrossSection
 from layflat.solids.shapes import Hole, Joined, PartPlace, Prism, Turned, joined, place
 from layflat.solids.sizes import MM
 from layflat.solids.standard.materials import MATERIALS
@@ -31,6 +32,7 @@ MAX_SLENDERNESS = 16.0  # most that a strut is long over its diameter
 STRUT_WALL = 2e-3  # of a strut, m
 LEAST_COSINE = 0.95  # least cosine between a strut and its eye, else the eye is longer
 STEEP_SHARE = 1.5  # length by which an eye is longer then, over the strut's diameter
+EYE_EDGE = 1.5  # of an eye beyond the head of its screw, mm
 EYE_GAP = 3.0  # of an eye beyond the plate that it lies on, mm
 FLANGE_DIAMETER, FLANGE_CIRCLE, FLANGE_THICKNESS = 63.0, 50.0, 6.0  # of the tool's flange, mm (ISO 9409-1-50)
 FLANGE_SCREW = 5.0  # tapping hole of M6, mm
@@ -133,13 +135,13 @@ def strut_components(sizes: JointSizes, pairs: list[tuple[Seat, Seat]]) -> list[
 def _strut(sizes: JointSizes, seats: tuple[Seat, Seat], outer: float, wall: float) -> tuple[Joined, float]:
     """Return a strut, and the length of tube that it is made from, mm."""
     towards = seats[1].near - seats[0].near
-    thickness, width = 2 * wall, max(1.4 * outer, 2.2 * sizes.screw.head_diameter * MM)
-    edge = sizes.screw.head_diameter * MM / 2 + 1.5
+    thickness, least, edge = 2 * wall, 2.2 * sizes.screw.head_diameter * MM, _eye_edge(sizes)
     pieces: list[tuple[Prism | Turned, PartPlace]] = []
     ends, overall = [], 0.0
     for seat, heading in zip(seats, (towards, -towards), strict=True):
         pitch = float(np.linalg.norm(seat.near - seat.far))
         steep = heading @ seat.direction < LEAST_COSINE * float(np.linalg.norm(heading))
+        width = max(min(1.4 * outer, 2 * eye_room(sizes) if seat.tie else inf), least)
         beyond = seat.edge + EYE_GAP + (STEEP_SHARE * outer if steep else 0.0)
         long = edge + pitch + beyond
         centre = seat.near + (beyond - long / 2) * seat.direction + (0.02 * seat.normal)
@@ -157,6 +159,22 @@ def _strut(sizes: JointSizes, seats: tuple[Seat, Seat], outer: float, wall: floa
     tube = sleeve(outer, outer - 2 * wall, length)
     pieces.append((tube, PartPlace(axes_towards(*span), ends[0])))
     return joined(*pieces), overall + length
+
+
+def eye_room(sizes: JointSizes) -> float:
+    """Return the greatest half of the width of an eye on the arm plates that meets no cylinder, mm.
+
+    At the mechanical limit the corner of a wider one is lower than the edge of the cylinder's window.
+    """
+    along, s, c = link_holes(sizes)[0] - _eye_edge(sizes), sin(sizes.swing), cos(sizes.swing)
+    slope = tan(pi - CrossSection(sizes).window_end + sizes.clearance / sizes.radius)
+    fall = s + c * slope  # of a corner below the edge over the width
+    return (sizes.axis + along * c - along * s * slope) / fall if fall > 0.0 else inf
+
+
+def _eye_edge(sizes: JointSizes) -> float:
+    """Return the length of an eye beyond its farther hole, mm."""
+    return sizes.screw.head_diameter * MM / 2 + EYE_EDGE
 
 
 def _bolts(seats: tuple[Seat, Seat], eye: float) -> list[Component]:
