@@ -39,6 +39,8 @@ def described(path: Path, base: str, values: dict[str, str]) -> JointSizes:
         ("paper-small-joint", {"build.end_plate_thickness": "80 mm"}, "screw: no ISO 4762 M5 is 88.5 mm long"),
         ("paper-small-joint", {"build.clamp_bar_thickness": "2 mm"}, "the screws of the hoses' clamp have no place"),
         ("paper-small-joint", {"build.clamp_bar_thickness": "40 mm"}, "the screws of the hoses' clamp have no place"),
+        ("paper-small-joint", {"brake.torque": "60 N m"}, "no spring for 2328 N goes around a stud M5"),
+        ("paper-small-joint", {"build.shaft_diameter": "6 mm"}, "shaft: safety"),
         ("paper-small-joint", {"build.screw": "M2.5"}, "cam of hose A, hole at"),
     ],
 )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from contextlib import nullcontext
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from layflat import extras
@@ -96,7 +96,7 @@ def build_machine(
         drawn = _drawn_machine(assembly, parts)
         with _sheets_aside(drawn, folder / "drawings") if aside else nullcontext(()) as sheets:
             checks = check_build(assembly, lambda done, total: progress("checks", done / total))
-            refuse_errors(checks.findings)
+            refuse_errors([replace(one, where=f"{machine.origin}: {one.where}") for one in checks.findings])
             write_text(folder / f"{machine.name}-checks.html", checks_page(machine.name, checks))
             _write_solids(assembly, parts, folder, progress)
             cost = None if prices is None else cost_of(parts, prices)

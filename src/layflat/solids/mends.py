@@ -116,7 +116,9 @@ def _changed(sizes: JointSizes, change: Change) -> JointSizes | None:
 def _text(change: Change) -> str:
     """Return a change for messages."""
     table, key, value = change
-    return f"{table}.{key} of " + (f'"{value}"' if isinstance(value, str) else f"{value * MM:g} mm")
+    if isinstance(value, str):
+        return f'{table}.{key} of "{value}"'
+    return f"{table}.{key} of {value:g} N m" if key == "torque" else f"{table}.{key} of {value * MM:g} mm"
 
 
 def _changes(sizes: JointSizes) -> Iterator[Change]:
@@ -138,6 +140,8 @@ def _changes(sizes: JointSizes) -> Iterator[Change]:
     for radius in _values_near(output.radius, RADIUS_STEP, WIDER_SHARE * output.radius):
         yield "output", "radius", radius
     yield "output", "kind", "roller" if output.kind == "cam" else "cam"
+    for tenths in range(9, 0, -1):
+        yield "brake", "torque", float(f"{tenths / 10 * sizes.joint.brake.torque:.3g}")
     yield from _wider(sizes)
 
 
@@ -150,6 +154,6 @@ def _wider(sizes: JointSizes) -> Iterator[Change]:
 
 
 def _values_near(value: float, step: float, reach: float) -> list[float]:
-    """Return multiples of a step (m) within a reach (m) of a value (m), the nearest first."""
+    """Return multiples of a step within a reach of a value, the nearest first."""
     found = step * np.arange(np.ceil((value - reach) / step), np.floor((value + reach) / step) + 1)
     return [round(float(one), 6) for one in found[np.argsort(np.abs(found - value), kind="stable")]]
