@@ -44,6 +44,17 @@ COMPILED = [name for name in DESCRIBED if name != "plain_relay"]
 ALL = "all_kinds"  # a machine of all compiled kinds at once: its kernels are compiled once for all tests
 
 
+def outside_machine(folder: Path, kinds: list[str], name: str = "outside") -> Path:
+    """The file of a machine of some of the page's kinds, all of which are written beside it."""
+    for block in re.findall(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL):
+        (folder / block.split("\n")[0].removeprefix("# ")).write_text(block, encoding="utf-8")
+    files = json.dumps([f"{kind}.py" for kind in kinds])
+    head = f'extends = "paper-small-joint-fast"\nname = "{name}"\nkinds = {files}'
+    path = folder / f"{name}.toml"
+    path.write_text("\n\n".join([head, *(DESCRIBED[kind] for kind in kinds), ""]), encoding="utf-8")
+    return path
+
+
 @contextmanager
 def own_sources() -> Iterator[None]:
     """Kernels that are called later do not depend on what is loaded in between; they would all be compiled anew."""
@@ -62,15 +73,9 @@ def _own_sources() -> Iterator[None]:
 def examples(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The page's examples as files, and a machine for each."""
     folder = tmp_path_factory.mktemp("kinds")
-    for block in re.findall(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL):
-        (folder / block.split("\n")[0].removeprefix("# ")).write_text(block, encoding="utf-8")
-    for name, part in DESCRIBED.items():
-        head = f'extends = "paper-small-joint-fast"\nname = "{name}"\nkinds = ["{name}.py"]'
-        (folder / f"{name}.toml").write_text(f"{head}\n\n{part}\n", encoding="utf-8")
-    files = json.dumps([f"{name}.py" for name in COMPILED])
-    parts = "\n".join(DESCRIBED[name] for name in COMPILED)
-    head = f'extends = "paper-small-joint-fast"\nname = "{ALL}"\nkinds = {files}'
-    (folder / f"{ALL}.toml").write_text(f"{head}\n\n{parts}\n", encoding="utf-8")
+    for name in DESCRIBED:
+        outside_machine(folder, [name], name)
+    outside_machine(folder, COMPILED, ALL)
     return folder
 
 

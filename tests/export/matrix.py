@@ -6,7 +6,6 @@ Each line is a machine, a target, seconds and the outcome: "same" to the bit in 
 "skipped" for want of a tool, which is named, or the difference, which makes the status 1.
 """
 
-import re
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -49,37 +48,9 @@ from tests.export.c_source.programs import different_cycles, last_line_of_exampl
 from tests.export.fmu.runs import check_fmus
 from tests.export.loops import python_trace
 from tests.export.web.traces import check_trace, node_trace
+from tests.test_outside_kinds import COMPILED, outside_machine
 
 MACHINES = ("paper-arm", "paper-arm-tracking", "picking-arm")
-KINDS_PAGE = Path(__file__).parents[2] / "docs" / "kinds.md"
-OUTSIDE_MACHINE = """extends = "paper-small-joint-fast"
-name = "kinds-from-outside"
-kinds = ["relay.py", "quick_valve.py"]
-
-[controller]
-kind = "relay"
-cycle = "5 ms"
-level = "0.6 V"
-dead_band = "0.2 deg"
-
-[valve]
-kind = "quick"
-conductance = "1.99 dm^3/(s bar)"
-critical_ratio = 0.3
-leakage = "0.008 dm^3/(s bar)"
-centre_voltage = "5 V"
-volts_to_full = "5 V"
-"""
-
-
-def outside_machine(folder: Path) -> Path:
-    """A machine whose control law and valve are the examples of docs/kinds.md."""
-    for block in re.findall(r"```python\n(.*?)```", KINDS_PAGE.read_text(encoding="utf-8"), re.DOTALL):
-        (folder / block.split("\n")[0].removeprefix("# ")).write_text(block, encoding="utf-8")
-    path = folder / "outside.toml"
-    path.write_text(OUTSIDE_MACHINE, encoding="utf-8")
-    return path
-
 
 Check = tuple[str, Callable[[], None]]  # name of a target, and a function that raises AssertionError where it differs
 
@@ -234,7 +205,7 @@ def main(names: list[str]) -> int:
     different = 0
     with TemporaryDirectory() as name:
         folder = Path(name)
-        for described in names or [*MACHINES, str(outside_machine(folder))]:
+        for described in names or [*MACHINES, str(outside_machine(folder, COMPILED))]:
             machine = load(described)
             with compiled_once():
                 for target, check in checks(machine, folder / machine.name):

@@ -12,7 +12,7 @@ from layflat.machine import load
 from tests.export.builds import needing, run
 from tests.export.c_source.programs import different_cycles, last_line_of_example
 from tests.export.firmware.boards import WHOLE_CHECK
-from tests.export.matrix import outside_machine
+from tests.test_outside_kinds import COMPILED, outside_machine
 
 COMPILERS = ("gcc", "clang")
 FORBIDDEN = (
@@ -52,7 +52,7 @@ def test_all_numbers_are_those_of_the_host(folder: Path, compiler: str) -> None:
 
 
 def test_all_numbers_of_a_kind_from_outside_are_those_of_the_host(tmp_path: Path) -> None:
-    machine = load(outside_machine(tmp_path))
+    machine = load(outside_machine(tmp_path, COMPILED))
     export(machine, "c-source", tmp_path / "out")
     assert list(different_cycles(machine, tmp_path / "out", "double", "gcc")) == []
 

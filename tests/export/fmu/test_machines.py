@@ -1,6 +1,5 @@
-"""FMUs of all kinds of machines repeat a run of 2 s; and laws that can't be exported say so."""
+"""FMUs of several systems are small; laws without a counterpart in C are compiled, plain Python is refused."""
 
-import json
 import os
 import re
 import zipfile
@@ -10,37 +9,14 @@ import pytest
 
 from layflat.errors import KindError
 from layflat.export.fmu import libraries, writer
-from layflat.machine import Machine, load
+from layflat.machine import load
 from tests.export.fmu.runs import check_fmus
-from tests.test_outside_kinds import COMPILED, DESCRIBED, PAGE, own_sources
+from tests.test_outside_kinds import outside_machine, own_sources
 
 pytestmark = pytest.mark.compiled
 
-OUTSIDE = "kinds of docs/kinds.md"
-MACHINES = ("paper-arm", "paper-arm-tracking", "picking-arm", OUTSIDE)
 LIMITS = {"fmi2": 200_000, "fmi3": 250_000}
 """Max sizes of FMUs for Linux, Windows and macOS by version, bytes: on four kinds of computers, and on five."""
-
-
-def outside_machine(folder: Path, names: list[str]) -> Machine:
-    for block in re.findall(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL):
-        (folder / block.split("\n")[0].removeprefix("# ")).write_text(block, encoding="utf-8")
-    head = (
-        f'extends = "paper-small-joint-fast"\nname = "outside"\nkinds = {json.dumps([f"{name}.py" for name in names])}'
-    )
-    (folder / "outside.toml").write_text("\n\n".join([head, *(DESCRIBED[name] for name in names)]), encoding="utf-8")
-    return load(folder / "outside.toml")
-
-
-@pytest.mark.parametrize("name", MACHINES)
-def test_a_run_of_any_machine_is_repeated(
-    name: str, compiler: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    if not os.environ.get("LAYFLAT_EXPORT_CHECK"):
-        pytest.skip("compiles for minutes: set LAYFLAT_EXPORT_CHECK=1")
-    monkeypatch.setattr(libraries, "find_spec", lambda _: None)
-    with own_sources():
-        check_fmus(outside_machine(tmp_path, COMPILED) if name == OUTSIDE else load(name), tmp_path)
 
 
 def test_laws_without_a_counterpart_in_c_are_compiled_by_numba(
@@ -77,6 +53,6 @@ def test_fmus_of_three_systems_are_small(name: str, tmp_path: Path) -> None:
 
 def test_a_law_in_plain_python_is_refused(tmp_path: Path, compiler: str) -> None:
     with own_sources():
-        machine = outside_machine(tmp_path, ["plain_relay"])
+        machine = load(outside_machine(tmp_path, ["plain_relay"]))
         with pytest.raises(KindError, match="is plain Python; it can't run in C; decorate its functions"):
             list(writer.write_fmus(machine, tmp_path / "fmus", target="fmu", precision="double"))

@@ -1,4 +1,4 @@
-"""All kinds of machines in WebAssembly, in `make export-check`: laws of others too, and how fast it all is."""
+"""Machines in WebAssembly beside those of tests/export/matrix.py, in `make export-check`, and how fast it all is."""
 
 import os
 import time
@@ -9,10 +9,9 @@ import pytest
 
 from layflat.export.web.folder import write_folder
 from layflat.export.web.module import WebMachine
-from layflat.machine import Machine, load
+from layflat.machine import load
 from layflat.motion.scenario import Scenario
 from layflat.sim.run import prepare_run
-from tests.docs.blocks import ROOT, read_blocks
 from tests.export.web.engines import run_text
 from tests.export.web.traces import check_trace, node_trace
 
@@ -35,20 +34,10 @@ console.log(JSON.stringify({ instantiated, rate: best }));
 """
 
 
-def relay_joint(folder: Path) -> Machine:
-    """The joint with a control law from outside, of docs/kinds.md."""
-    for block in read_blocks(ROOT / "docs" / "kinds.md"):
-        if block.name in {"relay.py", "mine.toml"}:
-            (folder / block.name).write_text(block.text, encoding="utf-8")
-    return load(folder / "mine.toml")
-
-
 @pytest.mark.parametrize("target", ["wasm", "wasm-plain"])
-@pytest.mark.parametrize(
-    "name", ["paper-arm", "paper-arm-tracking", "paper-arm-switching", "single-joint-lift", "picking-arm", "relay"]
-)
+@pytest.mark.parametrize("name", ["paper-arm-switching", "single-joint-lift"])
 def test_every_machine_and_law_is_the_host_to_the_bit(name: str, target: str, tmp_path: Path) -> None:
-    machine = relay_joint(tmp_path) if name == "relay" else load(name)
+    machine = load(name)
     list(write_folder(machine, tmp_path / "out", target=target, precision="double"))
     for law in WebMachine(machine).laws:
         trace = node_trace(tmp_path / "out", tmp_path, machine, law)
