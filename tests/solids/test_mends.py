@@ -7,7 +7,8 @@ import pytest
 
 from layflat.design import SizingRequest, size_joint
 from layflat.errors import DesignError
-from layflat.machine import load
+from layflat.machine import changed, load
+from layflat.solids.assembly import assemble
 from layflat.solids.joint import joint_sizes
 from layflat.solids.mends import buildable_components
 from layflat.solids.sizes import JointSizes
@@ -55,3 +56,11 @@ def test_advice_lets_a_joint_be_built(base: str, values: dict[str, str], text: s
     assert re.fullmatch(rf"{re.escape(sizes.design.label)}\b.*; give .*", str(refused.value))
     advice = dict(ADVICE.findall(refused.value.right))
     assert buildable_components(described(tmp_path / "mended.toml", "refused.toml", advice))
+
+
+def test_values_that_mend_are_looked_for_only_where_someone_reads_them() -> None:
+    machine = changed(load("paper-small-joint"), "joint.small.build.clamp_bar_thickness", "40 mm")
+    with pytest.raises(DesignError, match=r"leaves room$"):
+        assemble(machine)
+    with pytest.raises(DesignError, match=r"give build\.clamp_bar_thickness of [\d.]+ mm$"):
+        assemble(machine, mend=True)

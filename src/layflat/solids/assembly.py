@@ -90,16 +90,17 @@ class Assembly:
         progress(len(self.components), len(self.components))
 
 
-def assemble(machine: Machine, angles: Sequence[float] | None = None) -> Assembly:
+def assemble(machine: Machine, angles: Sequence[float] | None = None, *, mend: bool = False) -> Assembly:
     """Return the assembly of a machine; solids are made when they are asked for.
 
     Args:
         machine: the machine.
         angles: of its joints from mid-stroke, rad; default: all in mid-stroke.
+        mend: whether to look for values that mend a joint which can't be built, which can take seconds.
 
     Raises:
         InputError: the number of angles is not that of the joints, or one is beyond the mechanical stroke.
-        DesignError: no size keeps a rule; the message says which value would mend it.
+        DesignError: no size keeps a rule; the message says which value would mend it, if that is looked for.
     """
     chosen = _checked_angles(machine, angles)
     arm = rigid_arm(machine)
@@ -118,7 +119,7 @@ def assemble(machine: Machine, angles: Sequence[float] | None = None) -> Assembl
         after = sizes.get(names[k + 1]) if k + 1 < len(names) else None
         own = _lowered(sizes[name], after, arm, k)
         body = _joint_place(frames[k], sizes[name], own).then(rest)
-        parts = buildable_components(sizes[name], angle)
+        parts = buildable_components(sizes[name], angle, mend=mend)
         if sizes[name].foot:
             low = min(lowest(part.shape, at) for part in parts for at in part.places)
             parts += foot_components(sizes[name], foot_places(sizes[name]), low)

@@ -86,7 +86,8 @@ def build_machine(
         OutputError: the folder is not empty, or can't be written.
     """
     extras.require("cad", where="build")
-    assembly = assemble(machine, angles)
+    progress("solids", 0.0)
+    assembly = assemble(machine, angles, mend=True)
     if not assembly.sizes:
         why = next(iter(assembly.omitted.values()))
         raise DesignError("no joint has solids", where=machine.origin, right=why)

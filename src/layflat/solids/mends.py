@@ -33,20 +33,22 @@ WIDER_COUNT = 3  # of wider cylinders for which a second change is looked for
 WIDER_SHARE = 0.4  # greatest change of the diameter of a cylinder, or radius of the output, over it
 
 
-def buildable_components(sizes: JointSizes, angle: float = 0.0) -> list[Component]:
+def buildable_components(sizes: JointSizes, angle: float = 0.0, *, mend: bool = True) -> list[Component]:
     """Return the components of a joint in its own frame, mm, all of which can be made and bear their loads.
 
     Args:
         sizes: sizes of its parts.
         angle: of the output from mid-stroke, rad.
+        mend: whether to look for values that mend a joint which can't be built, which can take seconds.
 
     Raises:
-        DesignError: no size keeps a rule; the message says which value would mend it.
+        DesignError: no size keeps a rule; the message says which value would mend it, if that is looked for.
     """
     try:
         return _checked_components(sizes, angle)
     except DesignError as error:
-        if error.where.startswith(f"{sizes.label}."):  # a size that does not exist: the message lists those that do
+        # A size that does not exist has a message that lists those that do.
+        if not mend or error.where.startswith(f"{sizes.label}."):
             raise
         changes = _mend(sizes) or _mend_wider(sizes, error)
         right = f"give {' and '.join(map(_text, changes))}" if changes else error.right
