@@ -298,6 +298,14 @@ def test_a_broken_file_is_refused_before_anything_is_written(tmp_path: Path) -> 
     assert not (tmp_path / "out").exists()
 
 
+def test_a_machine_that_cannot_run_is_refused_by_the_check(tmp_path: Path) -> None:
+    losses = 'kind = "bouc-wen"\nreference_pressure_gauge = "3 bar"\npressure_free = 0.3\ndeflection = "1 deg"\n'
+    text = f'extends = "paper-arm"\nname = "mixed"\nomits = ["joint.small.losses"]\n[joint.small.losses]\n{losses}'
+    (tmp_path / "mixed.toml").write_text(text, encoding="utf-8")
+    line = refused("machine", "check", "mixed.toml", cwd=tmp_path)
+    assert line.startswith("layflat: mixed.toml: joint.small: has losses or a tube of another kind")
+
+
 def test_design_and_size_write_drawings(tmp_path: Path) -> None:
     assert layflat("joint", "design", "paper-arm", "--joint", "small", "--out", str(tmp_path)).returncode == 0
     assert (tmp_path / "paper-arm-small-cam.dxf").exists()

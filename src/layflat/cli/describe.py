@@ -70,11 +70,14 @@ def check_machine(machine: MachineOrBench) -> None:
     from layflat.design.characteristic import stencils  # noqa: PLC0415
     from layflat.design.joint import design_joint  # noqa: PLC0415
     from layflat.design.summary import Finding  # noqa: PLC0415
-    from layflat.machine import load  # noqa: PLC0415
+    from layflat.machine import load, parameters  # noqa: PLC0415
     from layflat.machine.stale import stale_values, tubes_counted_twice  # noqa: PLC0415
     from layflat.motion.kinematics import joints_not_moving_tip  # noqa: PLC0415
 
     described = load(machine)
+    if None not in (described.valve, described.angle_sensor, described.pressure_sensor):  # else it is no arm to run
+        parameters.joints(described)
+        parameters.control(described, closed_loop=False)
     stale = [Finding("warning", "stale", one.path, one.what, one.right) for one in stale_values(described)]
     stale += [Finding("note", "volume", one.path, one.what, one.right) for one in tubes_counted_twice(described)]
     stale += [
