@@ -17,7 +17,7 @@ SOURCE_FOLDER = Path(__file__).parent / "source"
 
 FMI_SOURCES = {"2.0": ("fmi2",), "3.0": ("fmi3", "fmi3_absent")}  # C files of a version of FMI alone
 
-C_FLAGS = ("-std=c11", "-Os", "-ffp-contract=off", "-fvisibility=hidden", "-fPIC")
+C_FLAGS = ("-std=c11", "-ffp-contract=off", "-fvisibility=hidden", "-fPIC")
 
 NO_UNWINDING = ("-fno-unwind-tables", "-fno-asynchronous-unwind-tables")  # no exception ever passes an FMU
 
@@ -72,9 +72,11 @@ class Linker:
     cross: bool  # whether the command has to be told the system
 
     def compiler(self, system: System) -> list[str]:
-        """Return the start of a command that compiles and links for a system."""
+        """Return the start of a command that compiles and links for a system: small code for several, fast for one."""
+        if not self.cross:
+            return [*self.command, "-O2"]
         processor = PROCESSOR_FLAGS.get(system.triple.split("-")[0], ())
-        return [*self.command, *(("-target", system.triple, *processor) if self.cross else ())]
+        return [*self.command, "-Os", "-target", system.triple, *processor]
 
 
 def host_system() -> System | None:
