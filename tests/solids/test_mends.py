@@ -34,6 +34,7 @@ def described(path: Path, base: str, values: dict[str, str]) -> JointSizes:
         ("2.45 N m, 113 deg, 5.3 bar", {"acting": "single"}, "a shaft of 8 mm leaves no wall with a lever arm"),
         ("2 N m, 67 deg, 2 bar", {"output.kind": "roller"}, "the screws of the hoses' clamp have no place"),
         ("2.19 N m, 127 deg, 2.6 bar", {"output.kind": "roller"}, "no rod of M3 or more fits"),
+        ("2.157 N m, 115.7 deg, 5.2 bar", {"acting": "single", "output.kind": "roller"}, "no rod of M2.5 or more fits"),
         ("2.27 N m, 117 deg, 6 bar", {"acting": "single"}, "a shaft of 8 mm leaves no wall with a lever arm"),
         ("paper-small-joint", {"build.disc_diameter": "160 mm"}, "the studs of a brake"),
         ("paper-small-joint", {"build.end_plate_thickness": "0.3 mm"}, "bushes in end plates of 0.3 mm do not bear"),

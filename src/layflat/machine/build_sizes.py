@@ -31,7 +31,7 @@ class Build(Part):
         default=None, description='ISO 4762 size of the frame\'s screws, such as "M5"; default: by cylinder diameter'
     )
     disc_diameter: u.Size | None = Field(
-        default=None, description="of the brake's disc; default: 0.7 of the cylinder's diameter"
+        default=None, description="of the brake's disc; default: 0.7 of the cylinder's diameter, or as studs let it"
     )
     disc_thickness: u.Thickness = Field(default=0.003, description="of the brake's disc")
     pad_friction: Annotated[float, Field(gt=0, le=1)] = Field(

@@ -29,7 +29,7 @@ Change = tuple[str, str, float | str]  # of a joint's description: table, key, v
 OFFSET_STEP = 1e-3  # between output axes that are tried, m
 RADIUS_STEP = 5e-4  # between radii of the output, m
 DIAMETER_STEP = 1e-3  # between diameters of discs and cylinders, m
-WIDER_COUNT = 3  # of wider cylinders for which a second change is looked for
+SECOND_COUNT = 4  # of changes that mend an error for which a second one is looked for
 WIDER_SHARE = 0.4  # greatest change of the diameter of a cylinder, or radius of the output, over it
 
 
@@ -50,7 +50,7 @@ def buildable_components(sizes: JointSizes, angle: float = 0.0, *, mend: bool = 
         # A size that does not exist has a message that lists those that do.
         if not mend or error.where.startswith(f"{sizes.label}."):
             raise
-        changes = _mend(sizes) or _mend_wider(sizes, error)
+        changes = _mend(sizes) or _mend_twice(sizes, error)
         right = f"give {' and '.join(map(_text, changes))}" if changes else error.right
         raise DesignError(error.what, where=error.where, right=right) from None
 
@@ -87,10 +87,10 @@ def _mend(sizes: JointSizes) -> tuple[Change, ...]:
     return weak
 
 
-def _mend_wider(sizes: JointSizes, first: DesignError) -> tuple[Change, ...]:
-    """Return a wider cylinder, which mends the error of a joint, and another change that lets it be built."""
+def _mend_twice(sizes: JointSizes, first: DesignError) -> tuple[Change, ...]:
+    """Return another output or a wider cylinder, which mends a joint's error, and what then lets it be built."""
     tried = 0
-    for change in _wider(sizes):
+    for change in (_other_kind(sizes), *_wider(sizes)):
         varied = _changed(sizes, change)
         refused = None if varied is None else _refusal(varied)
         if varied is None or refused is None or refused.right == first.right:  # still the same rule
@@ -99,7 +99,7 @@ def _mend_wider(sizes: JointSizes, first: DesignError) -> tuple[Change, ...]:
         second = _mend(varied)
         if second:
             return (change, *second)
-        if tried == WIDER_COUNT:
+        if tried == SECOND_COUNT:
             break
     return ()
 
@@ -141,10 +141,15 @@ def _changes(sizes: JointSizes) -> Iterator[Change]:
         yield "build", "screw", one.name
     for radius in _values_near(output.radius, RADIUS_STEP, WIDER_SHARE * output.radius):
         yield "output", "radius", radius
-    yield "output", "kind", "roller" if output.kind == "cam" else "cam"
+    yield _other_kind(sizes)
     for tenths in range(9, 0, -1):
         yield "brake", "torque", float(f"{tenths / 10 * sizes.joint.brake.torque:.3g}")
     yield from _wider(sizes)
+
+
+def _other_kind(sizes: JointSizes) -> Change:
+    """Return the change from cam to roller, or from roller to cam."""
+    return "output", "kind", "roller" if sizes.joint.output.kind == "cam" else "cam"
 
 
 def _wider(sizes: JointSizes) -> Iterator[Change]:
