@@ -43,7 +43,8 @@ class PartMesh:
     @cached_property
     def boxes(self) -> tuple[Array, Array]:
         """Lower and upper corners of the triangles' bounding boxes, (n, 3) each."""
-        return self.triangles.min(axis=1), self.triangles.max(axis=1)
+        a, b, c = (self.triangles[:, k] for k in range(3))  # a fifth of the time of least values along an axis
+        return np.minimum(np.minimum(a, b), c), np.maximum(np.maximum(a, b), c)
 
     @cached_property
     def span(self) -> tuple[Array, Array]:
@@ -219,11 +220,9 @@ def _normals(triangles: Array) -> tuple[Array, Array]:
 
 def _inside(points: Array, triangles: Array, normal: Array) -> Any:
     """Return which points in the planes of triangles lie inside them, (n,)."""
-    inside = np.ones(len(points), bool)
-    for i, j in TRIANGLE_EDGES:
-        edge = triangles[:, j] - triangles[:, i]
-        inside &= _dot(np.cross(edge, points - triangles[:, i]), normal) >= 0
-    return inside
+    edges = np.roll(triangles, -1, axis=1) - triangles
+    turned = np.cross(edges, points[:, None] - triangles)
+    return (np.einsum("nkj,nj->nk", turned, normal) >= 0).all(axis=1)
 
 
 def _dot(a: Array, b: Array) -> Array:
