@@ -7,6 +7,7 @@ losses, which creep on, after each period of the valves' waves.
 
 from collections.abc import Sequence
 from math import lcm
+from typing import NamedTuple
 
 import numpy as np
 
@@ -21,7 +22,7 @@ from layflat.sim.plant import SteppedPlant
 
 GRIP_TORQUE = 1e6  # torque that holds a joint, N m
 MIN_DRIFT = 1.0  # of pressures that are set back, Pa/s
-RIPPLE_TIME = 0.3  # in which the ripple settles, s
+RIPPLE_TIME = 0.1  # in which the ripple settles, s
 
 
 class KeptPlant:
@@ -48,7 +49,7 @@ class KeptPlant:
             joints.append(joint_state(joint, state, point.valves[j].state, losses, point.plant.around.ambient_pressure))
         self.plant.place(joints, [valve.opening for valve in point.valves])
         placed = self.plant.states
-        self.set_back(-point.start)
+        self.set_back(-point.ends[-1])
         for j, held in enumerate(point.plant.held):
             self.plant.grip(j, GRIP_TORQUE if held else 0.0)
         self._drifts = bool(np.abs(point.drift).max() > MIN_DRIFT)
@@ -114,7 +115,7 @@ def keep_in_place(plants: Sequence[KeptPlant]) -> None:
     Args:
         plants: that move alike, after a control cycle.
     """
-    first, change = plants[0], np.zeros_like(plants[0].point.start)
+    first, change = plants[0], np.zeros_like(plants[0].point.drift)
     start = [state.angle for state in first.point.states]
     change[:, 0] = np.mean([plant.plant.angles for plant in plants], axis=0) - start
     for plant in plants:
@@ -125,33 +126,35 @@ def keep_in_place(plants: Sequence[KeptPlant]) -> None:
             plant.plant.shift(-crept)
 
 
-def measure_ripples(point: OperatingPoint) -> tuple[list[tuple[Ripple, Ripple]], Array]:
-    """Return the ripples of hoses A and B of each joint, and the deviations of its states when its wave begins anew.
+class MeasuredRipple(NamedTuple):
+    """Ripple of a plant about its means over a period of its valves' waves."""
 
-    Args:
-        point: where.
+    ripples: list[tuple[Ripple, Ripple]]  # of hoses A and B, by joint
+    ends: Array  # deviations at the ends of the steps, (steps, joints, numbers of a `MovingJoint`), SI
+    means: Array  # (joints, numbers), SI
+    rates: Array  # of change of the means, (joints, numbers), SI
 
-    Returns:
-        By joint, two ripples; and deviations (joints, numbers of a `MovingJoint`), SI.
-    """
-    plant, ripples = KeptPlant(point), []
+
+def measure_ripple(point: OperatingPoint) -> MeasuredRipple:
+    """Return the ripple of the simulated plant at an operating point."""
+    plant, n, h = KeptPlant(point), lcm(*(len(valve.wave) for valve in point.valves)), point.plant.h
     seen: list[Array] = []
-    start, lengths = np.zeros_like(point.start), [len(valve.wave) for valve in point.valves]
     settling = round(RIPPLE_TIME / point.machine.cycle)
-    first = settling * plant.steps
-    for k in range(settling + -(-3 * max(lengths) // plant.steps)):
+    for k in range(settling + -(-3 * n // plant.steps)):
         plant.advance(seen=seen if k >= settling else None)
         keep_in_place([plant])
-    for j, n in enumerate(lengths):
-        begin = -first % n
-        rows = np.array(seen[begin : begin + 2 * n])[:, j].reshape(2, n, -1)
-        means = rows.mean(axis=1)
-        trend = np.outer((np.arange(n) - 0.5 * (n - 1)) / n, means[1] - means[0])
-        ripple = rows[1] - means[1] - trend
-        start[j, 1:] = ripple[-1, 1:-2]
-        velocity = np.roll(ripple[:, 1], 1)
-        ripples.append((Ripple(point.plant.h, velocity, ripple[:, -2]), Ripple(point.plant.h, velocity, ripple[:, -1])))
-    return ripples, start
+    begin = -settling * plant.steps % n
+    rows = np.array(seen[begin : begin + 2 * n]).reshape(2, n, len(point.states), -1)
+    means = rows.mean(axis=1)
+    trend = means[1] - means[0]
+    ripple = rows[1] - means[1] - trend * ((np.arange(n) - 0.5 * (n - 1)) / n)[:, np.newaxis, np.newaxis]
+    ripple[:, :, 0] = trend[:, 0] = 0.0  # rotations are set back
+    starts = np.roll(ripple[:, :, 1], 1, axis=0)
+    ripples = [
+        (Ripple(h, v, p_a), Ripple(h, v, p_b))
+        for v, p_a, p_b in zip(starts.T, ripple[:, :, -2].T, ripple[:, :, -1].T, strict=True)
+    ]
+    return MeasuredRipple(ripples, ripple[:, :, :-2], rows.mean(axis=(0, 1))[:, :-2], trend[:, :-2] / (n * h))
 
 
 def _with_losses(state: JointState, other: JointState) -> JointState:

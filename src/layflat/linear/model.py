@@ -23,8 +23,9 @@ import numpy as np
 from layflat.arrays import Array
 from layflat.extras import import_extra
 from layflat.linear.operating_point import SLIDING_STATE, find_operating_point
+from layflat.linear.orbit import linearize_air
 from layflat.linear.point import OperatingPoint
-from layflat.linear.rates import AirInputs, MovingJoint, air_columns, linearize_rates
+from layflat.linear.rates import AirInputs, MovingJoint, air_columns
 from layflat.linear.valve import LinearValve
 from layflat.machine import Machine, load
 from layflat.motion.signal_values import Angles, Pair, Value
@@ -180,7 +181,7 @@ def _losses_part(control: Any, joint: str, hose: str, losses: Any) -> ModelPart:
 
 def _air_part(control: Any, point: OperatingPoint) -> ModelPart:
     """Return air and motion, from conductances and loads to all that can be observed."""
-    model, names = linearize_rates(point.plant, point.states, point.inputs), []
+    model, names = linearize_air(point), []
     for j, joint in enumerate(point.machine.joints):
         labels = dict(enumerate(MovingJoint._fields[:2]))
         for hose, columns in zip("ab", air_columns(point.plant.joints[j]), strict=True):

@@ -18,7 +18,7 @@ from layflat.description.wrong import did_you_mean
 from layflat.errors import InputError
 from layflat.lanes import leaves, read_numbers
 from layflat.linear.balance import check_balance, check_strength, hose_slopes, missing_torques, static_torque
-from layflat.linear.kept_plant import measure_ripples
+from layflat.linear.kept_plant import measure_ripple
 from layflat.linear.losses import Ripple, linearize_losses, steady_losses
 from layflat.linear.point import OperatingPoint
 from layflat.linear.rates import AirState, MovingJoint, PlantLaws, air_columns, linearize_rates, rates
@@ -88,10 +88,10 @@ def find_operating_point(
         if (peaks >= abs(search.speed)).any():
             what = f"the ripple of the valves' waves reverses joint {names[int(peaks.argmax())]!r} at {speed!r}"
             raise InputError(what, where="speed", right=f"give more than {np.degrees(peaks.max()):.3g} deg/s")
+    if not all(held) or any(isinstance(joint.hose_a.line, LineParameters) for joint in laws):
         for _ in range(PLANT_ROUNDS):
-            ripples, search.start = measure_ripples(search.point(search.solve(x)))
-            search.set_ripples(ripples)
-        x = search.solve(x)
+            search.follow_plant(x)
+            x = search.solve(x)
     return search.point(x)
 
 
@@ -139,7 +139,8 @@ class _PointSearch:
         self.columns = [[i for hose in air_columns(joint) for i in hose] for joint in plant.joints]
         self.hoses = [1 + int(has_second(joint.second)) for joint in plant.joints]
         self.valves = [cache(partial(mean_paths, joint.valve, h=plant.h)) for joint in plant.joints]
-        self.start: Array | None = None  # deviations when the waves begin anew, (joints, numbers of a `MovingJoint`)
+        self.ends: Array | None = None  # see `MeasuredRipple`
+        self.added: Array | float = 0.0  # mean rates by the ripple, (joints, numbers of a `MovingJoint`)
         self.set_ripples([no_ripple(plant.h)] * len(plant.joints))
 
     @property
@@ -158,6 +159,17 @@ class _PointSearch:
             waves = [np.column_stack([wave, self._loads(j, states[j], len(wave))]) for j, wave in enumerate(paths)]
             self.set_ripples(compute_ripples(model, waves, h))
         return np.array([np.abs(a.velocity).max() for a, _ in self.ripples])
+
+    def follow_plant(self, x: Array) -> None:
+        """Set the ripples to those of the simulated plant at unknowns, and the rates that they add to its means."""
+        point = self.point(x)
+        measured = measure_ripple(point)
+        means = zip(point.states, measured.means.tolist(), strict=True)
+        states = tuple(read_numbers(state, [state.angle, *row[1:]]) for state, row in means)
+        self.added = measured.rates + point.drift - rates(self.plant, states, point.inputs)
+        self.added[:, 0] = 0.0
+        self.ends = measured.ends
+        self.set_ripples(measured.ripples)
 
     def set_ripples(self, ripples: list[tuple[Ripple, Ripple]]) -> None:
         """Set the ripples at which losses are computed, of hoses A and B of each joint."""
@@ -213,7 +225,7 @@ class _PointSearch:
     def point(self, x: Array) -> OperatingPoint:
         """Return the operating point of the unknowns."""
         states, inputs = self.states(x), self.inputs(x)
-        change = rates(self.plant, states, inputs)
+        change = rates(self.plant, states, inputs) + self.added
         missing = missing_torques(self.plant, states, change[:, 1])
         check_balance(list(self.machine.joints), self.plant, states, missing)
         loads = np.where(self.plant.held, 0.0, missing)
@@ -224,14 +236,14 @@ class _PointSearch:
         for name, valve in zip(self.machine.joints, valves, strict=True):
             check_response(name, valve)
         drift = np.zeros_like(change)
-        start = np.zeros_like(change) if self.start is None else self.start
+        ends = np.zeros((1, *change.shape)) if self.ends is None else self.ends
         for j, columns in enumerate(self.columns):
             drift[j, columns] = change[j, columns]
         losses = tuple(
             tuple(linearize_losses(*hose) for hose in self.sliding_hoses(j, s.air_a.pressure, s.air_b.pressure))
             for j, s in enumerate(states)
         )
-        return OperatingPoint(self.machine, self.plant, states, start, inputs, valves, losses, loads, drift)
+        return OperatingPoint(self.machine, self.plant, states, ends, inputs, valves, losses, loads, drift)
 
     def guesses(self) -> list[Array]:
         """Return unknowns to begin with, for a slow motion and for faster ones."""
@@ -290,7 +302,7 @@ class _PointSearch:
     def _residuals(self, x: Array) -> Array:
         """Return rates of pressures and temperatures (scaled, 1/s), and by joint what sets its opening, (unknowns,)."""
         states = self.states(x)
-        change = rates(self.plant, states, self.inputs(x))
+        change = rates(self.plant, states, self.inputs(x)) + self.added
         p_s, residuals = self.plant.around.supply_pressure, []
         for j, (row, columns, state) in enumerate(zip(change, self.columns, states, strict=True)):
             numbers = np.array(list(leaves(state)))

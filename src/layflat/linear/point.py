@@ -19,7 +19,8 @@ class OperatingPoint:
         machine: the machine.
         plant: parameters of its laws, and which joints are held.
         states: motion and air of each joint.
-        start: deviations from them when the valves' waves begin anew, (joints, numbers of a `MovingJoint`), SI.
+        ends: deviations from them at the ends of the steps of a period of the valves' waves, where they were measured,
+            (steps, joints, numbers of a `MovingJoint`), SI.
         inputs: numbers of each joint's `AirInputs`, (joints, 3), in SI units.
         valves: small-signal model of each joint's valve.
         losses: those of the losses of each joint's hoses; none of a joint that is held.
@@ -31,7 +32,7 @@ class OperatingPoint:
     machine: Machine
     plant: PlantLaws
     states: tuple[MovingJoint, ...]
-    start: Array
+    ends: Array
     inputs: Array
     valves: tuple[LinearValve, ...]
     losses: tuple[tuple[LinearLosses, ...], ...]

@@ -9,8 +9,8 @@
 
 The valve's own law, wave included, is simulated in the plant's steps. Means over whole periods of the wave at slightly
 different openings yield C and dC/du. The lag is that of the response to a small sine: friction of a spool, which dither
-turns into a drag, delays of coils, and the inertia of a spool are in it. One frequency yields both coefficients;
-docs/linear.md compares others. Averages suffice because air and arm pass little of the wave on.
+turns into a drag, delays of coils, and the inertia of a spool are in it. One frequency yields both coefficients.
+Averages suffice because air and arm pass little of the wave on.
 """
 
 from math import ceil, pi
@@ -44,7 +44,7 @@ class LinearValve(NamedTuple):
     opening: float  # u
     state: Any  # of the valve's law, when the wave begins anew
     wave: Array  # conductances over whole periods, (steps, 2)
-    slopes: PathConductances  # dC/du
+    rises: Array  # dC/du in the same steps, (steps, 2)
     other_slopes: Array  # the same over `OTHER_STEPS`, (2, 2)
     lag: tuple[float, float]  # a_1, a_2
 
@@ -52,6 +52,11 @@ class LinearValve(NamedTuple):
     def paths(self) -> PathConductances:
         """Mean conductances."""
         return PathConductances(*self.wave.mean(axis=0).tolist())
+
+    @property
+    def slopes(self) -> PathConductances:
+        """Mean of dC/du."""
+        return PathConductances(*self.rises.mean(axis=0).tolist())
 
 
 def settle_valve(valve: Any, opening: float, h: float, start: Any = None) -> tuple[Any, Array]:
@@ -92,9 +97,10 @@ def linearize_valve(valve: Any, opening: float, h: float) -> LinearValve:
         h: step, s.
     """
     state, wave = settle_valve(valve, opening, h)
-    slopes, *others = (_mean_slopes(valve, state, opening, size, h) for size in (OPENING_STEP, *OTHER_STEPS))
+    rises, *others = (_wave_slopes(valve, state, opening, size, h) for size in (OPENING_STEP, *OTHER_STEPS))
+    slopes = rises.mean(axis=0)
     lag = _fit_lag(valve, opening, slopes, h) if slopes.any() else (0.0, 0.0)
-    return LinearValve(opening, state, wave, PathConductances(*slopes.tolist()), np.array(others), lag)
+    return LinearValve(opening, state, wave, rises, np.array(others).mean(axis=1), lag)
 
 
 def check_response(name: str, valve: LinearValve) -> None:
@@ -118,11 +124,10 @@ def check_response(name: str, valve: LinearValve) -> None:
         raise InputError(what, where="linearize", right=right)
 
 
-def _mean_slopes(valve: Any, state: Any, opening: float, size: float, h: float) -> Array:
-    """Return dC/du of both paths, (2,), by differences over a change of the opening of so much either way."""
-    forward, back = (settle_valve(valve, opening + sign * size, h, state)[1].mean(axis=0) for sign in (1.0, -1.0))
-    slopes: Array = (forward - back) / (2.0 * size)
-    return slopes
+def _wave_slopes(valve: Any, state: Any, opening: float, size: float, h: float) -> Array:
+    """Return dC/du of both paths in a period, (steps, 2), by differences over a change of the opening either way."""
+    forward, back = (settle_valve(valve, opening + sign * size, h, state)[1] for sign in (1.0, -1.0))
+    return (forward - back) / (2.0 * size)
 
 
 def _averaging_steps(valve: Any, h: float) -> int:
