@@ -57,9 +57,15 @@ def places(page: Any) -> np.ndarray:
     return np.array(page.evaluate_handle(SCENE).evaluate(PLACES)).reshape(-1, 4, 4)
 
 
+def is_complete(page: Any) -> bool:
+    """Whether solids are seen, and no more come while one waits."""
+    count = len(places(page))
+    page.wait_for_timeout(3000)
+    return 10 < count == len(places(page))
+
+
 def test_solids_are_seen_and_move_with_the_joint(page: Any) -> None:
-    until(lambda: len(places(page)) > 10, 120.0)
-    page.wait_for_timeout(500)  # for the last file
+    until(lambda: is_complete(page), 120.0)
     before, start = places(page), angle(page)
     assert "by rods" not in page.inner_text("main")
     jogged(page, "large, forwards", lambda: angle(page) > start + 8.0)
