@@ -113,11 +113,11 @@ def value_at(described: Part, path: str) -> Any:
 def _with_tables(described: Described, path: str) -> Described:
     """Return a description in which tables that were left out above a path stand, if all their keys have defaults."""
     keys = path.split(".")
-    for above in (keys[:i] for i in range(1, len(keys))):
+    for above in (".".join(keys[:i]) for i in range(1, len(keys))):
         with suppress(InputError):  # a path that is not there, which its reader refuses in words
-            if value_at(described, ".".join(above)) is None:
-                tables = [one for one in _choices(annotation_at(described, ".".join(above))) if _is_table(one)]
-                described = replace_value(described, above, tables[0]()) if tables else described
+            if value_at(described, above) is None:
+                tables = [one for one in _choices(annotation_at(described, above)) if _is_table(one)]
+                described = replace_value(described, above.split("."), tables[0]()) if tables else described
     return described
 
 

@@ -88,6 +88,7 @@ class KeptPlant:
         self.cycles += 1
 
     def _read(self) -> Array:
+        """Return the numbers of `MovingJoint` of all joints, and pressures in the middle of the step, (joints, ...)."""
         ambient, rows = self.point.plant.around.ambient_pressure, []
         for joint, state, like in zip(self.point.plant.joints, self.plant.states, self.point.states, strict=True):
             middles = [hose.pressure - 0.5 * hose.pressure_change for hose in (state.hose_a, state.hose_b)]

@@ -111,6 +111,7 @@ def build_machine(
 
 
 def _drawn_machine(assembly: Assembly, parts: PartsList) -> DrawnMachine:
+    """Return what the drawings of a machine need of it, which another process can take."""
     numbers = [parts.part(component).number for component in assembly.components]
     masses = [assembly.mass_of(component) for component in assembly.components]
     return DrawnMachine(assembly.machine.name, assembly.components, numbers, masses)
