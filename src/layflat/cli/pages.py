@@ -1,7 +1,6 @@
 """Commands that open a page in the browser: panel, for a rig's operator, and studio, to design; what they share."""
 
 import threading
-import webbrowser
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, fields
@@ -82,6 +81,8 @@ class PageOptions:
 
     def announce(self, name: str, link: str) -> None:
         """Print the link of a page, and open it in a browser."""
+        import webbrowser  # noqa: PLC0415  # the list of commands needs none
+
         print_link(name, link)
         if self.browser and not webbrowser.open(link):
             typer.echo("no browser was found: open the link in one")
